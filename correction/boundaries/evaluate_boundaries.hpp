@@ -1,0 +1,18 @@
+#pragma once
+
+#include "rom/boundaries.hpp"
+
+namespace spindle_twin::correction {
+
+/// All factors 1.
+rom::CorrectionFactors no_correction(const rom::Boundaries& boundaries);
+
+/// Sizes `values` for `boundaries`; the only call here that allocates.
+rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries);
+
+/// gⱼ = factorⱼ · nominalⱼ · lawⱼ(speed, load), q_i likewise; environments copied. [W/m²K, W, K]
+/// Cycle-safe: no allocation when `values` came from make_boundary_values.
+void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::OperatingState& state,
+                         const rom::CorrectionFactors& factors, rom::BoundaryValues& values);
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,167 @@
+#include "correction/boundaries/schedule.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double kelvin_at_0_degC = 273.15;
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::vector<std::string> split(std::string_view line) {
+  std::vector<std::string> cells;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    cells.emplace_back(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+/// Independent of the locale, and the whole cell must be the number.
+double number(const std::string& cell, const std::string& column, const rom::SourceLine& where) {
+  double value = 0.0;
+  const char* end = cell.data() + cell.size();
+  const auto [stop, error] = std::from_chars(cell.data(), end, value);
+  if (cell.empty() || error != std::errc() || stop != end || !std::isfinite(value)) {
+    throw rom::InputError(where, column, "'" + cell + "' is not a finite number with a decimal point");
+  }
+  return value;
+}
+
+std::vector<std::string> allowed_columns(const rom::Boundaries& boundaries) {
+  std::vector<std::string> columns = {"time_s", "speed_rpm", "load"};
+  for (const rom::Environment& environment : boundaries.environments) columns.push_back(environment.name + "_degC");
+  return columns;
+}
+
+/// For every column of the file, its index among the allowed ones.
+std::vector<std::size_t> read_header(const std::vector<std::string>& header, const std::vector<std::string>& allowed,
+                                     const rom::SourceLine& where) {
+  std::vector<std::size_t> meaning;
+  for (const std::string& column : header) {
+    const auto found = std::find(allowed.begin(), allowed.end(), column);
+    if (found == allowed.end()) {
+      std::string names;
+      for (const std::string& name : allowed) names += (names.empty() ? "" : ", ") + name;
+      throw rom::InputError(where, column, "unknown column; allowed: " + names);
+    }
+    const auto index = static_cast<std::size_t>(found - allowed.begin());
+    if (std::find(meaning.begin(), meaning.end(), index) != meaning.end()) {
+      throw rom::InputError(where, column, "column given twice");
+    }
+    meaning.push_back(index);
+  }
+  for (std::size_t required = 0; required < 3; ++required) {
+    if (std::find(meaning.begin(), meaning.end(), required) == meaning.end()) {
+      throw rom::InputError(where, allowed[required], "missing column; the header needs time_s, speed_rpm and load");
+    }
+  }
+  return meaning;
+}
+
+ScheduleRow read_row(const std::vector<std::string>& cells, const std::vector<std::string>& allowed,
+                     const std::vector<std::size_t>& meaning, const rom::OperatingState& standard,
+                     const rom::SourceLine& where) {
+  if (cells.size() != meaning.size()) {
+    throw rom::InputError(
+        where, "",
+        std::to_string(cells.size()) + " values, but the header names " + std::to_string(meaning.size()) + " columns");
+  }
+  ScheduleRow row{0.0, standard};
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const std::string& column = allowed[meaning[c]];
+    const double value = number(cells[c], column, where);
+    switch (meaning[c]) {
+      case 0:
+        row.time_s = value;
+        break;
+      case 1:
+        row.state.speed_rpm = value;
+        break;
+      case 2:
+        row.state.load = value;
+        break;
+      default:
+        if (value <= -kelvin_at_0_degC) {
+          throw rom::InputError(where, column, "'" + cells[c] + "' is not above absolute zero, -273.15 degC");
+        }
+        row.state.environment_K[static_cast<Eigen::Index>(meaning[c] - 3)] = value + kelvin_at_0_degC;
+    }
+  }
+  return row;
+}
+
+}  // namespace
+
+Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries) {
+  std::ifstream file(path);
+  if (!file) throw rom::InputError({path, 0}, "", "cannot be opened for reading");
+
+  const std::vector<std::string> allowed = allowed_columns(boundaries);
+  std::vector<std::size_t> meaning;
+  Schedule schedule;
+  rom::SourceLine where{path, 0};
+  std::string line;
+  while (std::getline(file, line)) {
+    ++where.line;
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    if (where.line == 1 && line.starts_with(byte_order_mark)) line.erase(0, byte_order_mark.size());
+    if (trimmed(line).empty()) continue;
+    const std::vector<std::string> cells = split(line);
+    if (meaning.empty()) {
+      meaning = read_header(cells, allowed, where);
+      continue;
+    }
+    ScheduleRow row = read_row(cells, allowed, meaning, boundaries.operating, where);
+    if (schedule.rows.empty() && row.time_s != 0.0) {
+      throw rom::InputError(where, "time_s", "the first row must be at time 0");
+    }
+    if (!schedule.rows.empty() && row.time_s <= schedule.rows.back().time_s) {
+      throw rom::InputError(where, "time_s", "times must rise from row to row");
+    }
+    schedule.rows.push_back(std::move(row));
+  }
+  if (file.bad()) throw rom::InputError(where, "", "reading failed");
+  if (meaning.empty()) throw rom::InputError({path, 0}, "", "empty; a header time_s,speed_rpm,load is needed");
+  if (schedule.rows.size() < 2) {
+    throw rom::InputError(where, "", "a schedule needs at least two rows; the last one's time is the end");
+  }
+  schedule.end_s = schedule.rows.back().time_s;
+  return schedule;
+}
+
+void state_at(const Schedule& schedule, double time_s, rom::OperatingState& state) {
+  const auto& rows = schedule.rows;
+  const auto next = std::upper_bound(rows.begin(), rows.end(), time_s,
+                                     [](double time, const ScheduleRow& row) { return time < row.time_s; });
+  const ScheduleRow& row = next == rows.begin() ? rows.front() : *(next - 1);
+  state.speed_rpm = row.state.speed_rpm;
+  state.load = row.state.load;
+  state.environment_K = row.state.environment_K;
+  if (next != rows.begin() && next != rows.end()) {
+    const double share = (time_s - row.time_s) / (next->time_s - row.time_s);
+    state.environment_K += share * (next->state.environment_K - row.state.environment_K);
+  }
+}
+
+Schedule constant_schedule(const rom::Boundaries& boundaries, double duration_s) {
+  Schedule schedule;
+  schedule.rows = {{0.0, boundaries.operating}, {duration_s, boundaries.operating}};
+  schedule.end_s = duration_s;
+  return schedule;
+}
+
+}  // namespace spindle_twin::correction

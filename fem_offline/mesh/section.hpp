@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "fem_offline/description/spindle.hpp"
+
+namespace spindle_twin::fem_offline {
+
+enum class PieceKind { contact, film, gap, adiabatic, axis };
+
+/// A straight piece of one part's outline on which one thing happens. A contact or gap appears as two pieces, one
+/// per side, with the same `index` and `pair`.
+struct BoundaryPiece {
+  std::size_t part = 0;
+  Point start;  ///< the part lies to the left from start to end
+  Point end;
+  PieceKind kind = PieceKind::adiabatic;
+  std::size_t index = 0;  ///< into Spindle::contacts, films, gap_films or adiabatics
+  int side = 0;           ///< contact, gap: 0 on part_a, 1 on part_b
+  std::size_t pair = 0;   ///< contact, gap: number shared by the two pieces that face each other
+};
+
+/// One connected face of a part: outer ring counter-clockwise (r to the right, z up), holes clockwise.
+struct OutlineFace {
+  Polygon outer;
+  std::vector<Polygon> holes;
+};
+
+struct PartOutline {
+  std::vector<OutlineFace> faces;
+  double volume_m3 = 0.0;  ///< of revolution
+};
+
+/// The meridian section, exact: outlines of the parts and everything that happens on them.
+struct Section {
+  std::vector<PartOutline> outlines;  ///< one per part
+  std::vector<BoundaryPiece> pieces;
+};
+
+/// Unites the shapes of each part and sorts every piece of outline into contact, film, gap, adiabatic or axis (r = 0).
+/// Throws rom::InputError naming the parts and the place (mm) for overlapping parts, touching parts with no
+/// contact declared, a declared contact that does not touch, a film, gap, adiabatic region or support on no face, an outer face with no
+/// film, a face hit by two laws, a key point or deformation face outside its part.
+Section build_section(const Spindle& spindle);
+
+}  // namespace spindle_twin::fem_offline

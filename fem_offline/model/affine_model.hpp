@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <string>
+#include <vector>
+
+#include "fem_offline/description/spindle.hpp"
+#include "rom/boundaries.hpp"
+
+namespace spindle_twin::fem_offline {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;  // column-major, both triangles stored
+
+/// Where an unknown sits. Air volumes follow the FE nodes and have part = -1.
+struct DofPlace {
+  int part = -1;
+  double r_m = 0.0;
+  double z_m = 0.0;
+};
+
+struct FePart {
+  std::string name;
+  std::vector<int> dofs;     ///< all of its unknowns
+  Eigen::VectorXd mean_row;  ///< n; volume mean
+};
+
+struct FeKeyPoint {
+  std::string name;
+  int part = 0;
+  Point at;
+  Eigen::SparseVector<double> row;  ///< n
+};
+
+struct FeDeformation {
+  std::string name;
+  Eigen::VectorXd row_m_per_K;  ///< n, from one adjoint elastic solve; deformation_m = row · (T − T_ref)
+};
+
+/// The FE model as affine terms, free of the FE library:
+///   C dT/dt = −(K₀ + Σⱼ gⱼ Kⱼ) T + Σⱼ gⱼ (Kⱼ 1) T_env(j) + B q
+/// n unknowns; C [J/K], K₀ [W/K], Kⱼ [m²] (for 1 W/m²K), B [1] with columns that sum to 1. All symmetric. Rows of K₀ and of every Kⱼ
+/// between bodies sum to zero. Order of conductances: contacts, gap films, films, as in the description.
+struct AffineModel {
+  std::string spindle;
+  std::string description_hash;
+  rom::Boundaries boundaries;
+  SparseMatrix capacity_J_per_K;
+  SparseMatrix conduction_W_per_K;
+  std::vector<SparseMatrix> conductance_terms_m2;
+  Eigen::MatrixXd source_distribution;  ///< n x sources
+  std::vector<DofPlace> places;
+  std::vector<std::string> air_names;  ///< of the last unknowns
+  std::vector<FePart> parts;
+  std::vector<FeKeyPoint> key_points;
+  std::vector<FeDeformation> deformations;
+};
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+/// One function per command: it adds its subcommand with options to `app` and sets a callback that runs it.
+/// A command prints results on stdout, progress and errors on stderr, and throws rom::InputError for bad input.
+namespace spindle_twin::host_tools {
+
+void add_inspect(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_registers(CLI::App& app);
+
+#ifdef SPINDLE_TWIN_OFFLINE
+void add_solve(CLI::App& app);
+void add_build(CLI::App& app);
+void add_verify(CLI::App& app);
+void add_plant(CLI::App& app);
+void add_report(CLI::App& app);
+#endif
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "rom/boundaries.hpp"
+
+namespace spindle_twin::rom {
+
+/// A state of the network is the temperature of this physical point (or of a well-mixed air volume).
+struct Node {
+  std::string name;
+  std::string part;  ///< empty for an air volume
+  double r_m = 0.0;
+  double z_m = 0.0;
+};
+
+struct KeyPoint {
+  std::string name;
+  std::string part;
+  double r_m = 0.0;
+  double z_m = 0.0;
+  Eigen::VectorXd row;  ///< N; temperature_K = row · T
+};
+
+/// A part's temperatures: volume mean, and the extremes taken over a few candidate points.
+struct PartOutput {
+  std::string name;
+  Eigen::VectorXd mean_row;        ///< N
+  Eigen::MatrixXd candidate_rows;  ///< M x N; maximum_K = max_i (candidate_rows · T)_i, minimum likewise
+};
+
+struct DeformationOutput {
+  std::string name;
+  Eigen::VectorXd row_m_per_K;  ///< N; deformation_m = row · (T − T_ref); + = spindle longer
+};
+
+/// One column of a certificate: errors of network minus FE model over random cases, on key points, nose, part maxima.
+struct CertificateErrors {
+  double key_points_K = 0.0;
+  double nose_um = 0.0;
+  double part_max_K = 0.0;
+};
+
+struct Certificate {
+  std::uint64_t seed = 0;
+  std::uint32_t cases = 0;  ///< 0: no certificate was measured
+  CertificateErrors worst;
+  CertificateErrors median;
+};
+
+/// The nodal RC network:
+///   C dT/dt = −(K₀ + Σⱼ gⱼ Fⱼ Fⱼᵀ) T + Σⱼ gⱼ Fⱼ Fⱼᵀ 1 T_env(j) + B q
+/// N states. C, K₀ symmetric; C positive definite; rows of K₀ sum to zero; for an exchange between bodies
+/// (environment < 0) columns of Fⱼ sum to zero. gⱼ in W/m²K, Fⱼ for 1 W/m²K. Columns of B sum to 1.
+struct Network {
+  std::string spindle;           ///< the description's name
+  std::string description_hash;  ///< SHA-256, hex, of the description file the network was built from
+  std::vector<Node> nodes;
+  Eigen::MatrixXd capacity_J_per_K;           ///< C, N x N
+  Eigen::MatrixXd conduction_W_per_K;         ///< K₀, N x N
+  Boundaries boundaries;
+  std::vector<Eigen::MatrixXd> factors_m;     ///< Fⱼ, N x rankⱼ, one per conductance
+  Eigen::MatrixXd source_distribution;        ///< B, N x sources
+  std::vector<KeyPoint> key_points;
+  std::vector<PartOutput> parts;
+  std::vector<DeformationOutput> deformations;  ///< the first is the nose
+  Certificate certificate;
+};
+
+}  // namespace spindle_twin::rom
