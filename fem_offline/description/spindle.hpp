@@ -101,10 +101,12 @@ struct Adiabatic {
   rom::SourceLine where;
 };
 
-/// One place where a heat source acts: the volume of `part`, or its faces towards `on_contact_with`.
+/// One place where a heat source acts: the volume of `part`, its faces towards `on_contact_with`, or its exposed faces
+/// inside `on_face` (which carry a film or are adiabatic besides). Spread evenly over that volume or area.
 struct HeatShare {
   std::size_t part = 0;
   std::optional<std::size_t> on_contact_with;
+  std::optional<Box> on_face;
   double weight = 1.0;  ///< see HeatSource
 };
 

@@ -40,8 +40,12 @@ struct Section {
 
 /// Unites the shapes of each part and sorts every piece of outline into contact, film, gap, adiabatic or axis (r = 0).
 /// Throws rom::InputError naming the parts and the place (mm) for overlapping parts, touching parts with no
-/// contact declared, a declared contact that does not touch, a film, gap, adiabatic region or support on no face, an outer face with no
-/// film, a face hit by two laws, a key point or deformation face outside its part.
+/// contact declared, a declared contact that does not touch, a film, gap, adiabatic region or support on no face, an
+/// outer face with no film, a face hit by two laws, a key point or deformation face outside its part.
 Section build_section(const Spindle& spindle);
+
+/// Whether both ends of the piece lie in the closed box, to the snap tolerance of 1e-6 mm. Outlines are split where the
+/// face box of a support, a deformation output or a heat begins and ends, so that a piece is either in or out.
+bool lies_in(const BoundaryPiece& piece, const Box& box);
 
 }  // namespace spindle_twin::fem_offline

@@ -21,7 +21,7 @@ class InputError : public std::runtime_error {
  private:
   static std::string format(const SourceLine& where, const std::string& field, const std::string& message) {
     std::string text = where.file;
-    if (where.line > 0) text += ":" + std::to_string(where.line);
+    if (where.line > 0) text.append(":").append(std::to_string(where.line));
     if (!text.empty()) text += ": ";
     if (!field.empty()) text += field + ": ";
     return text + message;

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "fem_offline/mesh/section.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// Straight-sided quadrilaterals of all parts. Parts share no point, also where they touch: a contact is a
+/// conductance between two surfaces, not a common temperature.
+struct SectionMesh {
+  std::vector<Point> points;
+  std::vector<std::array<std::size_t, 4>> quads;  ///< counter-clockwise (r to the right, z up)
+  std::vector<std::size_t> part_of_quad;
+};
+
+/// Meshes every part apart with elements of about MeshSettings::element_size_m. Parts with sides along r and z take
+/// cells of one tensor grid (lines at every corner and piece end), so that neighbours match; others go through gmsh.
+/// Every end of a BoundaryPiece is a mesh point. Throws rom::InputError naming the part whose mesh would not fill
+/// it or would hold an inverted or sliver element.
+SectionMesh mesh_section(const Spindle& spindle, const Section& section);
+
+/// Two coordinates closer than this are one.
+inline constexpr double same_place_m = 1e-7;
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <boost/geometry.hpp>
+#include <boost/geometry/geometries/multi_polygon.hpp>
+#include <boost/geometry/geometries/point_xy.hpp>
+#include <boost/geometry/geometries/polygon.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "fem_offline/mesh/section_detail.hpp"
+
+namespace spindle_twin::fem_offline::section_detail {
+namespace {
+
+namespace bg = boost::geometry;
+using BgPoint = bg::model::d2::point_xy<double>;
+using BgPolygon = bg::model::polygon<BgPoint, false>;  // outer ring counter-clockwise
+using BgMulti = bg::model::multi_polygon<BgPolygon>;
+
+BgPolygon polygon_from(const Polygon& shape, const Spindle& spindle, const Part& part) {
+  BgPolygon polygon;
+  for (const Point& corner : shape) {
+    const Vec at = to_mm(corner);
+    bg::append(polygon.outer(), BgPoint(at.r, at.z));
+  }
+  bg::correct(polygon);
+  std::string reason;
+  if (!bg::is_valid(polygon, reason)) {
+    throw rom::InputError({spindle.file, part.where.line}, "part." + part.name,
+                          "the polygon that starts at " + printed(to_mm(shape.front())) + " is not simple: " + reason);
+  }
+  return polygon;
+}
+
+BgMulti united(const std::vector<Polygon>& shapes, const Spindle& spindle, const Part& part) {
+  BgMulti sum;
+  for (const Polygon& shape : shapes) {
+    BgMulti next;
+    bg::union_(sum, polygon_from(shape, spindle, part), next);
+    sum = std::move(next);
+  }
+  return sum;
+}
+
+/// The ring on the snap grid without doubled points and points within a straight run.
+template <typename Ring>
+Polygon clean_ring(const Ring& ring) {
+  std::vector<Vec> points;
+  for (const BgPoint& point : ring) {
+    const Vec at{snapped(point.x()), snapped(point.y())};
+    if (points.empty() || !same(points.back(), at)) points.push_back(at);
+  }
+  while (points.size() > 1 && same(points.front(), points.back())) points.pop_back();
+  const auto straight = [&](std::size_t i) {
+    const Vec& before = points[(i + points.size() - 1) % points.size()];
+    const Vec& after = points[(i + 1) % points.size()];
+    const double dr = after.r - before.r, dz = after.z - before.z;
+    const double offset = (points[i].r - before.r) * dz - (points[i].z - before.z) * dr;
+    return std::abs(offset) <= snap_mm * std::hypot(dr, dz);
+  };
+  for (std::size_t i = 0; i < points.size() && points.size() > 2;) {
+    if (straight(i)) {
+      points.erase(points.begin() + static_cast<std::ptrdiff_t>(i));
+      i = i > 0 ? i - 1 : 0;
+    } else {
+      ++i;
+    }
+  }
+  Polygon out;
+  for (const Vec& at : points) out.push_back(to_m(at));
+  return points.size() > 2 ? out : Polygon{};
+}
+
+/// ∮ r²/2 dz of a ring, times 2π: volume of revolution, positive for a counter-clockwise ring.
+double volume_of(const Polygon& ring) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point& a = ring[i];
+    const Point& b = ring[(i + 1) % ring.size()];
+    sum += (b.z_m - a.z_m) * (a.r_m * a.r_m + a.r_m * b.r_m + b.r_m * b.r_m);
+  }
+  return std::numbers::pi / 3.0 * sum;
+}
+
+BgMulti multi_from(const PartOutline& outline) {
+  const auto ring_from = [](const Polygon& ring, auto& to) {
+    for (const Point& corner : ring) {
+      const Vec at = to_mm(corner);
+      to.push_back(BgPoint(at.r, at.z));
+    }
+    to.push_back(to.front());
+  };
+  BgMulti multi;
+  for (const OutlineFace& face : outline.faces) {
+    BgPolygon polygon;
+    ring_from(face.outer, polygon.outer());
+    for (const Polygon& hole : face.holes) {
+      polygon.inners().emplace_back();
+      ring_from(hole, polygon.inners().back());
+    }
+    multi.push_back(std::move(polygon));
+  }
+  return multi;
+}
+
+}  // namespace
+
+// Division by a whole number gives the nearest double of the decimal number, so 30 stays 30.
+double snapped(double value_mm) { return std::round(value_mm * 1e6) / 1e6; }
+
+Vec to_mm(const Point& point) { return {snapped(point.r_m * 1e3), snapped(point.z_m * 1e3)}; }
+
+BoxMm to_mm(const Box& box) {
+  return {snapped(box.r0_m * 1e3), snapped(box.r1_m * 1e3), snapped(box.z0_m * 1e3), snapped(box.z1_m * 1e3)};
+}
+
+std::vector<PartOutline> unite_parts(const Spindle& spindle) {
+  std::vector<PartOutline> outlines;
+  for (const Part& part : spindle.parts) {
+    BgMulti area;
+    bg::difference(united(part.shapes, spindle, part), united(part.cuts, spindle, part), area);
+    PartOutline outline;
+    for (const BgPolygon& polygon : area) {
+      OutlineFace face;
+      face.outer = clean_ring(polygon.outer());
+      if (face.outer.empty()) continue;
+      outline.volume_m3 += volume_of(face.outer);
+      for (const auto& inner : polygon.inners()) {
+        Polygon hole = clean_ring(inner);
+        if (hole.empty()) continue;
+        outline.volume_m3 += volume_of(hole);
+        face.holes.push_back(std::move(hole));
+      }
+      outline.faces.push_back(std::move(face));
+    }
+    if (outline.faces.empty()) {
+      throw rom::InputError(part.where, "part." + part.name, "nothing is left of this part after its cuts");
+    }
+    outlines.push_back(std::move(outline));
+  }
+  return outlines;
+}
+
+void refuse_overlaps(const Spindle& spindle, const std::vector<PartOutline>& outlines) {
+  std::vector<BgMulti> areas;
+  for (const auto& outline : outlines) areas.push_back(multi_from(outline));
+  for (std::size_t b = 0; b < areas.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      BgMulti common;
+      bg::intersection(areas[a], areas[b], common);
+      for (const BgPolygon& polygon : common) {
+        // A sliver no thicker than the snap tolerance is two faces that touch.
+        if (bg::area(polygon) <= 2.0 * snap_mm * bg::perimeter(polygon)) continue;
+        bg::model::box<BgPoint> box;
+        bg::envelope(polygon, box);
+        const Vec low{box.min_corner().x(), box.min_corner().y()}, high{box.max_corner().x(), box.max_corner().y()};
+        throw rom::InputError(spindle.parts[b].where, "part." + spindle.parts[b].name,
+                              "overlaps part \"" + spindle.parts[a].name + "\" in the area " + printed(low, high));
+      }
+    }
+  }
+}
+
+bool covers(const PartOutline& outline, const Vec& point) {
+  return bg::distance(BgPoint(point.r, point.z), multi_from(outline)) <= snap_mm;
+}
+
+}  // namespace spindle_twin::fem_offline::section_detail

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fem_offline/reduce/loads.hpp"
+#include "fem_offline/reduce/reduce.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// Columns with VᵀV = 1 over the unknowns (every unknown counts alike: errors are judged as temperatures, a thin part
+/// as much as a thick one); column 0 is the constant vector, all others sum to zero.
+struct RichBasis {
+  Eigen::MatrixXd columns;  ///< unknowns x states
+  int snapshots = 0;
+};
+
+/// FE solutions (K + sC)⁻¹ [heats, environments, output rows] at random parameter sets, two in five at corners of the
+/// box; of all snapshots those are kept whose distance to the span of the kept ones is largest (pivoted Cholesky of the
+/// Gram matrix). Scales loads.outputs in place to dual_weight of the primal snapshots.
+RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
+                              const Progress& progress);
+
+/// The FE model tested with a basis V: dense VᵀC V, VᵀK₀V, VᵀKⱼV and loads.
+struct RichModel {
+  Eigen::MatrixXd capacity;
+  Eigen::MatrixXd conduction;
+  std::vector<Eigen::MatrixXd> conductance_terms;
+  Loads loads;
+
+  Eigen::MatrixXd assemble(const Eigen::VectorXd& conductance_W_per_m2K) const;
+};
+
+RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
+
+/// Coordinates, in the rich basis, of the network's orthonormal basis: the constant and the leading left singular
+/// vectors of primal and dual snapshots of the rich model at new parameter sets, nine shifts each.
+Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries& boundaries,
+                                    const ReduceOptions& options, const Progress& progress);
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,130 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/parallel.hpp"
+#include "fem_offline/reduce/shifted_factor.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+constexpr double corner_share = 0.4;
+constexpr double steady_share = 0.25;
+constexpr double shift_low_per_s = 2e-4;
+constexpr double shift_high_per_s = 3.0;
+
+Eigen::VectorXd nominal_conductances(const rom::Boundaries& boundaries) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(boundaries.conductances.size()));
+  for (Eigen::Index j = 0; j < values.size(); ++j) {
+    values[j] = boundaries.conductances[static_cast<std::size_t>(j)].nominal_W_per_m2K;
+  }
+  return values;
+}
+
+void scale_outputs(const AffinePattern& pattern, const rom::Boundaries& boundaries, double dual_weight, Loads& loads) {
+  ShiftedFactor factor(pattern);
+  const Eigen::VectorXd conductances = nominal_conductances(boundaries);
+  factor.factorise(conductances, 0.0);
+  Eigen::MatrixXd primal = factor.solve(loads.primal(conductances));
+  Eigen::MatrixXd dual = factor.solve(loads.outputs);
+  remove_constant(primal);
+  remove_constant(dual);
+  const double size = primal.colwise().norm().mean();
+  for (Eigen::Index i = 0; i < dual.cols(); ++i) {
+    const double own = dual.col(i).norm();
+    if (own > 0.0) loads.outputs.col(i) *= dual_weight * size / own;
+  }
+}
+
+/// XᵀX by tiles; every tile is one product, so the bits do not depend on the number of threads.
+Eigen::MatrixXd gram_matrix(const Eigen::MatrixXd& columns, int threads) {
+  constexpr Eigen::Index tile = 96;
+  const Eigen::Index count = columns.cols();
+  const int tiles = static_cast<int>((count + tile - 1) / tile);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count, count);
+  for_each_index(tiles * (tiles + 1) / 2, threads, [&](int index, int) {
+    int row = 0;
+    while ((row + 1) * (row + 2) / 2 <= index) ++row;
+    const int column = index - row * (row + 1) / 2;
+    const Eigen::Index r = row * tile, c = column * tile;
+    const Eigen::Index height = std::min(tile, count - r), width = std::min(tile, count - c);
+    gram.block(r, c, height, width).noalias() =
+        columns.middleCols(r, height).transpose() * columns.middleCols(c, width);
+  });
+  return gram.selfadjointView<Eigen::Lower>();
+}
+
+/// Columns times the inverse of the Cholesky factor of their own Gram matrix; a second pass mends what the squared
+/// condition number of the first one costs.
+void orthonormalise(Eigen::MatrixXd& columns, int threads) {
+  constexpr Eigen::Index rows_per_block = 2048;
+  for (int pass = 0; pass < 2; ++pass) {
+    Eigen::MatrixXd gram = gram_matrix(columns, threads);
+    if (pass == 0) gram.diagonal() *= 1.0 + 1e-14;
+    const Eigen::LLT<Eigen::MatrixXd> factor(gram);
+    const int blocks = static_cast<int>((columns.rows() + rows_per_block - 1) / rows_per_block);
+    for_each_index(blocks, threads, [&](int block, int) {
+      const Eigen::Index first = block * rows_per_block;
+      const Eigen::Index height = std::min(rows_per_block, columns.rows() - first);
+      Eigen::MatrixXd part = columns.middleRows(first, height);
+      factor.matrixU().solveInPlace<Eigen::OnTheRight>(part);
+      columns.middleRows(first, height) = part;
+    });
+  }
+}
+
+}  // namespace
+
+RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
+                              const Progress& progress) {
+  const AffinePattern pattern(model);
+  scale_outputs(pattern, model.boundaries, options.dual_weight, loads);
+
+  const Eigen::Index unknowns = model.capacity_J_per_K.rows();
+  const Eigen::Index per_set = loads.heat_W.cols() + loads.environments + loads.outputs.cols();
+  Eigen::MatrixXd snapshots(unknowns, per_set * options.full_sets);
+  std::vector<std::unique_ptr<ShiftedFactor>> factors(static_cast<std::size_t>(options.threads));
+  for_each_index(options.full_sets, options.threads, [&](int set, int worker) {
+    auto& factor = factors[static_cast<std::size_t>(worker)];
+    if (!factor) factor = std::make_unique<ShiftedFactor>(pattern);
+    RandomStream random(options.seed, StreamPurpose::full_snapshots, static_cast<std::uint32_t>(set));
+    const bool corner = random.uniform(0.0, 1.0) < corner_share;
+    const bool steady = random.uniform(0.0, 1.0) < steady_share;
+    const double shift = random.log_uniform(shift_low_per_s, shift_high_per_s);
+    const Eigen::VectorXd conductances = random_conductances(model.boundaries, options.box, corner, random);
+    factor->factorise(conductances, steady ? 0.0 : shift);
+    Eigen::MatrixXd right_hand_sides(unknowns, per_set);
+    right_hand_sides << loads.primal(conductances), loads.outputs;
+    Eigen::MatrixXd solutions = factor->solve(right_hand_sides);
+    remove_constant(solutions);
+    snapshots.middleCols(set * per_set, per_set) = solutions;
+    if (worker == 0 && progress) progress("FE snapshots", static_cast<double>(set + 1) / options.full_sets);
+  });
+  factors.clear();
+
+  // Eigen's LDLT pivots on the largest remaining diagonal: the snapshot farthest from the span of those before it.
+  const Eigen::MatrixXd gram = gram_matrix(snapshots, options.threads);
+  const Eigen::LDLT<Eigen::MatrixXd> greedy(gram);
+  const Eigen::VectorXd distance_squared = greedy.vectorD();
+  const auto order = greedy.transpositionsP();
+  Eigen::VectorXi chosen = Eigen::VectorXi::LinSpaced(snapshots.cols(), 0, static_cast<int>(snapshots.cols()) - 1);
+  chosen = (order * chosen).eval();
+  Eigen::Index count = 0;
+  const Eigen::Index most = std::min<Eigen::Index>(options.rich_states - 1, unknowns - 1);
+  while (count < std::min(most, snapshots.cols()) && distance_squared[count] > 1e-14 * distance_squared[0]) ++count;
+
+  RichBasis basis;
+  basis.snapshots = static_cast<int>(snapshots.cols());
+  Eigen::MatrixXd kept(unknowns, count);
+  for (Eigen::Index i = 0; i < count; ++i) kept.col(i) = snapshots.col(chosen[i]);
+  snapshots.resize(0, 0);
+  kept.colwise().normalize();
+  orthonormalise(kept, options.threads);
+  basis.columns.resize(unknowns, count + 1);
+  basis.columns.col(0).setConstant(1.0 / std::sqrt(static_cast<double>(unknowns)));
+  basis.columns.rightCols(count) = kept;
+  return basis;
+}
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,59 @@
+#include "fem_offline/reduce/loads.hpp"
+
+#include <algorithm>
+
+#include "correction/laws/speed_law.hpp"
+
+namespace spindle_twin::fem_offline {
+
+Eigen::MatrixXd Loads::primal(const Eigen::VectorXd& conductance_W_per_m2K) const {
+  Eigen::MatrixXd columns(heat_W.rows(), heat_W.cols() + environments);
+  columns.leftCols(heat_W.cols()) = heat_W;
+  columns.rightCols(environments).setZero();
+  for (std::size_t j = 0; j < film_m2.size(); ++j) {
+    if (environment[j] < 0) continue;
+    columns.col(heat_W.cols() + environment[j]) +=
+        environment_step_K * conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * film_m2[j];
+  }
+  return columns;
+}
+
+Loads Loads::project(const Eigen::MatrixXd& basis) const {
+  Loads projected = *this;
+  projected.heat_W = basis.transpose() * heat_W;
+  projected.outputs = basis.transpose() * outputs;
+  for (Eigen::VectorXd& film : projected.film_m2) {
+    if (film.size() > 0) film = basis.transpose() * film;
+  }
+  return projected;
+}
+
+Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_high) {
+  const rom::Boundaries& boundaries = model.boundaries;
+  const Eigen::Index unknowns = model.capacity_J_per_K.rows();
+  Loads loads;
+  loads.heat_W = model.source_distribution;
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    const rom::HeatSource& source = boundaries.sources[i];
+    const double law =
+        correction::evaluate_speed_law(source.law, speed_high_rpm, boundaries.reference_speed_rpm, load_high);
+    loads.heat_W.col(static_cast<Eigen::Index>(i)) *= source.nominal_W * std::max(law, 1.0);
+  }
+  loads.environments = static_cast<int>(boundaries.environments.size());
+  for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
+    loads.environment.push_back(boundaries.conductances[j].environment);
+    loads.film_m2.emplace_back();
+    if (loads.environment[j] >= 0) {
+      loads.film_m2[j] = model.conductance_terms_m2[j] * Eigen::VectorXd::Ones(unknowns);
+    }
+  }
+  loads.outputs.setZero(unknowns, static_cast<Eigen::Index>(model.key_points.size() + model.deformations.size()));
+  Eigen::Index column = 0;
+  for (const FeKeyPoint& point : model.key_points) loads.outputs.col(column++) = point.row;
+  for (const FeDeformation& deformation : model.deformations) loads.outputs.col(column++) = deformation.row_m_per_K;
+  return loads;
+}
+
+void remove_constant(Eigen::MatrixXd& columns) { columns.rowwise() -= columns.colwise().mean().eval(); }
+
+}  // namespace spindle_twin::fem_offline

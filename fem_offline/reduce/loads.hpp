@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fem_offline/model/affine_model.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// Right-hand sides of the snapshots, in FE coordinates or in those of a Galerkin basis.
+struct Loads {
+  Eigen::MatrixXd heat_W;                ///< one column per source at the largest heat it makes in the box
+  std::vector<Eigen::VectorXd> film_m2;  ///< Kⱼ1 per conductance; empty for exchange between bodies
+  std::vector<int> environment;          ///< per conductance
+  int environments = 0;
+  Eigen::MatrixXd outputs;  ///< Lᵀ of key points and deformations, scaled to the primal snapshots
+
+  /// [heats, one column per environment: Σⱼ gⱼ Kⱼ1 · environment_step_K]
+  Eigen::MatrixXd primal(const Eigen::VectorXd& conductance_W_per_m2K) const;
+  /// The same loads tested with the columns of `basis`.
+  Loads project(const Eigen::MatrixXd& basis) const;
+};
+
+/// Step of an environment's temperature to which its snapshots are scaled.
+inline constexpr double environment_step_K = 10.0;
+
+/// Loads of the FE model; the outputs are not scaled yet.
+Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_high);
+
+/// Takes the mean over the rows off every column: what is left of it beside the constant vector.
+void remove_constant(Eigen::MatrixXd& columns);
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "fem_offline/reduce/basis.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// A choice of as many unknowns as the basis has columns, so that their temperatures are its coordinates.
+struct NodalCoordinates {
+  std::vector<int> nodes;       ///< ascending
+  Eigen::MatrixXd at_nodes;     ///< rows of the orthonormal basis V at the nodes, N x N
+  Eigen::MatrixXd interpolant;  ///< V · at_nodes⁻¹, unknowns x N: rows at nodes are unit rows, all rows sum to 1
+  double condition = 0.0;       ///< of at_nodes times that of V, which is 1
+};
+
+/// Pivoted QR on Vᵀ takes the first choice; then nodes are swapped while an entry of the interpolant is above 1.2 in
+/// magnitude (maximum volume: Goreinov et al. 2010), which keeps the interpolant from amplifying anywhere.
+NodalCoordinates choose_nodes(const Eigen::MatrixXd& orthonormal_basis);
+
+/// C, K₀, Fⱼ and B of the network. `coordinates` are those of the orthonormal basis in the rich one.
+void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, const AffineModel& model,
+                     const NodalCoordinates& nodal, int threads, rom::Network& network);
+
+/// Rows of key points, part means and deformations; the nodes' names and places.
+void project_outputs(const AffineModel& model, const NodalCoordinates& nodal, rom::Network& network);
+
+/// At most sixteen points of every part whose largest and smallest temperature stand for those of the part, over
+/// random fields that a spindle can have: steady ones and those some time after a change of the operating state.
+void choose_candidates(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
+                       rom::Network& network);
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/reduce/parameter_box.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::fem_offline {
+
+struct ReduceOptions {
+  int nodes = 180;
+  std::uint64_t seed = 1;
+  int threads = 2;
+  int full_sets = 120;       ///< random parameter sets at which the FE model is solved
+  int rich_states = 460;     ///< size of the richer Galerkin model between FE model and network
+  int rich_sets = 250;       ///< random parameter sets at which the richer model is solved
+  double dual_weight = 0.1;  ///< size of the adjoint snapshots relative to the primal ones
+  ParameterBox box;
+};
+
+struct StageTime {
+  std::string stage;
+  double seconds = 0.0;
+};
+
+struct ReduceReport {
+  int full_unknowns = 0;
+  int snapshots = 0;
+  int rich_states = 0;
+  double condition =
+      0.0;  ///< of the orthonormal basis at the nodes; below 100 the node temperatures are good coordinates
+  std::vector<StageTime> stages;
+};
+
+/// Called with the stage's name and the fraction of it that is done; from one thread at a time.
+using Progress = std::function<void(const std::string& stage, double fraction)>;
+
+/// Nodal RC network of an FE model by Galerkin projection T ≈ V T_nodes on one fixed basis that serves the whole box:
+///   C = VᵀC V,  K₀ = VᵀK₀V,  FⱼFⱼᵀ = VᵀKⱼV,  B = VᵀB,  rows y = y V
+/// with V(node i, :) = eᵢ and V 1 = 1, so that state i is the temperature of node i and heat is conserved to
+/// rounding. The same seed gives the same bits whatever the number of threads. The certificate stays empty.
+/// options.nodes must be in [2, unknowns]; fewer come out when the snapshots span fewer directions.
+/// Throws std::invalid_argument for options out of range, std::runtime_error when K is not positive definite.
+rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options, const Progress& progress = {},
+                          ReduceReport* report = nullptr);
+
+}  // namespace spindle_twin::fem_offline

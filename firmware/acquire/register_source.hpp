@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "firmware/serve/register_map.hpp"
+
+namespace spindle_twin::firmware {
+
+enum class RegisterTable { input, holding };
+
+/// Where a value stands in a Modbus device: value = count · scale + offset.
+struct RegisterSource {
+  RegisterTable table = RegisterTable::input;
+  std::uint16_t address = 0;  ///< 0-based
+  RegisterType type = RegisterType::int16;
+  double scale = 1.0;
+  double offset = 0.0;
+};
+
+/// The value in `words`, which start at the source's address. float32 NaN stays NaN.
+double decode(const RegisterSource& source, std::span<const std::uint16_t> words);
+
+/// "int16", "float32_cdab", ... as in registers.toml.
+std::optional<RegisterType> register_type_of(std::string_view name);
+
+}  // namespace spindle_twin::firmware

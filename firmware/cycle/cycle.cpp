@@ -1,0 +1,62 @@
+#include "firmware/cycle/cycle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/watch/deadline.hpp"
+
+namespace spindle_twin::firmware {
+
+const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
+                            std::int64_t missed) {
+  const double advance_s = plan_.period_s * static_cast<double>(1 + missed);
+
+  sense(plan_, frame, command, now_ns, sensed_);
+  judge(plan_, sensed_, judgement_);
+  publish_inputs(sensed_, judgement_, snapshot_);
+  snapshot_.quality = judgement_.quality;
+  set_operating(network_, judgement_, operating_);
+  take_orders(command);
+
+  if (started_ || ready_to_start()) {
+    const rom::CorrectionFactors& factors =
+        correct(sensed_, judgement_, operating_, snapshot_.model_time_s, advance_s, model_, corrector_);
+    note(integrate(network_, operating_, factors, advance_s, model_));
+    predict(network_, model_);
+    publish_corrected(model_, snapshot_);
+    publish_correction(corrector_, factors, snapshot_);
+    if (plan_.compare_uncorrected) {
+      integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
+      predict(network_, uncorrected_);
+      publish_uncorrected(uncorrected_, snapshot_);
+    }
+    snapshot_.model_time_s += advance_s;
+  } else {
+    waited_s_ += advance_s;
+  }
+  label(missed);
+  return snapshot_;
+}
+
+void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePorts& ports,
+               const std::atomic<bool>& stop) {
+  DeviceFrame frame;
+  PlcCommand command;
+  Deadline deadline(clock.now_ns(), static_cast<std::int64_t>(1e9 * plan.period_s / plan.clock_rate));
+  while (!stop.load(std::memory_order_relaxed)) {
+    constexpr std::int64_t longest_sleep_ns = 100'000'000;  // so that a long period does not delay the stop
+    const std::int64_t before_ns = clock.now_ns();
+    clock.sleep_until_ns(std::min(deadline.due_ns(), before_ns + longest_sleep_ns));
+    const std::int64_t now_ns = clock.now_ns();
+    if (now_ns < deadline.due_ns()) continue;
+
+    ports.device.read(frame);
+    ports.plc.read(command);
+    Snapshot snapshot = cycle.step(frame, command, now_ns, deadline.take(now_ns));
+    snapshot.time_ns = clock.now_ns();
+    ports.server.write(snapshot);
+    if (ports.history != nullptr && !ports.history->push(snapshot)) ++*ports.lost;
+  }
+}
+
+}  // namespace spindle_twin::firmware

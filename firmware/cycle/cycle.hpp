@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "firmware/cycle/correct.hpp"
+#include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/publish.hpp"
+#include "firmware/watch/clock.hpp"
+
+namespace spindle_twin::firmware {
+
+/// The twin's own work, once per period: sense, judge, correct, integrate, predict, publish.
+/// The prediction that a cycle publishes is for the end of the period that begins with it.
+class Cycle {
+ public:
+  /// `network` must outlive this. Allocates. Throws rom::InputError for a correction option out of range.
+  Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
+
+  /// One cycle at now_ns after `missed` periods without one; these are integrated together with this one.
+  /// No allocation after the first ones, no lock, no blocking call.
+  const Snapshot& step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns, std::int64_t missed);
+
+ private:
+  bool ready_to_start();
+  void start_from(double temperature_K);
+  void take_orders(const PlcCommand& command);
+  void note(Integrated integrated);
+  void label(std::int64_t missed);
+
+  const rom::Network& network_;
+  CyclePlan plan_;
+  Model model_;
+  Model uncorrected_;
+  Corrector corrector_;
+  SensedInputs sensed_;
+  Judgement judgement_;
+  rom::OperatingState operating_;
+  Eigen::VectorXd start_K_;
+  Snapshot snapshot_;
+  std::uint32_t tare_orders_ = 0;
+  bool started_ = false;
+  double waited_s_ = 0.0;
+};
+
+inline constexpr std::size_t history_room = 256;
+using SnapshotRing = Ring<Snapshot, history_room>;
+
+/// Where the cycle thread takes its inputs from and leaves its results; no end of them can make it wait.
+struct CyclePorts {
+  Latest<DeviceFrame>& device;
+  Latest<PlcCommand>& plc;
+  Latest<Snapshot>& server;
+  SnapshotRing* history = nullptr;             ///< null: no history is kept
+  std::atomic<std::uint64_t>* lost = nullptr;  ///< snapshots that the history had no room for
+};
+
+/// Runs the cycle at absolute deadlines until `stop` is set.
+void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePorts& ports,
+               const std::atomic<bool>& stop);
+
+}  // namespace spindle_twin::firmware

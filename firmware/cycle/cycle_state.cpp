@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/cycle/cycle.hpp"
+
+namespace spindle_twin::firmware {
+
+Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper)
+    : network_(network),
+      plan_(plan),
+      model_(make_model(network, make_stepper)),
+      uncorrected_(make_model(network, make_stepper)),
+      corrector_(make_corrector(network, plan, make_stepper)),
+      judgement_(first_judgement(plan)),
+      operating_(network.boundaries.operating),
+      start_K_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.nodes.size()))),
+      snapshot_(first_snapshot(network)) {}
+
+bool Cycle::ready_to_start() {
+  if (plan_.start_temperature_K) {
+    start_from(*plan_.start_temperature_K);
+    return true;
+  }
+  const bool patient = waited_s_ < plan_.start_wait_s;
+  if (judgement_.good == 0 || (patient && judgement_.good < judgement_.configured)) return false;
+  double sum_K = 0.0;
+  for (std::size_t k = 0; k < judgement_.sensors.size(); ++k) {
+    if (judgement_.sensors[k] == SensorQuality::good) sum_K += sensed_.sensors[k].value;
+  }
+  start_from(sum_K / static_cast<double>(judgement_.good));
+  return true;
+}
+
+void Cycle::start_from(double temperature_K) {
+  start_K_.setConstant(temperature_K);
+  for (Model* model : {&model_, &uncorrected_}) {
+    model->stepper->set_temperatures(start_K_);
+    predict(network_, *model);
+  }
+  started_ = true;
+}
+
+void Cycle::take_orders(const PlcCommand& command) {
+  corrector_.enabled = command.correction == CorrectionOrder::as_configured ? plan_.correction_enabled
+                                                                            : command.correction == CorrectionOrder::on;
+  if (command.tare_orders == tare_orders_) return;
+  if (command.tare_order == TareOrder::take && !started_) return;  // there is no elongation yet; the order waits
+  snapshot_.tare_m = command.tare_order == TareOrder::take ? model_.outputs.deformations_m[0] : 0.0;
+  ++snapshot_.tare_count;
+  tare_orders_ = command.tare_orders;
+}
+
+void Cycle::note(Integrated integrated) {
+  snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::prediction_lost));
+  if (integrated == Integrated::by_cvode) return;
+  snapshot_.fault |= bits(Fault::integrator_failed);
+  snapshot_.quality |= bits(Quality::integrator_fallback);
+  if (integrated == Integrated::not_at_all) snapshot_.fault |= bits(Fault::prediction_lost);
+}
+
+void Cycle::label(std::int64_t missed) {
+  ++snapshot_.sequence;
+  snapshot_.overruns += static_cast<std::uint32_t>(missed);
+  snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::start_timed_out));
+  if (!started_ && waited_s_ >= plan_.start_wait_s) snapshot_.fault |= bits(Fault::start_timed_out);
+
+  if (missed > 0) snapshot_.quality |= bits(Quality::overrun);
+  if (snapshot_.tare_m != 0.0) snapshot_.quality |= bits(Quality::tared);
+  if (!corrector_.law || !corrector_.enabled) {
+    snapshot_.quality |= bits(Quality::correction_off);
+  } else if (snapshot_.correction_freeze > static_cast<std::uint16_t>(correction::Freeze::waiting) &&
+             snapshot_.correction_freeze != static_cast<std::uint16_t>(correction::Freeze::deadband)) {
+    snapshot_.quality |= bits(Quality::correction_frozen);
+  }
+
+  constexpr auto harmless = static_cast<std::uint16_t>(
+      bits(Quality::correction_off) | bits(Quality::correction_frozen) | bits(Quality::overrun) | bits(Quality::tared));
+  const bool stopped = (snapshot_.fault & (bits(Fault::prediction_lost) | bits(Fault::start_timed_out))) != 0;
+  if (stopped) {
+    snapshot_.state = State::fault;
+  } else if (!started_) {
+    snapshot_.state = State::starting;
+  } else {
+    const bool troubled = (snapshot_.quality & static_cast<std::uint16_t>(~harmless)) != 0 || snapshot_.fault != 0;
+    snapshot_.state = troubled ? State::degraded : State::running;
+  }
+}
+
+}  // namespace spindle_twin::firmware

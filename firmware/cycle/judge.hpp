@@ -1,0 +1,29 @@
+#pragma once
+
+#include "firmware/cycle/sense.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::firmware {
+
+/// What is believed. Signals keep their last good value in `signals` from cycle to cycle.
+struct Judgement {
+  std::array<SensorQuality, slots::key_points> sensors{};
+  std::array<double, signal_count> signals{};
+  std::uint16_t quality = 0;  ///< the Quality bits that sensors and signals raise
+  std::size_t configured = 0;
+  std::size_t good = 0;
+  double data_age_s = not_a_value;  ///< oldest good sensor reading
+};
+
+/// Signals at the plan's values, nothing read.
+Judgement first_judgement(const CyclePlan& plan);
+
+/// Each sensor: configured, read, finite, in range, fresh, in this order. A signal that fails the same tests is held.
+/// Runs in the cycle.
+void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgement);
+
+/// The operating state that the network's boundaries see: every coolant circuit at the coolant inlet temperature,
+/// every other environment at ambient. Runs in the cycle; `operating` is already sized.
+void set_operating(const rom::Network& network, const Judgement& judgement, rom::OperatingState& operating);
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,9 @@
+#include "firmware/cycle/integrate.hpp"
+
+namespace spindle_twin::firmware {
+
+void predict(const rom::Network& network, Model& model) {
+  rom::evaluate_outputs(network, model.stepper->temperatures_K(), model.outputs);
+}
+
+}  // namespace spindle_twin::firmware

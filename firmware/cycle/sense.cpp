@@ -1,0 +1,40 @@
+#include "firmware/cycle/sense.hpp"
+
+#include <algorithm>
+
+namespace spindle_twin::firmware {
+namespace {
+
+Sensed sensed_at(const Reading& reading, std::int64_t now_ns, double clock_rate) {
+  Sensed sensed;
+  if (reading.time_ns == 0) return sensed;
+  sensed.value = reading.value;
+  // A reading that came in after the cycle woke up is of age 0.
+  sensed.age_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now_ns - reading.time_ns)) * clock_rate;
+  return sensed;
+}
+
+}  // namespace
+
+void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
+           SensedInputs& sensed) {
+  for (std::size_t k = 0; k < sensed.sensors.size(); ++k) {
+    sensed.sensors[k] = sensed_at(frame.sensors[k], now_ns, plan.clock_rate);
+  }
+  for (std::size_t s = 0; s < signal_count; ++s) {
+    switch (plan.signals[s].source) {
+      case SignalSource::constant:
+        sensed.signals[s] = {plan.signals[s].value, 0.0};
+        break;
+      case SignalSource::device:
+        sensed.signals[s] = sensed_at(frame.signals[s], now_ns, plan.clock_rate);
+        break;
+      case SignalSource::plc:
+        sensed.signals[s] = sensed_at(command.signals[s], now_ns, plan.clock_rate);
+        break;
+    }
+  }
+  sensed.device_connected = frame.connected;
+}
+
+}  // namespace spindle_twin::firmware

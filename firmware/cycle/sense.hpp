@@ -1,0 +1,24 @@
+#pragma once
+
+#include "firmware/cycle/plan.hpp"
+
+namespace spindle_twin::firmware {
+
+/// A reading as the cycle sees it.
+struct Sensed {
+  double value = not_a_value;
+  double age_s = std::numeric_limits<double>::infinity();  ///< model time; infinite: never read
+};
+
+struct SensedInputs {
+  std::array<Sensed, slots::key_points> sensors;
+  std::array<Sensed, signal_count> signals;
+  bool device_connected = false;
+};
+
+/// Picks each value from where the plan says and works out its age, clock_rate · (now − time of reading).
+/// Runs in the cycle.
+void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
+           SensedInputs& sensed);
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "firmware/serve/register_table.hpp"
+
+namespace spindle_twin::firmware {
+
+inline constexpr double not_a_value = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double zero_degC_K = 273.15;
+
+template <class Code>
+constexpr std::uint16_t bits(Code code) {
+  return static_cast<std::uint16_t>(code);
+}
+
+/// What the machine tells besides the sensors.
+enum class Signal : std::size_t { speed, load, coolant, ambient };
+inline constexpr std::size_t signal_count = 4;
+
+/// One reading; sensors, coolant and ambient in K, speed in rpm, load as a fraction of the rated load.
+struct Reading {
+  double value = not_a_value;
+  std::int64_t time_ns = 0;  ///< monotonic; 0: never read
+};
+
+/// What the data-acquisition device last said; sensors in the order of the network's key points.
+struct DeviceFrame {
+  std::array<Reading, slots::key_points> sensors;
+  std::array<Reading, signal_count> signals;
+  bool connected = false;
+};
+
+enum class TareOrder : std::uint8_t { take, clear };
+enum class CorrectionOrder : std::uint8_t { as_configured, off, on };
+
+/// What the PLC last wrote.
+struct PlcCommand {
+  std::array<Reading, signal_count> signals;
+  CorrectionOrder correction = CorrectionOrder::as_configured;
+  TareOrder tare_order = TareOrder::take;
+  std::uint32_t tare_orders = 0;  ///< counts up with each order
+};
+
+/// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
+/// Entries beyond the counts, and values that do not exist, are NaN. Room as in registers.toml.
+struct Snapshot {
+  std::int64_t time_ns = 0;  ///< monotonic, end of the cycle
+  std::uint32_t sequence = 0;
+  State state = State::starting;
+  std::uint16_t quality = 0;  ///< bits of Quality
+  std::uint16_t fault = 0;    ///< bits of Fault
+  double model_time_s = 0.0;  ///< since the start of the prediction; the instant that the predictions are for
+  double data_age_s = not_a_value;
+  std::uint32_t overruns = 0;
+  std::uint16_t tare_count = 0;
+  std::uint16_t correction_count = 0;
+  std::uint16_t correction_freeze = 0;  ///< correction::Freeze of the first group
+  bool correction_configured = false;
+  bool correction_enabled = false;
+
+  std::size_t key_points = 0;
+  std::size_t parts = 0;
+  std::size_t sources = 0;
+  std::size_t conductances = 0;
+  std::size_t deformations = 0;
+
+  std::array<double, signal_count> signals{};  ///< in use
+  std::array<double, slots::key_points> measured_K{};
+  std::array<SensorQuality, slots::key_points> sensor_quality{};
+  std::array<double, slots::key_points> predicted_K{};
+  std::array<double, slots::key_points> uncorrected_K{};
+  std::array<double, slots::parts> part_maximum_K{};
+  std::array<double, slots::deformations> deformation_m{};  ///< the first is the nose, + = spindle longer
+  double nose_m = not_a_value;                              ///< deformation_m[0] minus the tare
+  double nose_uncorrected_m = not_a_value;                  ///< minus the tare
+  double tare_m = 0.0;
+  std::array<double, slots::sources> heat_factor{};
+  std::array<double, slots::conductances> conductance_factor{};
+};
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,23 @@
+#include "firmware/watch/clock.hpp"
+
+#include <cerrno>
+#include <ctime>
+
+namespace spindle_twin::firmware {
+namespace {
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+}
+
+std::int64_t MonotonicClock::now_ns() const {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * ns_per_s + now.tv_nsec;
+}
+
+void MonotonicClock::sleep_until_ns(std::int64_t time_ns) {
+  const timespec until{static_cast<time_t>(time_ns / ns_per_s), static_cast<long>(time_ns % ns_per_s)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+namespace spindle_twin::firmware {
+
+/// The seam through which the daemon sees time; tests replace it. Never steps back.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual std::int64_t now_ns() const = 0;
+  /// Returns at the absolute time, at once if it has passed.
+  virtual void sleep_until_ns(std::int64_t time_ns) = 0;
+};
+
+/// CLOCK_MONOTONIC and clock_nanosleep with absolute times: sleeping does not add up its own lateness.
+class MonotonicClock final : public Clock {
+ public:
+  std::int64_t now_ns() const override;
+  void sleep_until_ns(std::int64_t time_ns) override;
+};
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,211 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <set>
+
+#include "rom/file/rom_file.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+constexpr double rounding = 1e-9;  // of the largest entry: what a change of coordinates may leave
+constexpr double weight_rounding = 1e-6;
+
+class Checker {
+ public:
+  explicit Checker(const std::string& file) : file_(file) {}
+
+  void require(bool condition, const std::string& field, const std::string& message) const {
+    if (!condition) throw InputError({file_, 0}, field, message);
+  }
+
+  template <class Numbers>
+  void finite(const Numbers& numbers, const std::string& field) const {
+    require(numbers.allFinite(), field, "has a value that is not finite");
+  }
+
+  void finite(double number, const std::string& field) const { require(std::isfinite(number), field, "is not finite"); }
+
+  void not_negative(double number, const std::string& field) const {
+    require(std::isfinite(number) && number >= 0.0, field, "must be finite and not negative");
+  }
+
+  void above_absolute_zero(double kelvin, const std::string& field) const {
+    require(std::isfinite(kelvin) && kelvin > 0.0, field, "must be finite and above 0 K");
+  }
+
+  void shape(const Eigen::MatrixXd& matrix, Eigen::Index rows, Eigen::Index columns, const std::string& field) const {
+    require(matrix.rows() == rows && matrix.cols() == columns, field,
+            "is " + std::to_string(matrix.rows()) + " x " + std::to_string(matrix.cols()) + ", but must be " +
+                std::to_string(rows) + " x " + std::to_string(columns));
+  }
+
+  void symmetric(const Eigen::MatrixXd& matrix, const std::string& field) const {
+    const double largest = matrix.cwiseAbs().maxCoeff();
+    require((matrix - matrix.transpose()).cwiseAbs().maxCoeff() <= rounding * largest, field, "is not symmetric");
+  }
+
+  /// Temperatures are averages of node temperatures: a uniform temperature must come out as itself.
+  void sums_to_one(double sum, const std::string& field) const {
+    require(std::abs(sum - 1.0) <= weight_rounding, field, "weights sum to " + std::to_string(sum) + ", not to 1");
+  }
+
+  void law(const SpeedLaw& law, double reference_speed_rpm, const std::string& field) const {
+    finite(law.constant, field + " law constant");
+    finite(law.load_squared, field + " law load_squared");
+    for (const PowerTerm& term : law.speed_terms) {
+      finite(term.coefficient, field + " law coefficient");
+      not_negative(term.exponent, field + " law exponent");
+      require(reference_speed_rpm > 0.0, "reference_speed_rpm", "must be positive where a law depends on speed");
+    }
+  }
+
+  template <class Item>
+  void names(const std::vector<Item>& items, const std::string& what) const {
+    std::set<std::string> seen;
+    for (const Item& item : items) {
+      require(!item.name.empty(), what, "one has no name");
+      require(seen.insert(item.name).second, what + " " + item.name, "name is used twice");
+    }
+  }
+
+ private:
+  const std::string& file_;
+};
+
+void check_matrices(const Network& network, Eigen::Index nodes, const Checker& check) {
+  const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
+  check.shape(capacity, nodes, nodes, "capacity_J_per_K");
+  check.finite(capacity, "capacity_J_per_K");
+  check.symmetric(capacity, "capacity_J_per_K");
+  check.require(Eigen::LLT<Eigen::MatrixXd>(capacity).info() == Eigen::Success, "capacity_J_per_K",
+                "is not positive definite");
+
+  const Eigen::MatrixXd& conduction = network.conduction_W_per_K;
+  check.shape(conduction, nodes, nodes, "conduction_W_per_K");
+  check.finite(conduction, "conduction_W_per_K");
+  check.symmetric(conduction, "conduction_W_per_K");
+  const double largest = conduction.cwiseAbs().maxCoeff();
+  check.require(conduction.rowwise().sum().cwiseAbs().maxCoeff() <= rounding * largest, "conduction_W_per_K",
+                "rows do not sum to zero; heat would not be conserved");
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(conduction, Eigen::EigenvaluesOnly);
+  check.require(modes.info() == Eigen::Success && modes.eigenvalues()[0] >= -rounding * largest, "conduction_W_per_K",
+                "is not positive semidefinite; heat would flow from cold to warm");
+}
+
+void check_conductances(const Network& network, Eigen::Index nodes, const Checker& check) {
+  const Boundaries& boundaries = network.boundaries;
+  check.require(network.factors_m.size() == boundaries.conductances.size(), "conductances", "not one factor for each");
+  check.names(boundaries.conductances, "conductance");
+  for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
+    const Conductance& conductance = boundaries.conductances[j];
+    const Eigen::MatrixXd& factor = network.factors_m[j];
+    const std::string field = "conductance " + conductance.name;
+    check.not_negative(conductance.nominal_W_per_m2K, field + " nominal_W_per_m2K");
+    check.not_negative(conductance.area_m2, field + " area_m2");
+    check.law(conductance.law, boundaries.reference_speed_rpm, field);
+    check.require(
+        conductance.environment >= -1 && conductance.environment < static_cast<int>(boundaries.environments.size()),
+        field + " environment", "names one that does not exist");
+    for (const int part : {conductance.part_a, conductance.part_b}) {
+      check.require(part >= -1 && part < static_cast<int>(network.parts.size()), field + " part",
+                    "names one that does not exist");
+    }
+    if (conductance.fit) {
+      check.finite(conductance.fit->assembly_pressure_Pa, field + " assembly_pressure_Pa");
+      check.finite(conductance.fit->pressure_per_inner_rise_Pa_per_K, field + " pressure_per_inner_rise_Pa_per_K");
+      check.finite(conductance.fit->pressure_per_outer_rise_Pa_per_K, field + " pressure_per_outer_rise_Pa_per_K");
+    }
+    check.require(factor.rows() == nodes && factor.cols() > 0, field + " factor",
+                  "must have one row per node and at least one column");
+    check.finite(factor, field + " factor");
+    if (conductance.environment < 0) {
+      check.require(factor.colwise().sum().cwiseAbs().maxCoeff() <= rounding * factor.cwiseAbs().maxCoeff(),
+                    field + " factor",
+                    "columns do not sum to zero; an exchange between bodies would not conserve heat");
+    }
+  }
+}
+
+void check_inputs(const Network& network, Eigen::Index nodes, const Checker& check) {
+  const Boundaries& boundaries = network.boundaries;
+  check.not_negative(boundaries.reference_speed_rpm, "reference_speed_rpm");
+  check.above_absolute_zero(boundaries.reference_temperature_K, "reference_temperature_K");
+  check.finite(boundaries.operating.speed_rpm, "operating_speed_rpm");
+  check.finite(boundaries.operating.load, "operating_load");
+  check.names(boundaries.environments, "environment");
+  check.require(boundaries.operating.environment_K.size() == static_cast<Eigen::Index>(boundaries.environments.size()),
+                "environments", "not one operating temperature for each");
+  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
+    check.above_absolute_zero(boundaries.operating.environment_K[static_cast<Eigen::Index>(i)],
+                              "environment " + boundaries.environments[i].name + " operating_K");
+  }
+  check.names(boundaries.sources, "source");
+  check.shape(network.source_distribution, nodes, static_cast<Eigen::Index>(boundaries.sources.size()),
+              "source distribution");
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    const HeatSource& source = boundaries.sources[i];
+    const std::string field = "source " + source.name;
+    check.not_negative(source.nominal_W, field + " nominal_W");
+    check.law(source.law, boundaries.reference_speed_rpm, field);
+    const auto column = network.source_distribution.col(static_cast<Eigen::Index>(i));
+    check.finite(column, field + " distribution");
+    check.sums_to_one(column.sum(), field + " distribution");
+  }
+}
+
+void check_outputs(const Network& network, Eigen::Index nodes, const Checker& check) {
+  for (const Node& node : network.nodes) {
+    check.require(!node.name.empty(), "node", "one has no name");
+    check.finite(node.r_m, "node " + node.name + " r_m");
+    check.finite(node.z_m, "node " + node.name + " z_m");
+  }
+  check.names(network.key_points, "key point");
+  for (const KeyPoint& point : network.key_points) {
+    const std::string field = "key point " + point.name;
+    check.finite(point.r_m, field + " r_m");
+    check.finite(point.z_m, field + " z_m");
+    check.shape(point.row, nodes, 1, field + " row");
+    check.finite(point.row, field + " row");
+    check.sums_to_one(point.row.sum(), field + " row");
+  }
+  check.names(network.parts, "part");
+  for (const PartOutput& part : network.parts) {
+    const std::string field = "part " + part.name;
+    check.shape(part.mean_row, nodes, 1, field + " mean row");
+    check.finite(part.mean_row, field + " mean row");
+    check.sums_to_one(part.mean_row.sum(), field + " mean row");
+    check.require(part.candidate_rows.rows() > 0 && part.candidate_rows.cols() == nodes, field + " candidates",
+                  "must have at least one row and one column per node");
+    check.finite(part.candidate_rows, field + " candidates");
+    for (Eigen::Index i = 0; i < part.candidate_rows.rows(); ++i) {
+      check.sums_to_one(part.candidate_rows.row(i).sum(), field + " candidate " + std::to_string(i));
+    }
+  }
+  check.names(network.deformations, "deformation");
+  check.require(!network.deformations.empty(), "deformations", "none; the first is the nose");
+  for (const DeformationOutput& output : network.deformations) {
+    check.shape(output.row_m_per_K, nodes, 1, "deformation " + output.name + " row");
+    check.finite(output.row_m_per_K, "deformation " + output.name + " row");
+  }
+  for (const CertificateErrors& errors : {network.certificate.worst, network.certificate.median}) {
+    check.not_negative(errors.key_points_K, "certificate key_points_K");
+    check.not_negative(errors.nose_um, "certificate nose_um");
+    check.not_negative(errors.part_max_K, "certificate part_max_K");
+  }
+}
+
+}  // namespace
+
+void check_network(const Network& network, const std::string& file) {
+  const Checker check(file);
+  const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
+  check.require(nodes > 0, "nodes", "none; at least one is needed");
+  check_matrices(network, nodes, check);
+  check_inputs(network, nodes, check);
+  check_conductances(network, nodes, check);
+  check_outputs(network, nodes, check);
+}
+
+}  // namespace spindle_twin::rom

@@ -1,0 +1,283 @@
+#include <pb_decode.h>
+
+#include <Eigen/Core>
+
+#include "rom/file/payload.hpp"
+#include "rom/file/rom.pb.h"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+using Field = const pb_field_t*;
+
+// nanopb calls these back with the `arg` that the functions below attach. What they allocate is bounded by the bytes
+// that are left in the (sub)message, which nanopb has checked against the buffer.
+
+bool decode_text(pb_istream_t* stream, Field, void** arg) {
+  auto& text = *static_cast<std::string*>(*arg);
+  text.resize(stream->bytes_left);
+  return pb_read(stream, reinterpret_cast<pb_byte_t*>(text.data()), text.size());
+}
+
+/// Packed doubles into a column; reshaped when the number of nodes is known.
+template <class Matrix>
+bool decode_numbers(pb_istream_t* stream, Field, void** arg) {
+  auto& numbers = *static_cast<Matrix*>(*arg);
+  numbers.resize(static_cast<Eigen::Index>(stream->bytes_left / sizeof(double)), 1);
+  for (Eigen::Index i = 0; i < numbers.size(); ++i) {
+    if (!pb_decode_fixed64(stream, numbers.data() + i)) return false;
+  }
+  return true;
+}
+
+template <class Item, bool (*decode_item)(pb_istream_t*, Item&)>
+bool decode_list(pb_istream_t* stream, Field, void** arg) {
+  Item item;
+  if (!decode_item(stream, item)) return false;
+  static_cast<std::vector<Item>*>(*arg)->push_back(std::move(item));
+  return true;
+}
+
+pb_callback_t attach(void* target, bool (*decode)(pb_istream_t*, Field, void**)) {
+  pb_callback_t callback{};
+  callback.funcs.decode = decode;
+  callback.arg = target;
+  return callback;
+}
+
+pb_callback_t attach(std::string& text) { return attach(&text, decode_text); }
+pb_callback_t attach(Eigen::VectorXd& numbers) { return attach(&numbers, decode_numbers<Eigen::VectorXd>); }
+pb_callback_t attach(Eigen::MatrixXd& numbers) { return attach(&numbers, decode_numbers<Eigen::MatrixXd>); }
+
+template <class Item, bool (*decode_item)(pb_istream_t*, Item&)>
+pb_callback_t attach_list(std::vector<Item>& list) {
+  return attach(&list, decode_list<Item, decode_item>);
+}
+
+bool decode_term(pb_istream_t* stream, PowerTerm& item) {
+  spindle_twin_rom_PowerTerm message = spindle_twin_rom_PowerTerm_init_zero;
+  if (!pb_decode(stream, spindle_twin_rom_PowerTerm_fields, &message)) return false;
+  item = {message.coefficient, message.exponent};
+  return true;
+}
+
+void attach_law(spindle_twin_rom_SpeedLaw& message, SpeedLaw& law) {
+  message.speed_terms = attach_list<PowerTerm, decode_term>(law.speed_terms);
+}
+
+void take_law(const spindle_twin_rom_SpeedLaw& message, SpeedLaw& law) {
+  law.constant = message.constant;
+  law.load_squared = message.load_squared;
+  law.zero_at_standstill = message.zero_at_standstill;
+}
+
+struct ConductanceWithFactor {
+  Conductance conductance;
+  Eigen::MatrixXd factor_m;
+};
+
+bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
+  Conductance& conductance = item.conductance;
+  spindle_twin_rom_Conductance message = spindle_twin_rom_Conductance_init_zero;
+  message.name = attach(conductance.name);
+  message.factor_m = attach(item.factor_m);
+  attach_law(message.law, conductance.law);
+  if (!pb_decode(stream, spindle_twin_rom_Conductance_fields, &message)) return false;
+  if (static_cast<unsigned>(message.kind) > static_cast<unsigned>(ConductanceKind::environment_film)) {
+    PB_RETURN_ERROR(stream, "a conductance of unknown kind");
+  }
+  conductance.kind = static_cast<ConductanceKind>(message.kind);
+  conductance.nominal_W_per_m2K = message.nominal_W_per_m2K;
+  conductance.area_m2 = message.area_m2;
+  conductance.environment = message.environment;
+  conductance.part_a = message.part_a;
+  conductance.part_b = message.part_b;
+  take_law(message.law, conductance.law);
+  if (message.has_fit) {
+    conductance.fit = JointFit{message.fit.assembly_pressure_Pa, message.fit.pressure_per_inner_rise_Pa_per_K,
+                               message.fit.pressure_per_outer_rise_Pa_per_K};
+  }
+  return true;
+}
+
+struct SourceWithDistribution {
+  HeatSource source;
+  Eigen::VectorXd distribution;
+};
+
+bool decode_source(pb_istream_t* stream, SourceWithDistribution& item) {
+  spindle_twin_rom_HeatSource message = spindle_twin_rom_HeatSource_init_zero;
+  message.name = attach(item.source.name);
+  message.distribution = attach(item.distribution);
+  attach_law(message.law, item.source.law);
+  if (!pb_decode(stream, spindle_twin_rom_HeatSource_fields, &message)) return false;
+  item.source.nominal_W = message.nominal_W;
+  take_law(message.law, item.source.law);
+  return true;
+}
+
+struct EnvironmentWithTemperature {
+  Environment environment;
+  double operating_K = 0.0;
+};
+
+bool decode_environment(pb_istream_t* stream, EnvironmentWithTemperature& item) {
+  spindle_twin_rom_Environment message = spindle_twin_rom_Environment_init_zero;
+  message.name = attach(item.environment.name);
+  if (!pb_decode(stream, spindle_twin_rom_Environment_fields, &message)) return false;
+  if (static_cast<unsigned>(message.kind) > static_cast<unsigned>(EnvironmentKind::coolant)) {
+    PB_RETURN_ERROR(stream, "an environment of unknown kind");
+  }
+  item.environment.kind = static_cast<EnvironmentKind>(message.kind);
+  item.operating_K = message.operating_K;
+  return true;
+}
+
+bool decode_node(pb_istream_t* stream, Node& item) {
+  spindle_twin_rom_Node message = spindle_twin_rom_Node_init_zero;
+  message.name = attach(item.name);
+  message.part = attach(item.part);
+  if (!pb_decode(stream, spindle_twin_rom_Node_fields, &message)) return false;
+  item.r_m = message.r_m;
+  item.z_m = message.z_m;
+  return true;
+}
+
+bool decode_key_point(pb_istream_t* stream, KeyPoint& item) {
+  spindle_twin_rom_KeyPoint message = spindle_twin_rom_KeyPoint_init_zero;
+  message.name = attach(item.name);
+  message.part = attach(item.part);
+  message.row = attach(item.row);
+  if (!pb_decode(stream, spindle_twin_rom_KeyPoint_fields, &message)) return false;
+  item.r_m = message.r_m;
+  item.z_m = message.z_m;
+  return true;
+}
+
+bool decode_part(pb_istream_t* stream, PartOutput& item) {
+  spindle_twin_rom_PartOutput message = spindle_twin_rom_PartOutput_init_zero;
+  message.name = attach(item.name);
+  message.mean_row = attach(item.mean_row);
+  message.candidate_rows = attach(item.candidate_rows);
+  return pb_decode(stream, spindle_twin_rom_PartOutput_fields, &message);
+}
+
+bool decode_deformation(pb_istream_t* stream, DeformationOutput& item) {
+  spindle_twin_rom_DeformationOutput message = spindle_twin_rom_DeformationOutput_init_zero;
+  message.name = attach(item.name);
+  message.row_m_per_K = attach(item.row_m_per_K);
+  return pb_decode(stream, spindle_twin_rom_DeformationOutput_fields, &message);
+}
+
+CertificateErrors take_errors(const spindle_twin_rom_CertificateErrors& message) {
+  return {message.key_points_K, message.nose_um, message.part_max_K};
+}
+
+/// Gives a column of numbers its shape; a size that does not fit is an error of `field`.
+void shape(Eigen::MatrixXd& numbers, Eigen::Index rows, Eigen::Index columns, const std::string& file,
+           const std::string& field) {
+  if (numbers.size() != rows * columns) {
+    throw InputError({file, 0}, field,
+                     std::to_string(numbers.size()) + " numbers where " + std::to_string(rows) + " x " +
+                         std::to_string(columns) + " are needed");
+  }
+  numbers.resize(rows, columns);
+}
+
+void check_length(const Eigen::VectorXd& numbers, Eigen::Index nodes, const std::string& file,
+                  const std::string& field) {
+  if (numbers.size() == nodes) return;
+  throw InputError(
+      {file, 0}, field,
+      std::to_string(numbers.size()) + " numbers where one per node, " + std::to_string(nodes) + ", is needed");
+}
+
+/// What nanopb fills; lists that the network keeps in matrices come with their columns.
+struct Lists {
+  std::vector<ConductanceWithFactor> conductances;
+  std::vector<SourceWithDistribution> sources;
+  std::vector<EnvironmentWithTemperature> environments;
+};
+
+void take_lists(Lists& lists, Network& network, const std::string& file) {
+  const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
+  for (ConductanceWithFactor& item : lists.conductances) {
+    const Eigen::Index columns = item.factor_m.size() / nodes;
+    shape(item.factor_m, nodes, columns, file, "conductance " + item.conductance.name + " factor");
+    network.boundaries.conductances.push_back(std::move(item.conductance));
+    network.factors_m.push_back(std::move(item.factor_m));
+  }
+  network.source_distribution.resize(nodes, static_cast<Eigen::Index>(lists.sources.size()));
+  for (std::size_t i = 0; i < lists.sources.size(); ++i) {
+    SourceWithDistribution& item = lists.sources[i];
+    check_length(item.distribution, nodes, file, "source " + item.source.name + " distribution");
+    network.source_distribution.col(static_cast<Eigen::Index>(i)) = item.distribution;
+    network.boundaries.sources.push_back(std::move(item.source));
+  }
+  Eigen::VectorXd& environment_K = network.boundaries.operating.environment_K;
+  environment_K.resize(static_cast<Eigen::Index>(lists.environments.size()));
+  for (std::size_t i = 0; i < lists.environments.size(); ++i) {
+    environment_K[static_cast<Eigen::Index>(i)] = lists.environments[i].operating_K;
+    network.boundaries.environments.push_back(std::move(lists.environments[i].environment));
+  }
+}
+
+void shape_outputs(Network& network, const std::string& file) {
+  const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
+  for (const KeyPoint& point : network.key_points) {
+    check_length(point.row, nodes, file, "key point " + point.name + " row");
+  }
+  for (PartOutput& part : network.parts) {
+    check_length(part.mean_row, nodes, file, "part " + part.name + " mean row");
+    shape(part.candidate_rows, part.candidate_rows.size() / nodes, nodes, file, "part " + part.name + " candidates");
+  }
+  for (const DeformationOutput& output : network.deformations) {
+    check_length(output.row_m_per_K, nodes, file, "deformation " + output.name + " row");
+  }
+}
+
+}  // namespace
+
+Network decode_payload(std::span<const std::uint8_t> payload, const std::string& file) {
+  Network network;
+  Lists lists;
+  spindle_twin_rom_Network message = spindle_twin_rom_Network_init_zero;
+  message.spindle = attach(network.spindle);
+  message.description_hash = attach(network.description_hash);
+  message.nodes = attach_list<Node, decode_node>(network.nodes);
+  message.capacity_J_per_K = attach(network.capacity_J_per_K);
+  message.conduction_W_per_K = attach(network.conduction_W_per_K);
+  message.conductances = attach_list<ConductanceWithFactor, decode_conductance>(lists.conductances);
+  message.sources = attach_list<SourceWithDistribution, decode_source>(lists.sources);
+  message.environments = attach_list<EnvironmentWithTemperature, decode_environment>(lists.environments);
+  message.key_points = attach_list<KeyPoint, decode_key_point>(network.key_points);
+  message.parts = attach_list<PartOutput, decode_part>(network.parts);
+  message.deformations = attach_list<DeformationOutput, decode_deformation>(network.deformations);
+
+  pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
+  if (!pb_decode(&stream, spindle_twin_rom_Network_fields, &message)) {
+    throw InputError({file, 0}, "payload", std::string("malformed: ") + PB_GET_ERROR(&stream));
+  }
+  if (message.schema_version != payload_schema_version) {
+    throw InputError({file, 0}, "schema_version",
+                     std::to_string(message.schema_version) + " is unknown; this program reads " +
+                         std::to_string(payload_schema_version));
+  }
+  if (network.nodes.empty()) throw InputError({file, 0}, "nodes", "none; at least one is needed");
+
+  const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
+  shape(network.capacity_J_per_K, nodes, nodes, file, "capacity_J_per_K");
+  shape(network.conduction_W_per_K, nodes, nodes, file, "conduction_W_per_K");
+  take_lists(lists, network, file);
+  shape_outputs(network, file);
+  network.boundaries.reference_speed_rpm = message.reference_speed_rpm;
+  network.boundaries.operating.speed_rpm = message.operating_speed_rpm;
+  network.boundaries.operating.load = message.operating_load;
+  network.boundaries.reference_temperature_K = message.reference_temperature_K;
+  network.certificate = {message.certificate.seed, message.certificate.cases, take_errors(message.certificate.worst),
+                         take_errors(message.certificate.median)};
+  return network;
+}
+
+}  // namespace spindle_twin::rom

@@ -1,0 +1,103 @@
+#include "rom/file/whole_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const char* what) {
+  const std::string reason = std::strerror(errno);
+  throw InputError({path, 0}, "", std::string(what) + ": " + reason);
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return number_; }
+
+ private:
+  int number_;
+};
+
+/// Removes the temporary file unless it was renamed.
+struct Temporary {
+  std::string path;
+  bool renamed = false;
+  ~Temporary() {
+    if (!renamed) ::unlink(path.c_str());
+  }
+};
+
+mode_t ordinary_permissions() {
+  const mode_t mask = ::umask(022);
+  ::umask(mask);
+  return 0644 & ~mask;
+}
+
+}  // namespace
+
+void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes) {
+  std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+
+  std::string name = path + ".XXXXXX";
+  const Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
+  if (file.get() < 0) refuse(path, "cannot be written");
+  Temporary temporary{name};
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = ::write(file.get(), bytes.data() + written, bytes.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse(path, "cannot be written");
+    written += static_cast<std::size_t>(count);
+  }
+  if (::fchmod(file.get(), ordinary_permissions()) != 0 || ::fsync(file.get()) != 0) refuse(path, "cannot be written");
+  if (std::rename(name.c_str(), path.c_str()) != 0) refuse(path, "cannot be written");
+  temporary.renamed = true;
+  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.get() < 0 || ::fsync(directory.get()) != 0) refuse(path, "its folder cannot be synced");
+}
+
+void write_whole_file(const std::string& path, const std::string& text) {
+  write_whole_file(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+std::vector<std::uint8_t> read_whole_file(const std::string& path, std::uint64_t largest_bytes) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) refuse(path, "cannot be opened for reading");
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) refuse(path, "cannot be read");
+  if (!S_ISREG(status.st_mode)) throw InputError({path, 0}, "", "is not a regular file");
+  if (static_cast<std::uint64_t>(status.st_size) > largest_bytes) {
+    throw InputError(
+        {path, 0}, "",
+        std::to_string(status.st_size) + " bytes; at most " + std::to_string(largest_bytes) + " are allowed");
+  }
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+  std::size_t have = 0;
+  while (have < bytes.size()) {
+    const ssize_t count = ::read(file.get(), bytes.data() + have, bytes.size() - have);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse(path, "cannot be read");
+    if (count == 0) break;  // cut short while it was read; the header's length will say so
+    have += static_cast<std::size_t>(count);
+  }
+  bytes.resize(have);
+  return bytes;
+}
+
+}  // namespace spindle_twin::rom

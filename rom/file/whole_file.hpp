@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace spindle_twin::rom {
+
+/// Replaces `path` by `bytes` so that a reader sees the old file or the new one, never a part, also over a power cut:
+/// temporary file in the same folder, write, fsync, rename, fsync of the folder. Throws InputError with the system's
+/// reason; then `path` is as it was. Permissions 0644 less the umask.
+void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes);
+void write_whole_file(const std::string& path, const std::string& text);
+
+/// Throws InputError if the file cannot be read or is longer than `largest_bytes`.
+std::vector<std::uint8_t> read_whole_file(const std::string& path, std::uint64_t largest_bytes);
+
+}  // namespace spindle_twin::rom

@@ -1,0 +1,209 @@
+#include "rom/integrate/cvode_stepper.hpp"
+
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "rom/integrate/cholesky_solver.hpp"
+#include "rom/integrate/right_hand_side.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+int right_hand_side(realtype, N_Vector x, N_Vector dx, void* user_data) {
+  static_cast<const RightHandSide*>(user_data)->evaluate(NV_DATA_S(x), NV_DATA_S(dx));
+  return 0;
+}
+
+/// I − γ ∂f/∂x = I + γ K̃, lower triangle.
+int newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix matrix, booleantype, booleantype* fresh, realtype gamma,
+                  void* user_data, N_Vector, N_Vector, N_Vector) {
+  const Eigen::MatrixXd& lower = static_cast<const RightHandSide*>(user_data)->lower();
+  Eigen::Map<Eigen::MatrixXd> target(SUNDenseMatrix_Data(matrix), lower.rows(), lower.cols());
+  target = gamma * lower;
+  target.diagonal().array() += 1.0;
+  *fresh = SUNTRUE;
+  return 0;
+}
+
+/// Failures come back as return values; CVODE's own text would go to stderr from inside the cycle.
+void say_nothing(int, const char*, const char*, char*, void*) {}
+
+bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now, double share) {
+  for (Eigen::Index i = 0; i < now.size(); ++i) {
+    if (std::abs(now[i] - before[i]) > share * std::max(std::abs(now[i]), std::abs(before[i]))) return true;
+  }
+  return false;
+}
+
+struct Release {
+  void operator()(_SUNContext* context) const { SUNContext_Free(&context); }
+  void operator()(_generic_N_Vector* vector) const { N_VDestroy(vector); }
+  void operator()(_generic_SUNMatrix* matrix) const { SUNMatDestroy(matrix); }
+  void operator()(_generic_SUNLinearSolver* solver) const { SUNLinSolFree(solver); }
+  void operator()(void* cvode) const { CVodeFree(&cvode); }
+};
+
+template <class T>
+using Owned = std::unique_ptr<T, Release>;
+
+template <class T>
+Owned<T> own(T* made) {
+  if (made == nullptr) throw std::runtime_error("CVODE cannot allocate its memory");
+  return Owned<T>(made);
+}
+
+Owned<_SUNContext> make_context() {
+  SUNContext context = nullptr;
+  SUNContext_Create(nullptr, &context);
+  return own(context);
+}
+
+}  // namespace
+
+struct CvodeStepper::Impl {
+  Impl(std::shared_ptr<const NetworkOperator> network, const CvodeSettings& chosen);
+  void check(int flag, const char* what) const {
+    if (flag < 0) throw std::runtime_error(std::string("CVODE refuses ") + what);
+  }
+  bool restart();
+  bool inputs_jumped(const BoundaryValues& values) const;
+  StepStatus fail(StepStatus status);
+
+  CvodeSettings settings;
+  RightHandSide rhs;
+  Eigen::VectorXd x;       // CVODE writes here
+  Eigen::VectorXd x_good;  // at temperatures_K
+  Eigen::VectorXd temperatures_K;
+  Eigen::VectorXd candidate_K;
+  BoundaryValues last;
+  bool has_last = false;
+  bool must_restart = true;
+  double time_s = 0.0;
+  long restarts = 0;
+  // The counters of CVODE start at zero with every restart.
+  CvodeCounts before_restart;
+  int last_flag = 0;
+
+  Owned<_SUNContext> context;
+  Owned<_generic_N_Vector> state;
+  Owned<_generic_SUNMatrix> matrix;
+  Owned<_generic_SUNLinearSolver> solver;
+  Owned<void> cvode;
+};
+
+CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const CvodeSettings& chosen)
+    : settings(chosen), rhs(std::move(network)) {
+  const NetworkOperator& op = rhs.network();
+  const Eigen::Index n = op.nodes();
+  x = x_good = Eigen::VectorXd::Zero(n);
+  temperatures_K = candidate_K = Eigen::VectorXd::Zero(n);
+  op.to_temperatures(x, temperatures_K);
+  last.conductance_W_per_m2K = Eigen::VectorXd::Zero(op.conductances());
+  last.heat_W = Eigen::VectorXd::Zero(op.sources());
+  last.environment_K = Eigen::VectorXd::Zero(op.environments());
+  rhs.hold(last);
+
+  context = make_context();
+  state = own(N_VMake_Serial(n, x.data(), context.get()));
+  matrix = own(SUNDenseMatrix(n, n, context.get()));
+  solver = own(make_cholesky_solver(n, context.get()));
+  cvode = own(CVodeCreate(CV_BDF, context.get()));
+  check(CVodeSetErrHandlerFn(cvode.get(), say_nothing, nullptr), "its error handler");
+  check(CVodeInit(cvode.get(), right_hand_side, time_s, state.get()), "its start");
+  check(CVodeSStolerances(cvode.get(), 0.0, settings.tolerance_K * op.internal_per_kelvin()), "its tolerance");
+  check(CVodeSetUserData(cvode.get(), &rhs), "its data");
+  check(CVodeSetLinearSolver(cvode.get(), solver.get(), matrix.get()), "its linear solver");
+  check(CVodeSetLinSysFn(cvode.get(), newton_matrix), "its Newton matrix");
+  check(CVodeSetMaxNumSteps(cvode.get(), settings.max_internal_steps), "its bound on steps");
+}
+
+bool CvodeStepper::Impl::restart() {
+  long steps = 0, calls = 0, setups = 0;
+  CVodeGetNumSteps(cvode.get(), &steps);
+  CVodeGetNumRhsEvals(cvode.get(), &calls);
+  CVodeGetNumLinSolvSetups(cvode.get(), &setups);
+  time_s = 0.0;
+  last_flag = CVodeReInit(cvode.get(), time_s, state.get());
+  if (last_flag < 0) return false;
+  before_restart.internal_steps += steps;
+  before_restart.right_hand_sides += calls;
+  before_restart.factorizations += setups;
+  ++restarts;
+  must_restart = false;
+  return true;
+}
+
+bool CvodeStepper::Impl::inputs_jumped(const BoundaryValues& values) const {
+  return !has_last || jumped(last.heat_W, values.heat_W, settings.jump_share) ||
+         jumped(last.conductance_W_per_m2K, values.conductance_W_per_m2K, settings.jump_share) ||
+         (values.environment_K.size() > 0 &&
+          (values.environment_K - last.environment_K).lpNorm<Eigen::Infinity>() > settings.jump_K);
+}
+
+StepStatus CvodeStepper::Impl::fail(StepStatus status) {
+  x = x_good;
+  must_restart = true;
+  return status;
+}
+
+CvodeStepper::CvodeStepper(std::shared_ptr<const NetworkOperator> network, const CvodeSettings& settings)
+    : impl_(std::make_unique<Impl>(std::move(network), settings)) {}
+
+CvodeStepper::~CvodeStepper() = default;
+
+void CvodeStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
+  impl_->temperatures_K = temperatures_K;
+  impl_->rhs.network().to_internal(temperatures_K, impl_->x);
+  impl_->x_good = impl_->x;
+  impl_->must_restart = true;
+}
+
+StepStatus CvodeStepper::advance(double period_s, const BoundaryValues& values) {
+  Impl& m = *impl_;
+  if (!(period_s > 0.0) || !std::isfinite(period_s)) return StepStatus::integrator_failed;
+  if (!all_finite(values) || !m.x.allFinite()) return StepStatus::not_finite;
+
+  if (m.inputs_jumped(values)) m.must_restart = true;
+  m.rhs.hold(values);
+  m.last.conductance_W_per_m2K = values.conductance_W_per_m2K;
+  m.last.heat_W = values.heat_W;
+  m.last.environment_K = values.environment_K;
+  m.has_last = true;
+
+  if (m.must_restart && !m.restart()) return m.fail(StepStatus::integrator_failed);
+  const double end_s = m.time_s + period_s;
+  m.last_flag = CVodeSetStopTime(m.cvode.get(), end_s);
+  if (m.last_flag >= 0) m.last_flag = CVode(m.cvode.get(), end_s, m.state.get(), &m.time_s, CV_NORMAL);
+  if (m.last_flag < 0) return m.fail(StepStatus::integrator_failed);
+  m.rhs.network().to_temperatures(m.x, m.candidate_K);
+  if (!m.candidate_K.allFinite()) return m.fail(StepStatus::not_finite);
+
+  m.x_good = m.x;
+  m.temperatures_K.swap(m.candidate_K);
+  return StepStatus::ok;
+}
+
+const Eigen::VectorXd& CvodeStepper::temperatures_K() const { return impl_->temperatures_K; }
+
+CvodeCounts CvodeStepper::counts() const {
+  CvodeCounts counts = impl_->before_restart;
+  long steps = 0, calls = 0, setups = 0;
+  CVodeGetNumSteps(impl_->cvode.get(), &steps);
+  CVodeGetNumRhsEvals(impl_->cvode.get(), &calls);
+  CVodeGetNumLinSolvSetups(impl_->cvode.get(), &setups);
+  counts.internal_steps += steps;
+  counts.right_hand_sides += calls;
+  counts.factorizations += setups;
+  counts.restarts = impl_->restarts;
+  counts.last_flag = impl_->last_flag;
+  return counts;
+}
+
+}  // namespace spindle_twin::rom

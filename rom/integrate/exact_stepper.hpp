@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <memory>
+
+#include "rom/integrate/right_hand_side.hpp"
+#include "rom/integrate/stepper.hpp"
+
+namespace spindle_twin::rom {
+
+/// The exact solution for held inputs. With K̃ = V Λ Vᵀ and period h:
+///   x(t+h) = V ( e^(−Λh) Vᵀ x(t) + φ(Λh) h Vᵀ u ),   φ(z) = (1 − e^(−z)) / z, φ(0) = 1
+/// No step-size error for any h: oracle of the tests and fallback of the daemon. An eigendecomposition (about 9 N³
+/// multiply-adds, may allocate) whenever a conductance changes; otherwise two products with V per period.
+class ExactStepper final : public Stepper {
+ public:
+  /// Starts at the network's reference temperature. Allocates.
+  explicit ExactStepper(std::shared_ptr<const NetworkOperator> network);
+
+  void set_temperatures(const Eigen::VectorXd& temperatures_K) override;
+
+  /// period_s > 0 and finite, else integrator_failed. Values sized as the network's boundaries.
+  StepStatus advance(double period_s, const BoundaryValues& values) override;
+  const Eigen::VectorXd& temperatures_K() const override { return temperatures_K_; }
+
+ private:
+  RightHandSide rhs_;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes_;
+  bool decomposed_ = false;
+  Eigen::VectorXd x_;
+  Eigen::VectorXd x_new_;
+  Eigen::VectorXd modal_;
+  Eigen::VectorXd modal_drive_;
+  Eigen::VectorXd temperatures_K_;
+  Eigen::VectorXd candidate_K_;
+};
+
+}  // namespace spindle_twin::rom

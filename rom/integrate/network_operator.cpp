@@ -1,0 +1,103 @@
+#include "rom/integrate/network_operator.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <stdexcept>
+
+namespace spindle_twin::rom {
+namespace {
+
+void require(bool condition, const char* message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+Eigen::VectorXd packed_lower(const Eigen::MatrixXd& symmetric) {
+  const Eigen::Index n = symmetric.rows();
+  Eigen::VectorXd packed(n * (n + 1) / 2);
+  for (Eigen::Index column = 0, at = 0; column < n; at += n - column, ++column) {
+    packed.segment(at, n - column) = symmetric.col(column).tail(n - column);
+  }
+  return packed;
+}
+
+}  // namespace
+
+NetworkOperator::NetworkOperator(const Network& network)
+    : environments_(static_cast<Eigen::Index>(network.boundaries.environments.size())),
+      reference_K_(network.boundaries.reference_temperature_K) {
+  const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
+  const Eigen::Index n = capacity.rows();
+  const auto count = static_cast<Eigen::Index>(network.factors_m.size());
+  require(n > 0 && capacity.cols() == n, "the capacity matrix is not square");
+  require(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
+          "the conduction matrix has not the shape of the capacity matrix");
+  require(network.source_distribution.rows() == n, "the source distribution has not one row per node");
+  require(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
+
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(capacity);
+  require(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
+  capacity_root_ = cholesky.matrixL();
+  const auto root = capacity_root_.triangularView<Eigen::Lower>();
+  internal_per_kelvin_ = std::sqrt(capacity.sum() / static_cast<double>(n));
+
+  Eigen::MatrixXd conduction = network.conduction_W_per_K;
+  root.solveInPlace(conduction);
+  capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(conduction);
+  packed_conduction_ = packed_lower(0.5 * (conduction + conduction.transpose()));
+
+  conductance_terms_.resize(packed_conduction_.size(), count);
+  films_.resize(n, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    Eigen::MatrixXd factor = network.factors_m[static_cast<std::size_t>(j)];
+    require(factor.rows() == n, "a conductance factor has not one row per node");
+    const Eigen::VectorXd column_sums = factor.colwise().sum().transpose();
+    root.solveInPlace(factor);
+    conductance_terms_.col(j) = packed_lower(factor * factor.transpose());
+    const int environment = network.boundaries.conductances[static_cast<std::size_t>(j)].environment;
+    if (environment < 0) continue;
+    require(environment < environments_, "a conductance names an environment that does not exist");
+    films_.col(static_cast<Eigen::Index>(film_environment_.size())) = factor * column_sums;
+    film_conductance_.push_back(j);
+    film_environment_.push_back(environment);
+  }
+  films_.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(film_environment_.size()));
+
+  sources_ = network.source_distribution;
+  root.solveInPlace(sources_);
+}
+
+void NetworkOperator::to_internal(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& x) const {
+  // xᵢ = Lᵀ's row i times the rise; a row of Lᵀ is a column of L.
+  const Eigen::Index n = nodes();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto below = capacity_root_.col(i).tail(n - i);
+    x[i] = below.dot(temperatures_K.tail(n - i)) - below.sum() * reference_K_;
+  }
+}
+
+void NetworkOperator::to_temperatures(const Eigen::VectorXd& x, Eigen::VectorXd& temperatures_K) const {
+  temperatures_K = x;
+  capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace(temperatures_K);
+  temperatures_K.array() += reference_K_;
+}
+
+void NetworkOperator::assemble(const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed,
+                               Eigen::MatrixXd& lower) const {
+  packed = packed_conduction_;
+  packed.noalias() += conductance_terms_ * conductance_W_per_m2K;
+  const Eigen::Index n = nodes();
+  for (Eigen::Index column = 0, at = 0; column < n; at += n - column, ++column) {
+    lower.col(column).tail(n - column) = packed.segment(at, n - column);
+  }
+}
+
+void NetworkOperator::drive(const BoundaryValues& values, Eigen::VectorXd& u) const {
+  u.noalias() = sources_ * values.heat_W;
+  for (std::size_t film = 0; film < film_environment_.size(); ++film) {
+    const double weight = values.conductance_W_per_m2K[film_conductance_[film]] *
+                          (values.environment_K[film_environment_[film]] - reference_K_);
+    u += weight * films_.col(static_cast<Eigen::Index>(film));
+  }
+}
+
+}  // namespace spindle_twin::rom

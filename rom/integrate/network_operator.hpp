@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "rom/boundaries.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::rom {
+
+/// The network in coordinates where its capacity matrix is the identity. With C = L Lᵀ (Cholesky):
+///   x = Lᵀ (T − T_ref),   dx/dt = −K̃(g) x + u
+///   K̃(g) = L⁻¹ (K₀ + Σⱼ gⱼ Fⱼ Fⱼᵀ) L⁻ᵀ                                     [1/s], symmetric, positive semidefinite
+///   u     = Σⱼ gⱼ L⁻¹ Fⱼ Fⱼᵀ 1 (T_env(j) − T_ref) + L⁻¹ B q
+/// |x|² is the capacity-weighted square of the rise, so one scalar tolerance on x means the same at every node.
+/// N states, J conductances. Read-only after construction: several steppers may share one from several threads.
+class NetworkOperator {
+ public:
+  /// Throws std::invalid_argument if C is not positive definite or a matrix has the wrong shape. Allocates.
+  explicit NetworkOperator(const Network& network);
+
+  Eigen::Index nodes() const { return capacity_root_.rows(); }
+  Eigen::Index conductances() const { return conductance_terms_.cols(); }
+  Eigen::Index sources() const { return sources_.cols(); }
+  Eigen::Index environments() const { return environments_; }
+
+  /// Square root of the mean node capacity, sqrt(1ᵀC1 / N) [sqrt(J/K)]: a capacity-weighted root mean square
+  /// temperature error e [K] is a root mean square error e · internal_per_kelvin() in x.
+  double internal_per_kelvin() const { return internal_per_kelvin_; }
+
+  // The following are cycle-safe when their results are already sized N or N x N; none may alias an argument.
+  void to_internal(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& x) const;
+  void to_temperatures(const Eigen::VectorXd& x, Eigen::VectorXd& temperatures_K) const;
+
+  /// Scratch for assemble(), sized by make_packed().
+  Eigen::VectorXd make_packed() const { return packed_conduction_; }
+
+  /// Lower triangle of K̃(g); the strict upper one is left as it is. Costs J N²/2 multiply-adds.
+  void assemble(const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed, Eigen::MatrixXd& lower) const;
+
+  /// u for inputs that are held.
+  void drive(const BoundaryValues& values, Eigen::VectorXd& u) const;
+
+ private:
+  Eigen::MatrixXd capacity_root_;      // L
+  Eigen::VectorXd packed_conduction_;  // columns of the lower triangle of K̃₀, one after another
+  Eigen::MatrixXd conductance_terms_;  // the same of K̃ⱼ, one column each
+  Eigen::MatrixXd films_;              // L⁻¹ Fⱼ Fⱼᵀ 1 of those conductances that have an environment
+  std::vector<Eigen::Index> film_conductance_;
+  std::vector<Eigen::Index> film_environment_;
+  Eigen::MatrixXd sources_;  // L⁻¹ B
+  Eigen::Index environments_ = 0;
+  double reference_K_ = 0.0;
+  double internal_per_kelvin_ = 0.0;
+};
+
+}  // namespace spindle_twin::rom

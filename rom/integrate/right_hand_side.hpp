@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "rom/boundaries.hpp"
+#include "rom/integrate/network_operator.hpp"
+
+namespace spindle_twin::rom {
+
+/// f(x) = −K̃ x + u with the inputs of one cycle held; its Jacobian is −K̃. One per stepper, over a shared operator.
+class RightHandSide {
+ public:
+  explicit RightHandSide(std::shared_ptr<const NetworkOperator> network);
+
+  const NetworkOperator& network() const { return *network_; }
+
+  /// Takes over the inputs of the next period; assembles K̃ only if a conductance differs from the last ones.
+  /// Returns whether it did. Cycle-safe.
+  bool hold(const BoundaryValues& values);
+
+  /// dx = f(x). Cycle-safe; x and dx hold N numbers each and do not overlap.
+  void evaluate(const double* x, double* dx) const;
+
+  /// K̃, lower triangle valid.
+  const Eigen::MatrixXd& lower() const { return lower_; }
+  const Eigen::VectorXd& drive() const { return drive_; }
+
+ private:
+  std::shared_ptr<const NetworkOperator> network_;
+  Eigen::VectorXd assembled_for_W_per_m2K_;
+  bool assembled_ = false;
+  Eigen::VectorXd packed_;
+  Eigen::MatrixXd lower_;
+  Eigen::VectorXd drive_;
+};
+
+/// Whether every input is a finite number. Cycle-safe.
+bool all_finite(const BoundaryValues& values);
+
+}  // namespace spindle_twin::rom
