@@ -1,8 +1,14 @@
-#include <algorithm>
+// GCC sees the box of an empty multi-polygon as uninitialised deep inside Boost; the headers are not ours to mend.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#define BOOST_ALLOW_DEPRECATED_HEADERS
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/multi_polygon.hpp>
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
+#pragma GCC diagnostic pop
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

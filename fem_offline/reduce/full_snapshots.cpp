@@ -1,10 +1,17 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <vector>
 
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/reduce/shifted_factor.hpp"
+
+/// LAPACK: Cholesky factor with complete pivoting of a positive semidefinite matrix.
+extern "C" void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* pivots, int* rank,
+                        const double* tolerance, double* work, int* info, std::size_t uplo_length);
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -74,6 +81,21 @@ void orthonormalise(Eigen::MatrixXd& columns, int threads) {
   }
 }
 
+/// Indices of at most `most` columns, each the farthest from the span of those before it: Cholesky with complete
+/// pivoting of their Gram matrix. Eigen's LDLT pivots on the diagonal it was given, not on what is left of it.
+std::vector<int> most_independent(Eigen::MatrixXd gram, Eigen::Index most) {
+  const int size = static_cast<int>(gram.rows());
+  std::vector<int> pivots(static_cast<std::size_t>(size));
+  std::vector<double> work(2 * static_cast<std::size_t>(size));
+  double stop_below = 1e-15 * gram.diagonal().maxCoeff();
+  int rank = 0, info = 0;
+  dpstrf_("L", &size, gram.data(), &size, pivots.data(), &rank, &stop_below, work.data(), &info, 1);
+  if (info < 0 || rank < 1) throw std::runtime_error("the FE snapshots span nothing");
+  pivots.resize(static_cast<std::size_t>(std::min<Eigen::Index>(rank, most)));
+  for (int& pivot : pivots) --pivot;
+  return pivots;
+}
+
 }  // namespace
 
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
@@ -103,21 +125,13 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   });
   factors.clear();
 
-  // Eigen's LDLT pivots on the largest remaining diagonal: the snapshot farthest from the span of those before it.
-  const Eigen::MatrixXd gram = gram_matrix(snapshots, options.threads);
-  const Eigen::LDLT<Eigen::MatrixXd> greedy(gram);
-  const Eigen::VectorXd distance_squared = greedy.vectorD();
-  const auto order = greedy.transpositionsP();
-  Eigen::VectorXi chosen = Eigen::VectorXi::LinSpaced(snapshots.cols(), 0, static_cast<int>(snapshots.cols()) - 1);
-  chosen = (order * chosen).eval();
-  Eigen::Index count = 0;
-  const Eigen::Index most = std::min<Eigen::Index>(options.rich_states - 1, unknowns - 1);
-  while (count < std::min(most, snapshots.cols()) && distance_squared[count] > 1e-14 * distance_squared[0]) ++count;
+  const std::vector<int> chosen = most_independent(gram_matrix(snapshots, options.threads),
+                                                   std::min<Eigen::Index>(options.rich_states, unknowns) - 1);
+  const Eigen::Index count = static_cast<Eigen::Index>(chosen.size());
 
   RichBasis basis;
   basis.snapshots = static_cast<int>(snapshots.cols());
-  Eigen::MatrixXd kept(unknowns, count);
-  for (Eigen::Index i = 0; i < count; ++i) kept.col(i) = snapshots.col(chosen[i]);
+  Eigen::MatrixXd kept = snapshots(Eigen::all, chosen);
   snapshots.resize(0, 0);
   kept.colwise().normalize();
   orthonormalise(kept, options.threads);

@@ -24,6 +24,7 @@ class FeStepper {
   explicit FeStepper(const AffineModel& model);
   ~FeStepper();
   FeStepper(FeStepper&&) noexcept;
+  FeStepper& operator=(FeStepper&&) noexcept;
 
   void set_temperatures(const Eigen::VectorXd& temperatures_K);
   void set_uniform_temperature(double temperature_K);

@@ -43,20 +43,9 @@ void ModbusDevice::sleep_until(std::int64_t time_ns, const std::atomic<bool>& st
   }
 }
 
-bool ModbusDevice::connect(const std::atomic<bool>& stop) {
-  for (int failures = 0; !stop.load(std::memory_order_relaxed); ++failures) {
-    context_ = std::make_unique<Context>(plan_);
-    if (modbus_connect(context_->modbus) == 0) {
-      spdlog::info("device {}:{} connected", plan_.address, plan_.port);
-      return true;
-    }
-    if (failures == 0) {
-      spdlog::warn("device {}:{} does not answer ({}); trying on", plan_.address, plan_.port, modbus_strerror(errno));
-    }
-    context_.reset();
-    sleep_until(clock_.now_ns() + static_cast<std::int64_t>(1e9 * back_off_s(failures)), stop);
-  }
-  return false;
+bool ModbusDevice::connect() {
+  context_ = std::make_unique<Context>(plan_);
+  return modbus_connect(context_->modbus) == 0;
 }
 
 bool ModbusDevice::poll() {
@@ -82,20 +71,27 @@ bool ModbusDevice::poll() {
 
 void ModbusDevice::run(const std::atomic<bool>& stop) {
   const auto period_ns = static_cast<std::int64_t>(1e9 * plan_.poll_s);
-  while (connect(stop)) {
-    std::int64_t due_ns = clock_.now_ns();
-    while (!stop.load(std::memory_order_relaxed) && poll()) {
-      frame_.connected = true;
-      frames_.write(frame_);
-      due_ns = std::max(due_ns + period_ns, clock_.now_ns());
-      sleep_until(due_ns, stop);
+  int failures = 0;
+  while (!stop.load(std::memory_order_relaxed)) {
+    if (connect()) {
+      std::int64_t due_ns = clock_.now_ns();
+      while (!stop.load(std::memory_order_relaxed) && poll()) {
+        if (!frame_.connected) spdlog::info("device {}:{} answers", plan_.address, plan_.port);
+        failures = 0;
+        frame_.connected = true;
+        frames_.write(frame_);
+        due_ns = std::max(due_ns + period_ns, clock_.now_ns());
+        sleep_until(due_ns, stop);
+      }
     }
-    if (stop.load(std::memory_order_relaxed)) break;
-    spdlog::warn("device {}:{} lost ({})", plan_.address, plan_.port, modbus_strerror(errno));
+    if (stop.load(std::memory_order_relaxed)) return;
+    if (failures == 0) {
+      spdlog::warn("device {}:{} does not answer ({}); trying on", plan_.address, plan_.port, modbus_strerror(errno));
+    }
     frame_.connected = false;
     frames_.write(frame_);
     context_.reset();
-    sleep_until(clock_.now_ns() + static_cast<std::int64_t>(1e9 * back_off_s(0)), stop);
+    sleep_until(clock_.now_ns() + static_cast<std::int64_t>(1e9 * back_off_s(failures++)), stop);
   }
 }
 

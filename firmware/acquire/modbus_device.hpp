@@ -11,7 +11,7 @@
 
 namespace spindle_twin::firmware {
 
-/// Waiting time before attempt `failures` + 1 to connect: 0.1 s, doubled each time, at most 5 s.
+/// Waiting time after so many failures in a row: 0.1 s after the first (`failures` 0), doubled each time, at most 5 s.
 double back_off_s(int failures);
 
 /// Polls a data-acquisition device as Modbus/TCP client (libmodbus) in the thread that calls run().
@@ -28,7 +28,7 @@ class ModbusDevice {
   void run(const std::atomic<bool>& stop);
 
  private:
-  bool connect(const std::atomic<bool>& stop);
+  bool connect();
   bool poll();
   void sleep_until(std::int64_t time_ns, const std::atomic<bool>& stop);
 

@@ -11,7 +11,7 @@ namespace spindle_twin::rom {
 /// within 1e-3 K of the exact solution (tests/rom/steppers_test.cpp).
 struct CvodeSettings {
   /// Local error per internal step, capacity-weighted root mean square over the network. > 0.
-  double tolerance_K = 1e-5;
+  double tolerance_K = 2e-6;
   /// A heat or conductance that changes by more than this share of its larger value between two cycles is a jump.
   double jump_share = 0.02;
   /// An environment that changes by more than this between two cycles is a jump.

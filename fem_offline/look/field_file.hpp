@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "fem_offline/model/discretisation.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// Writes a VTU file with temperature (degC), rise (K), part index and displacement (m; r, z). `displacements_m` is
+/// 2·unknowns long. Throws rom::InputError if the file cannot be written.
+void write_field_file(const std::string& path, const Discretisation<2>& discretisation,
+                      const Eigen::VectorXd& temperatures_K, const Eigen::VectorXd& rises_K,
+                      const Eigen::VectorXd& displacements_m);
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,81 @@
+#include "fem_offline/model/source_terms.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+bool carries(const BoundaryPiece& piece, const HeatShare& share, const Spindle& spindle) {
+  if (piece.part != share.part) return false;
+  if (share.on_contact_with) {
+    if (piece.kind != PieceKind::contact) return false;
+    const Contact& contact = spindle.contacts[piece.index];
+    return (piece.side == 0 ? contact.part_b : contact.part_a) == *share.on_contact_with;
+  }
+  return piece.kind != PieceKind::contact && piece.kind != PieceKind::axis && lies_in(piece, *share.on_face);
+}
+
+/// ∫ N_i over the share's volume or faces, divided by that volume or area.
+Eigen::VectorXd even_spread(const HeatSource& heat, const HeatShare& share, const Spindle& spindle,
+                            const Section& section, const SurfaceRules& rules,
+                            const std::vector<Eigen::VectorXd>& function_volume_m3) {
+  if (!share.on_contact_with && !share.on_face) {
+    const Eigen::VectorXd& volume_m3 = function_volume_m3[share.part];
+    return volume_m3 / volume_m3.sum();
+  }
+  Eigen::VectorXd area_m2 = Eigen::VectorXd::Zero(function_volume_m3[share.part].size());
+  for (std::size_t p = 0; p < section.pieces.size(); ++p) {
+    if (!carries(section.pieces[p], share, spindle)) continue;
+    for (const SurfacePoint& point : rules.pieces[p]) {
+      for (std::size_t i = 0; i < point.trace.dofs.size(); ++i) {
+        area_m2[point.trace.dofs[i]] += point.weight_m2 * point.trace.values[i];
+      }
+    }
+  }
+  if (!(area_m2.sum() > 0.0)) {
+    throw rom::InputError(heat.where, heat.name,
+                          "a share of this heat lies on no face of part '" + spindle.parts[share.part].name + "'");
+  }
+  return area_m2 / area_m2.sum();
+}
+
+/// Heat of each share. [W]
+std::vector<double> shares_W(const HeatSource& heat, const std::vector<Eigen::VectorXd>& function_volume_m3) {
+  double total_W = heat.heat_W.value_or(0.0);
+  for (const std::size_t part : heat.density_over) {
+    total_W += heat.density_W_per_m3.value_or(0.0) * function_volume_m3[part].sum();
+  }
+  const bool by_volume = !heat.heat_W && heat.density_over.empty();
+  std::vector<double> result;
+  for (const HeatShare& share : heat.shares) {
+    const double reference_W =
+        by_volume ? heat.density_W_per_m3.value_or(0.0) * function_volume_m3[share.part].sum() : total_W;
+    result.push_back(share.weight * reference_W);
+  }
+  return result;
+}
+
+}  // namespace
+
+SourceTerms source_terms(const Spindle& spindle, const Section& section, const SurfaceRules& rules, int unknowns,
+                         const std::vector<Eigen::VectorXd>& function_volume_m3) {
+  SourceTerms terms;
+  terms.distribution = Eigen::MatrixXd::Zero(unknowns, static_cast<Eigen::Index>(spindle.heats.size()));
+  for (std::size_t s = 0; s < spindle.heats.size(); ++s) {
+    const HeatSource& heat = spindle.heats[s];
+    const std::vector<double> heat_W = shares_W(heat, function_volume_m3);
+    double total_W = 0.0;
+    for (const double share_W : heat_W) total_W += share_W;
+    auto column = terms.distribution.col(static_cast<Eigen::Index>(s));
+    for (std::size_t i = 0; i < heat.shares.size(); ++i) {
+      const Eigen::VectorXd spread =
+          even_spread(heat, heat.shares[i], spindle, section, rules, function_volume_m3);
+      // A source that is off at the reference state still needs a place to act.
+      const double fraction = total_W > 0.0 ? heat_W[i] / total_W : 1.0 / static_cast<double>(heat.shares.size());
+      column.head(spread.size()) += fraction * spread;
+    }
+    column /= column.sum();
+    terms.sources.push_back({heat.name, total_W, heat.law});
+  }
+  return terms;
+}
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <cmath>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "fem_offline/reduce/verify.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+constexpr double rest_share = 0.25;
+constexpr double coolant_step_share = 1.0 / 3.0;
+constexpr double environment_spread_K = 5.0;
+constexpr double drift_high_K_per_s = 6.0 / 3600.0;
+
+}  // namespace
+
+VerifyCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std::uint32_t index,
+                       const ParameterBox& box) {
+  RandomStream random(seed, StreamPurpose::verification, index);
+  VerifyCase result;
+  result.factors = correction::no_correction(boundaries);
+  result.factors.conductance = random_conductance_factors(boundaries, box, false, random);
+  result.initial_temperature_K =
+      boundaries.reference_temperature_K + random.uniform(-environment_spread_K, environment_spread_K);
+
+  const Eigen::VectorXd base_K = boundaries.operating.environment_K;
+  Eigen::VectorXd start_K = base_K;
+  Eigen::VectorXd drift_K_per_s = Eigen::VectorXd::Zero(base_K.size());
+  for (Eigen::Index i = 0; i < base_K.size(); ++i) {
+    start_K[i] += random.uniform(-environment_spread_K, environment_spread_K);
+    const double drift = random.uniform(-drift_high_K_per_s, drift_high_K_per_s);
+    if (boundaries.environments[static_cast<std::size_t>(i)].kind == rom::EnvironmentKind::ambient) {
+      drift_K_per_s[i] = drift;
+    }
+  }
+
+  const double end_s = random.uniform(3600.0, 7200.0);
+  double time_s = 0.0;
+  while (time_s < end_s) {
+    rom::OperatingState state = boundaries.operating;
+    const bool rest = random.uniform(0.0, 1.0) < rest_share;
+    state.speed_rpm = random.uniform(0.0, box.speed_high_rpm);
+    state.load = random.uniform(0.0, box.load_high);
+    if (rest) state.speed_rpm = state.load = 0.0;
+    const bool coolant_step = random.uniform(0.0, 1.0) < coolant_step_share;
+    for (Eigen::Index i = 0; i < base_K.size(); ++i) {
+      const double step_K = random.uniform(-environment_spread_K, environment_spread_K);
+      const bool coolant = boundaries.environments[static_cast<std::size_t>(i)].kind == rom::EnvironmentKind::coolant;
+      if (coolant && coolant_step) start_K[i] = base_K[i] + step_K;
+    }
+    // Powers of two throughout, so that few step lengths (and factors of the FE matrix) serve a segment.
+    const double drawn_s = random.uniform(60.0, 900.0);
+    const double segment_end_s = time_s + longest_interval_s * std::max(2.0, std::round(drawn_s / longest_interval_s));
+    double since_start_s = 0.0;
+    while (time_s < std::min(segment_end_s, end_s)) {
+      const double duration_s = std::clamp(since_start_s, 1.0, longest_interval_s);
+      state.environment_K = start_K + (time_s + 0.5 * duration_s) * drift_K_per_s;
+      result.intervals.push_back({duration_s, state});
+      since_start_s += duration_s;
+      time_s += duration_s;
+    }
+  }
+  return result;
+}
+
+}  // namespace spindle_twin::fem_offline

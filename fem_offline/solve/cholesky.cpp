@@ -1,0 +1,99 @@
+#include "fem_offline/solve/cholesky.hpp"
+
+#include <cholmod.h>
+
+#include <stdexcept>
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+/// CHOLMOD's settings and workspace; kept alive by every factor that was made with it.
+struct Common {
+  cholmod_common settings;
+  Common() {
+    cholmod_start(&settings);
+    settings.supernodal = CHOLMOD_SUPERNODAL;
+    settings.final_ll = 1;
+    settings.print = 0;
+    settings.error_handler = nullptr;
+    settings.try_catch = 1;
+  }
+  ~Common() { cholmod_finish(&settings); }
+  Common(const Common&) = delete;
+  Common& operator=(const Common&) = delete;
+};
+
+/// CHOLMOD's view of an Eigen matrix; it only reads.
+cholmod_sparse view(const SparseMatrix& lower) {
+  cholmod_sparse sparse{};
+  sparse.nrow = static_cast<std::size_t>(lower.rows());
+  sparse.ncol = static_cast<std::size_t>(lower.cols());
+  sparse.nzmax = static_cast<std::size_t>(lower.nonZeros());
+  sparse.p = const_cast<int*>(lower.outerIndexPtr());
+  sparse.i = const_cast<int*>(lower.innerIndexPtr());
+  sparse.x = const_cast<double*>(lower.valuePtr());
+  sparse.stype = -1;
+  sparse.itype = CHOLMOD_INT;
+  sparse.xtype = CHOLMOD_REAL;
+  sparse.dtype = CHOLMOD_DOUBLE;
+  sparse.sorted = 1;
+  sparse.packed = 1;
+  return sparse;
+}
+
+}  // namespace
+
+struct CholeskyFactor::Impl {
+  Common common;
+  cholmod_factor* factor = nullptr;
+  cholmod_dense* solution = nullptr;
+  cholmod_dense* workspace_y = nullptr;
+  cholmod_dense* workspace_e = nullptr;
+
+  ~Impl() {
+    cholmod_free_dense(&solution, &common.settings);
+    cholmod_free_dense(&workspace_y, &common.settings);
+    cholmod_free_dense(&workspace_e, &common.settings);
+    cholmod_free_factor(&factor, &common.settings);
+  }
+  void factorise(const SparseMatrix& lower) {
+    cholmod_sparse matrix = view(lower);
+    if (!factor || !cholmod_factorize(&matrix, factor, &common.settings) || factor->minor < factor->n) {
+      throw std::runtime_error("the thermal matrix is not positive definite: no film leads to an environment");
+    }
+  }
+};
+
+CholeskyFactor::CholeskyFactor(const SparseMatrix& lower) : impl_(std::make_unique<Impl>()) {
+  cholmod_sparse matrix = view(lower);
+  impl_->factor = cholmod_analyze(&matrix, &impl_->common.settings);
+  impl_->factorise(lower);
+}
+
+CholeskyFactor::CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->factor = cholmod_copy_factor(pattern.impl_->factor, &impl_->common.settings);
+  impl_->factorise(lower);
+}
+
+CholeskyFactor::~CholeskyFactor() = default;
+CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;
+CholeskyFactor& CholeskyFactor::operator=(CholeskyFactor&&) noexcept = default;
+
+void CholeskyFactor::solve(const Eigen::VectorXd& right_hand_side, Eigen::VectorXd& solution) {
+  cholmod_dense given{};
+  given.nrow = static_cast<std::size_t>(right_hand_side.size());
+  given.ncol = 1;
+  given.nzmax = given.nrow;
+  given.d = given.nrow;
+  given.x = const_cast<double*>(right_hand_side.data());
+  given.xtype = CHOLMOD_REAL;
+  given.dtype = CHOLMOD_DOUBLE;
+  if (!cholmod_solve2(CHOLMOD_A, impl_->factor, &given, nullptr, &impl_->solution, nullptr, &impl_->workspace_y,
+                      &impl_->workspace_e, &impl_->common.settings)) {
+    throw std::runtime_error("CHOLMOD could not solve");
+  }
+  solution = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(impl_->solution->x), right_hand_side.size());
+}
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+#include <list>
+#include <numbers>
+
+#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/solve/fe_solver.hpp"
+#include "fem_offline/solve/thermal_system.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
+
+// After a jump the steps start at about this length and then follow the time since the jump, doubling.
+constexpr double first_step_s = 0.7;
+constexpr double share_of_time_since_jump = 1.0 / 3.0;
+// Slower drifts of an environment are no jump.
+constexpr double environment_jump_K = 0.5;
+
+// About 10 MB each; two operating states with all their step lengths.
+constexpr std::size_t most_factors = 16;
+
+struct KeptFactor {
+  double step_s;
+  Eigen::VectorXd conductance_W_per_m2K;
+  CholeskyFactor factor;
+};
+
+}  // namespace
+
+struct FeStepper::Impl {
+  explicit Impl(const AffineModel& model) : system(model) {}
+
+  ThermalSystem system;
+  rom::BoundaryValues held;
+  double since_jump_s = 0.0;
+  Eigen::VectorXd temperatures_K;
+  std::list<KeptFactor> factors;  // the most recent first
+  Eigen::VectorXd load_W, residual_W, stage_K, slope1_K_per_s, slope2_K_per_s;
+
+  void take(const rom::BoundaryValues& values) {
+    const bool is_first = held.heat_W.size() == 0;
+    const bool new_conductances = is_first || held.conductance_W_per_m2K != values.conductance_W_per_m2K;
+    const bool jump = new_conductances || held.heat_W != values.heat_W ||
+                      (held.environment_K - values.environment_K).lpNorm<Eigen::Infinity>() > environment_jump_K;
+    if (new_conductances) system.set_conductances(values.conductance_W_per_m2K);
+    if (jump) since_jump_s = 0.0;
+    held = values;
+    load_W = system.load_W(values, 0.0);
+  }
+
+  CholeskyFactor& factor_for(double step_s) {
+    const auto found = std::find_if(factors.begin(), factors.end(), [&](const KeptFactor& kept) {
+      return kept.step_s == step_s && kept.conductance_W_per_m2K == held.conductance_W_per_m2K;
+    });
+    if (found != factors.end()) {
+      factors.splice(factors.begin(), factors, found);
+      return factors.front().factor;
+    }
+    const SparseMatrix matrix = system.combined_lower(gamma * step_s);
+    CholeskyFactor made = factors.empty() ? CholeskyFactor(matrix) : CholeskyFactor(factors.front().factor, matrix);
+    factors.push_front({step_s, held.conductance_W_per_m2K, std::move(made)});
+    if (factors.size() > most_factors) factors.pop_back();
+    return factors.front().factor;
+  }
+
+  /// (C + γ h K) kᵢ = f − K (T + h Σⱼ<ᵢ aᵢⱼ kⱼ); T += h ((1 − γ) k₁ + γ k₂), stiffly accurate.
+  void step(double step_s) {
+    CholeskyFactor& factor = factor_for(step_s);
+    const auto conduction = system.conduction_lower().selfadjointView<Eigen::Lower>();
+    residual_W.noalias() = load_W - conduction * temperatures_K;
+    factor.solve(residual_W, slope1_K_per_s);
+    stage_K = temperatures_K + (1.0 - gamma) * step_s * slope1_K_per_s;
+    residual_W.noalias() = load_W - conduction * stage_K;
+    factor.solve(residual_W, slope2_K_per_s);
+    temperatures_K = stage_K + gamma * step_s * slope2_K_per_s;
+  }
+};
+
+FeStepper::FeStepper(const AffineModel& model) : impl_(std::make_unique<Impl>(model)) {
+  set_uniform_temperature(model.boundaries.reference_temperature_K);
+}
+FeStepper::~FeStepper() = default;
+FeStepper::FeStepper(FeStepper&&) noexcept = default;
+FeStepper& FeStepper::operator=(FeStepper&&) noexcept = default;
+
+void FeStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
+  impl_->temperatures_K = temperatures_K;
+  impl_->since_jump_s = 0.0;
+}
+
+void FeStepper::set_uniform_temperature(double temperature_K) {
+  set_temperatures(Eigen::VectorXd::Constant(impl_->system.capacity_lower().rows(), temperature_K));
+}
+
+void FeStepper::advance(double period_s, double max_step_s, const rom::BoundaryValues& values) {
+  if (period_s <= 0.0) return;
+  impl_->take(values);
+  // All steps are longest / 2^k on one grid of ticks, so that few factors serve them all.
+  const auto longest_count = static_cast<long>(std::ceil(period_s / max_step_s - 1e-9));
+  const double longest_s = period_s / static_cast<double>(longest_count);
+  const int levels = std::clamp(static_cast<int>(std::ceil(std::log2(longest_s / first_step_s))), 0, 8);
+  const long longest_ticks = 1L << levels;
+  const double tick_s = longest_s / static_cast<double>(longest_ticks);
+  const long end = longest_count * longest_ticks;
+  for (long at = 0; at < end;) {
+    const double wanted_s = share_of_time_since_jump * impl_->since_jump_s * (1.0 + 1e-9);
+    long ticks = longest_ticks;
+    while (ticks > 1 && (at % ticks != 0 || static_cast<double>(ticks) * tick_s > wanted_s)) ticks /= 2;
+    const double step_s = static_cast<double>(ticks) * tick_s;
+    impl_->step(step_s);
+    impl_->since_jump_s += step_s;
+    at += ticks;
+  }
+}
+
+const Eigen::VectorXd& FeStepper::temperatures_K() const { return impl_->temperatures_K; }
+
+}  // namespace spindle_twin::fem_offline

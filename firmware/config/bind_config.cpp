@@ -1,0 +1,94 @@
+#include <algorithm>
+
+#include "firmware/config/config.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+template <class Named>
+std::string names_of(const std::vector<Named>& things) {
+  std::string text;
+  for (const Named& thing : things) text += (text.empty() ? "" : ", ") + thing.name;
+  return text;
+}
+
+template <class Named>
+std::size_t find_by_name(const std::vector<Named>& things, const std::string& name, const char* kind,
+                         const rom::SourceLine& where, const std::string& field) {
+  const auto found = std::find_if(things.begin(), things.end(), [&](const Named& thing) { return thing.name == name; });
+  if (found == things.end()) {
+    throw rom::InputError(where, field,
+                          "the network has no " + std::string(kind) + " \"" + name + "\"; it has " + names_of(things));
+  }
+  return static_cast<std::size_t>(found - things.begin());
+}
+
+void check_room(const Config& config, const char* what, std::size_t has, std::size_t room) {
+  if (has <= room) return;
+  throw rom::InputError(
+      config.network_where, "network",
+      "has " + std::to_string(has) + " " + what + ", the register map has room for " + std::to_string(room));
+}
+
+void check_network(const Config& config, const rom::Network& network) {
+  check_room(config, "key points", network.key_points.size(), slots::key_points);
+  check_room(config, "parts", network.parts.size(), slots::parts);
+  check_room(config, "heat sources", network.boundaries.sources.size(), slots::sources);
+  check_room(config, "contacts and films", network.boundaries.conductances.size(), slots::conductances);
+  check_room(config, "deformation outputs", network.deformations.size(), slots::deformations);
+  if (network.deformations.empty()) {
+    throw rom::InputError(config.network_where, "network", "has no deformation output, so there is no nose elongation");
+  }
+}
+
+Channel sensor_channel(const ConfiguredSensor& sensor, std::size_t key_point) {
+  Channel channel{Channel::Kind::sensor, key_point, sensor.source};
+  channel.source.offset += zero_degC_K;
+  return channel;
+}
+
+}  // namespace
+
+DaemonPlan bind_config(const Config& config, const rom::Network& network) {
+  check_network(config, network);
+  DaemonPlan plan{config.cycle, config.device, config.serve};
+  for (const ConfiguredSensor& sensor : config.sensors) {
+    const std::size_t k = find_by_name(network.key_points, sensor.key_point, "key point", sensor.where, sensor.field);
+    SensorPlan& slot = plan.cycle.sensors[k];
+    if (slot.configured) {
+      throw rom::InputError(sensor.where, sensor.field, "\"" + sensor.key_point + "\" has a sensor already");
+    }
+    slot = {true, sensor.min_degC + zero_degC_K, sensor.max_degC + zero_degC_K, sensor.stale_after_s};
+    plan.device.channels.push_back(sensor_channel(sensor, k));
+  }
+  for (std::size_t s = 0; s < signal_count; ++s) {
+    plan.cycle.signals[s] = config.signals[s].plan;
+    if (config.signals[s].source) {
+      plan.device.channels.push_back({Channel::Kind::signal, s, *config.signals[s].source});
+    }
+  }
+  if (!plan.cycle.paper) return plan;
+  for (const ConfiguredGroup& configured : config.groups) {
+    correction::HeatGroup group{configured.name, {}, {}};
+    for (const std::string& sensor : configured.sensors) {
+      const std::size_t k = find_by_name(network.key_points, sensor, "key point", configured.where, configured.field);
+      if (!plan.cycle.sensors[k].configured) {
+        throw rom::InputError(configured.where, configured.field, "key point \"" + sensor + "\" has no [[sensor]]");
+      }
+      group.key_points.push_back(static_cast<int>(k));
+    }
+    for (const std::string& source : configured.sources) {
+      group.sources.push_back(static_cast<int>(
+          find_by_name(network.boundaries.sources, source, "heat source", configured.where, configured.field)));
+    }
+    plan.cycle.paper->groups.push_back(group);
+  }
+  if (plan.cycle.paper->groups.empty()) {
+    correction::HeatGroup all = correction::common_heat_group(network).front();
+    std::erase_if(all.key_points, [&](int k) { return !plan.cycle.sensors[static_cast<std::size_t>(k)].configured; });
+    plan.cycle.paper->groups.push_back(all);
+  }
+  return plan;
+}
+
+}  // namespace spindle_twin::firmware

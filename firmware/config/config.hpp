@@ -1,0 +1,77 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/acquire/read_plan.hpp"
+#include "firmware/cycle/plan.hpp"
+#include "firmware/serve/allow_list.hpp"
+#include "rom/network.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::firmware {
+
+struct ServePlan {
+  std::string address = "127.0.0.1";  ///< IPv4 to listen on
+  int port = 502;                     ///< 0 takes a free one (tests)
+  std::vector<AddressRange> allow;    ///< clients that are answered
+  int connections = 32;               ///< at most at once
+  double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
+};
+
+struct ConfiguredSensor {
+  std::string key_point;
+  rom::SourceLine where;
+  std::string field;
+  RegisterSource source;  ///< to degC
+  double min_degC = -20.0;
+  double max_degC = 150.0;
+  double stale_after_s = 3.0;
+};
+
+struct ConfiguredSignal {
+  SignalPlan plan;                       ///< in K, rpm, fraction
+  std::optional<RegisterSource> source;  ///< of a device signal, to degC, rpm, fraction
+};
+
+struct ConfiguredGroup {
+  std::string name;
+  rom::SourceLine where;
+  std::string field;
+  std::vector<std::string> sensors;
+  std::vector<std::string> sources;
+};
+
+/// The configuration file as it stands, checked as far as that goes without the network.
+struct Config {
+  std::string path;
+  std::string network_path;  ///< relative to the configuration file's folder
+  rom::SourceLine network_where;
+  std::string log_level = "info";
+  std::string history_path;  ///< empty: none
+  ServePlan serve;
+  bool has_device = false;
+  DevicePlan device;  ///< without channels
+  CyclePlan cycle;    ///< without sensors and signals that need the network
+  std::vector<ConfiguredSensor> sensors;
+  std::array<ConfiguredSignal, signal_count> signals;
+  std::vector<ConfiguredGroup> groups;
+};
+
+/// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.
+Config read_config(const std::string& path);
+Config parse_config(const std::string& text, const std::string& path);
+
+/// What the daemon's parts are made from.
+struct DaemonPlan {
+  CyclePlan cycle;
+  DevicePlan device;
+  ServePlan serve;
+};
+
+/// Finds the configuration's names in the network. Throws rom::InputError for a sensor or source that the network does
+/// not have (its message lists those it has) and for a network with more outputs than the register map has room for.
+DaemonPlan bind_config(const Config& config, const rom::Network& network);
+
+}  // namespace spindle_twin::firmware

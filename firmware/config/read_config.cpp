@@ -1,0 +1,185 @@
+#include <arpa/inet.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "firmware/config/config.hpp"
+#include "firmware/config/read_correction.hpp"
+#include "rom/read/strict_toml.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+using rom::TomlTable;
+
+constexpr double coldest_degC = -50.0;
+constexpr double hottest_degC = 300.0;
+
+std::string beside(const std::string& config_path, const std::string& path) {
+  return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
+}
+
+std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
+  const std::string address = table.string_or("address", otherwise);
+  in_addr parsed{};
+  if (inet_pton(AF_INET, address.c_str(), &parsed) != 1) {
+    table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");
+  }
+  return address;
+}
+
+RegisterSource read_source(const TomlTable& table) {
+  RegisterSource source;
+  source.address = static_cast<std::uint16_t>(table.integer("register", 0, 65534));
+  source.table = table.choice_or("table", "input", {"input", "holding"}) == "input" ? RegisterTable::input
+                                                                                    : RegisterTable::holding;
+  source.type = *register_type_of(
+      table.choice_or("type", "int16", {"int16", "uint16", "offset16", "int32", "uint32", "float32", "float32_cdab"}));
+  source.scale = table.number_or("scale", 1.0);
+  source.offset = table.number_or("offset", 0.0);
+  return source;
+}
+
+/// To SI: x_SI = x · factor + shift.
+struct Unit {
+  double factor = 1.0;
+  double shift = 0.0;
+};
+
+RegisterSource to_si(RegisterSource source, Unit unit) {
+  source.scale *= unit.factor;
+  source.offset = source.offset * unit.factor + unit.shift;
+  return source;
+}
+
+struct SignalRules {
+  const char* name;
+  double first;  ///< used until the first good reading, in the configuration's unit
+  double min;
+  double max;
+  Unit unit;
+};
+
+ConfiguredSignal read_signal(const TomlTable& signals, const SignalRules& rules, bool has_device) {
+  ConfiguredSignal signal;
+  const TomlTable table = signals.table(rules.name);
+  const std::string from = table.choice("source", {"device", "plc", "constant"});
+  double first = rules.first;
+  if (from == "constant") {
+    signal.plan.source = SignalSource::constant;
+    first = table.number("value", rom::between(rules.min, rules.max));
+  } else {
+    signal.plan.source = from == "device" ? SignalSource::device : SignalSource::plc;
+    signal.plan.stale_after_s = table.number_or("stale_after_s", from == "device" ? 3.0 : 0.0, rom::not_negative);
+    first = table.number_or("first", rules.first, rom::between(rules.min, rules.max));
+  }
+  if (from == "device") {
+    if (!has_device) table.fail("source", "is \"device\", but there is no [device] table");
+    signal.source = to_si(read_source(table), rules.unit);
+  }
+  const auto si = [&](double value) { return value * rules.unit.factor + rules.unit.shift; };
+  signal.plan.value = si(first);
+  signal.plan.min = si(rules.min);
+  signal.plan.max = si(rules.max);
+  return signal;
+}
+
+ServePlan read_serve(const TomlTable& table) {
+  ServePlan serve;
+  serve.address = read_ipv4(table, serve.address);
+  serve.port = static_cast<int>(table.integer_or("port", serve.port, 1, 65535));
+  serve.connections = static_cast<int>(table.integer_or("connections", serve.connections, 1, 256));
+  serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
+  const std::vector<std::string> allow =
+      table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
+  for (const std::string& entry : allow) {
+    const auto range = parse_address_range(entry);
+    if (!range)
+      table.fail("allow", "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
+    serve.allow.push_back(*range);
+  }
+  return serve;
+}
+
+DevicePlan read_device(const TomlTable& table, double clock_rate) {
+  DevicePlan device;
+  device.address = read_ipv4(table, device.address);
+  device.port = static_cast<int>(table.integer_or("port", device.port, 1, 65535));
+  device.unit = static_cast<int>(table.integer_or("unit", device.unit, 0, 255));
+  device.poll_s = table.number_or("poll_s", device.poll_s, rom::between(0.01, 3600.0)) / clock_rate;
+  device.timeout_s = table.number_or("timeout_s", device.timeout_s, rom::between(0.01, 10.0));
+  return device;
+}
+
+ConfiguredSensor read_sensor(const TomlTable& table) {
+  ConfiguredSensor sensor;
+  sensor.key_point = table.string("key_point");
+  sensor.where = table.where("key_point");
+  sensor.field = table.path("key_point");
+  sensor.source = read_source(table);
+  sensor.min_degC = table.number_or("min_degC", sensor.min_degC, rom::between(coldest_degC, hottest_degC));
+  sensor.max_degC = table.number_or("max_degC", sensor.max_degC, rom::between(coldest_degC, hottest_degC));
+  if (sensor.max_degC <= sensor.min_degC) table.fail("max_degC", "must be above min_degC");
+  sensor.stale_after_s = table.number_or("stale_after_s", sensor.stale_after_s, rom::positive);
+  return sensor;
+}
+
+Config read_root(const TomlTable& root, const std::string& path) {
+  Config config;
+  config.path = path;
+  config.network_path = beside(path, root.string("network"));
+  config.network_where = root.where("network");
+  config.log_level = root.choice_or("log_level", config.log_level, {"debug", "info", "warning", "error"});
+
+  if (const auto cycle = root.optional_table("cycle")) {
+    config.cycle.period_s = cycle->number_or("period_s", config.cycle.period_s, rom::between(0.01, 60.0));
+    config.cycle.clock_rate = cycle->number_or("clock_rate", config.cycle.clock_rate, rom::between(0.1, 1000.0));
+    config.cycle.compare_uncorrected = cycle->boolean_or("compare_uncorrected", config.cycle.compare_uncorrected);
+    const double period_s = config.cycle.period_s / config.cycle.clock_rate;
+    if (period_s < 0.001) {
+      cycle->fail("clock_rate", "period_s / clock_rate must be at least 0.001 s, is " + std::to_string(period_s));
+    }
+  }
+  config.serve = read_serve(root.table("serve"));
+  if (const auto device = root.optional_table("device")) {
+    config.has_device = true;
+    config.device = read_device(*device, config.cycle.clock_rate);
+  }
+  for (const TomlTable& table : root.tables_or_empty("sensor")) {
+    if (!config.has_device) table.fail("key_point", "sensors need a [device] table");
+    config.sensors.push_back(read_sensor(table));
+  }
+
+  const TomlTable signals = root.table("signals");
+  const Unit celsius{1.0, zero_degC_K};
+  const std::array<SignalRules, signal_count> rules{{{"speed", 0.0, -200000.0, 200000.0, {}},
+                                                     {"load", 0.0, -10.0, 10.0, {}},
+                                                     {"coolant", 20.0, coldest_degC, hottest_degC, celsius},
+                                                     {"ambient", 20.0, coldest_degC, hottest_degC, celsius}}};
+  for (std::size_t s = 0; s < signal_count; ++s) config.signals[s] = read_signal(signals, rules[s], config.has_device);
+
+  if (const auto correction = root.optional_table("correction")) read_correction(*correction, config);
+
+  const auto start = root.optional_table("start");
+  if (start && start->has("temperature_degC")) {
+    config.cycle.start_temperature_K =
+        start->number("temperature_degC", rom::between(coldest_degC, hottest_degC)) + zero_degC_K;
+  } else if (config.sensors.empty()) {
+    root.fail("start", "temperature_degC is required here when there is no sensor to start from");
+  }
+  if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
+
+  if (const auto history = root.optional_table("history")) config.history_path = beside(path, history->string("path"));
+  root.finish();
+  return config;
+}
+
+}  // namespace
+
+Config read_config(const std::string& path) { return read_root(TomlTable::read(path), path); }
+
+Config parse_config(const std::string& text, const std::string& path) {
+  return read_root(TomlTable::parse(text, path), path);
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,105 @@
+#include "firmware/keep/history.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <thread>
+
+namespace spindle_twin::firmware {
+namespace {
+
+template <class Named>
+void add_names(std::string& header, const char* prefix, const std::vector<Named>& things, const char* unit) {
+  for (const Named& thing : things) {
+    header += ',';
+    header += prefix;
+    header += thing.name;
+    header += unit;
+  }
+}
+
+void add(std::string& row, double value) {
+  row += ',';
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(row), "{:.9g}", value);
+}
+
+template <std::size_t room>
+void add_values(std::string& row, const std::array<double, room>& values, std::size_t count, double shift,
+                double scale) {
+  for (std::size_t i = 0; i < count; ++i) add(row, (values[i] + shift) * scale);
+}
+
+}  // namespace
+
+std::string history_header(const rom::Network& network) {
+  std::string header =
+      "time_s,sequence,state,quality,fault,overruns,correction_enabled,correction_count,correction_freeze,data_age_s,"
+      "speed_rpm,load,coolant_degC,ambient_degC,nose_um,nose_uncorrected_um,tare_um";
+  add_names(header, "measured.", network.key_points, "_degC");
+  add_names(header, "predicted.", network.key_points, "_degC");
+  add_names(header, "uncorrected.", network.key_points, "_degC");
+  add_names(header, "part_maximum.", network.parts, "_degC");
+  add_names(header, "deformation.", network.deformations, "_um");
+  add_names(header, "heat_factor.", network.boundaries.sources, "");
+  add_names(header, "conductance_factor.", network.boundaries.conductances, "");
+  return header;
+}
+
+std::string history_row(const Snapshot& snapshot) {
+  constexpr double um_per_m = 1e6;
+  std::string row =
+      fmt::format("{:.9g},{},{},{},{},{},{},{},{}", snapshot.model_time_s, snapshot.sequence, bits(snapshot.state),
+                  snapshot.quality, snapshot.fault, snapshot.overruns, snapshot.correction_enabled ? 1 : 0,
+                  snapshot.correction_count, snapshot.correction_freeze);
+  add(row, snapshot.data_age_s);
+  add(row, snapshot.signals[0]);
+  add(row, snapshot.signals[1]);
+  add(row, snapshot.signals[2] - zero_degC_K);
+  add(row, snapshot.signals[3] - zero_degC_K);
+  add(row, um_per_m * snapshot.nose_m);
+  add(row, um_per_m * snapshot.nose_uncorrected_m);
+  add(row, um_per_m * snapshot.tare_m);
+  add_values(row, snapshot.measured_K, snapshot.key_points, -zero_degC_K, 1.0);
+  add_values(row, snapshot.predicted_K, snapshot.key_points, -zero_degC_K, 1.0);
+  add_values(row, snapshot.uncorrected_K, snapshot.key_points, -zero_degC_K, 1.0);
+  add_values(row, snapshot.part_maximum_K, snapshot.parts, -zero_degC_K, 1.0);
+  add_values(row, snapshot.deformation_m, snapshot.deformations, 0.0, um_per_m);
+  add_values(row, snapshot.heat_factor, snapshot.sources, 0.0, 1.0);
+  add_values(row, snapshot.conductance_factor, snapshot.conductances, 0.0, 1.0);
+  return row;
+}
+
+History::History(const std::string& path, const rom::Network& network)
+    : file_(std::fopen(path.c_str(), "we")), path_(path) {
+  if (!file_) {
+    throw rom::InputError({path, 0}, "history.path", std::string("cannot be written: ") + std::strerror(errno));
+  }
+  std::fprintf(file_.get(), "%s\n", history_header(network).c_str());
+}
+
+void History::drain() {
+  Snapshot snapshot;
+  while (ring_.pop(snapshot)) std::fprintf(file_.get(), "%s\n", history_row(snapshot).c_str());
+  std::fflush(file_.get());
+}
+
+void History::run(const std::atomic<bool>& stop) {
+  bool complained = false;
+  while (!stop.load(std::memory_order_acquire)) {
+    drain();
+    if (std::ferror(file_.get()) != 0 && !complained) {
+      spdlog::error("history {}: cannot be written, rows are lost", path_);
+      complained = true;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  drain();
+  if (const std::uint64_t lost = lost_.load(); lost > 0) spdlog::warn("history {}: {} rows lost", path_, lost);
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,59 @@
+#include "firmware/serve/command_registers.hpp"
+
+#include <cmath>
+
+#include "firmware/serve/pack.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+bool touches(WriteRange written, Register which) {
+  const RegisterEntry& entry = entry_of(which);
+  return written.address < entry.address + words_of(entry.type) && entry.address < written.address + written.count;
+}
+
+CorrectionOrder correction_order(double value) {
+  if (std::isnan(value)) return CorrectionOrder::as_configured;
+  return value == 0.0 ? CorrectionOrder::off : CorrectionOrder::on;
+}
+
+}  // namespace
+
+WriteRange writable_registers() { return {command_block().address, command_block().length}; }
+
+void clear_commands(RegisterImage& image) {
+  for (const Register which : {Register::command_speed, Register::command_load, Register::command_coolant,
+                               Register::command_ambient, Register::command_correction}) {
+    put_not_present(image, which);
+  }
+  put(image, Register::command_tare, 0.0);
+}
+
+void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image, PlcCommand& command) {
+  struct Way {
+    Register from;
+    Signal to;
+    double scale;
+    double shift;
+  };
+  constexpr std::array<Way, signal_count> ways{{{Register::command_speed, Signal::speed, 1.0, 0.0},
+                                                {Register::command_load, Signal::load, 0.01, 0.0},
+                                                {Register::command_coolant, Signal::coolant, 1.0, zero_degC_K},
+                                                {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K}}};
+  for (const Way& way : ways) {
+    if (!touches(written, way.from)) continue;
+    command.signals[static_cast<std::size_t>(way.to)] = {get(image, way.from) * way.scale + way.shift, now_ns};
+  }
+  if (touches(written, Register::command_correction)) {
+    command.correction = correction_order(get(image, Register::command_correction));
+  }
+  if (!touches(written, Register::command_tare)) return;
+  const double order = get(image, Register::command_tare);
+  if (order == 1.0 || order == 2.0) {
+    command.tare_order = order == 1.0 ? TareOrder::take : TareOrder::clear;
+    ++command.tare_orders;
+  }
+  put(image, Register::command_tare, 0.0);
+}
+
+}  // namespace spindle_twin::firmware

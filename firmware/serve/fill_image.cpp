@@ -1,0 +1,106 @@
+#include "firmware/serve/fill_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/serve/pack.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+/// put() that remembers whether anything was clipped.
+struct Filler {
+  RegisterImage& image;
+  bool clipped = false;
+
+  void value(Register which, double number, int slot = 0) { clipped = !put(image, which, number, slot) || clipped; }
+
+  template <std::size_t room>
+  void values(Register which, const std::array<double, room>& numbers, double shift = 0.0, double scale = 1.0) {
+    for (std::size_t slot = 0; slot < room; ++slot) {
+      value(which, (numbers[slot] + shift) * scale, static_cast<int>(slot));
+    }
+  }
+};
+
+constexpr double um_per_m = 1e6;
+
+void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
+  fill.value(Register::known_uint16, 0x1234);
+  fill.value(Register::known_int16, -125);
+  fill.value(Register::known_float32, -12.5);
+  fill.value(Register::known_float32_cdab, -12.5);
+  fill.value(Register::map_version, register_map_version);
+  // The heartbeat wraps over all 16 bits, so it alone uses the not-present value too.
+  fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
+  for (const Register which :
+       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence}) {
+    fill.value(which, snapshot.sequence);
+  }
+  fill.value(Register::state, static_cast<double>(snapshot.state));
+  fill.value(Register::fault, snapshot.fault);
+  const double age_s = snapshot.time_ns == 0 ? not_a_value : 1e-9 * static_cast<double>(now_ns - snapshot.time_ns);
+  // An age at its end says so itself; it is no clipped prediction.
+  put(fill.image, Register::prediction_age, std::max(0.0, age_s));
+  put(fill.image, Register::data_age, snapshot.data_age_s);
+  fill.value(Register::tare_count, snapshot.tare_count % 65535);
+  fill.value(Register::correction_count, snapshot.correction_count % 65535);
+  fill.value(Register::overruns, snapshot.overruns);
+  fill.value(Register::model_time, snapshot.model_time_s);
+  fill.value(Register::deformation_count, static_cast<double>(snapshot.deformations));
+  fill.value(Register::key_point_count, static_cast<double>(snapshot.key_points));
+  fill.value(Register::part_count, static_cast<double>(snapshot.parts));
+  fill.value(Register::source_count, static_cast<double>(snapshot.sources));
+  fill.value(Register::conductance_count, static_cast<double>(snapshot.conductances));
+  fill.value(Register::correction_enabled, snapshot.correction_enabled ? 1.0 : 0.0);
+  fill.value(Register::correction_freeze, snapshot.correction_configured ? snapshot.correction_freeze : not_a_value);
+  for (int slot = 0; slot < entry_of(Register::reserved).slots; ++slot) {
+    put_not_present(fill.image, Register::reserved, slot);
+  }
+  const auto signal = [&](Signal which) { return snapshot.signals[static_cast<std::size_t>(which)]; };
+  fill.value(Register::speed, std::abs(signal(Signal::speed)));
+  fill.value(Register::load, 100.0 * signal(Signal::load));
+  fill.value(Register::coolant_temperature, signal(Signal::coolant) - zero_degC_K);
+  fill.value(Register::ambient_temperature, signal(Signal::ambient) - zero_degC_K);
+}
+
+void fill_nose(const Snapshot& snapshot, Filler& fill) {
+  const double nose_um = um_per_m * snapshot.nose_m;
+  for (const Register which : {Register::nose_int16, Register::nose_offset16, Register::nose_int32,
+                               Register::nose_float32, Register::nose_float32_cdab}) {
+    fill.value(which, nose_um);
+  }
+  fill.value(Register::nose_uncorrected, um_per_m * snapshot.nose_uncorrected_m);
+  fill.value(Register::tare, um_per_m * snapshot.tare_m);
+  fill.values(Register::deformation, snapshot.deformation_m, 0.0, um_per_m);
+  fill.values(Register::deformation_float32, snapshot.deformation_m, 0.0, um_per_m);
+}
+
+void fill_temperatures(const Snapshot& snapshot, Filler& fill) {
+  fill.values(Register::key_point_measured, snapshot.measured_K, -zero_degC_K);
+  fill.values(Register::key_point_predicted, snapshot.predicted_K, -zero_degC_K);
+  fill.values(Register::key_point_uncorrected, snapshot.uncorrected_K, -zero_degC_K);
+  fill.values(Register::key_point_measured_float32, snapshot.measured_K, -zero_degC_K);
+  fill.values(Register::key_point_predicted_float32, snapshot.predicted_K, -zero_degC_K);
+  fill.values(Register::key_point_uncorrected_float32, snapshot.uncorrected_K, -zero_degC_K);
+  fill.values(Register::part_maximum, snapshot.part_maximum_K, -zero_degC_K);
+  fill.values(Register::part_maximum_float32, snapshot.part_maximum_K, -zero_degC_K);
+  for (std::size_t k = 0; k < slots::key_points; ++k) {
+    fill.value(Register::sensor_quality, static_cast<double>(snapshot.sensor_quality[k]), static_cast<int>(k));
+  }
+}
+
+}  // namespace
+
+void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
+  Filler fill{image};
+  fill_status(snapshot, now_ns, fill);
+  fill_nose(snapshot, fill);
+  fill_temperatures(snapshot, fill);
+  fill.values(Register::heat_factor, snapshot.heat_factor);
+  fill.values(Register::conductance_factor, snapshot.conductance_factor);
+  const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
+  put(image, Register::quality, quality);
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace spindle_twin::firmware {
+
+inline constexpr std::size_t mbap_bytes = 7;       ///< transaction, protocol, length, unit
+inline constexpr std::size_t longest_frame = 260;  ///< MBAP + 253 bytes of PDU
+
+/// What becomes of the bytes at the front of a connection.
+enum class Verdict {
+  wait,       ///< the frame is not whole: `bytes` must be there before it is worth looking again
+  close,      ///< not Modbus/TCP; where the next frame begins is unknown
+  hand_over,  ///< a whole, well-formed request of `bytes` for libmodbus
+  identify,   ///< a whole device identification request (FC43/14), which libmodbus does not know
+  refuse,     ///< a whole frame to be answered with `exception`
+};
+
+/// A run of holding registers that a request writes.
+struct WriteRange {
+  int address = 0;
+  int count = 0;  ///< 0: the request writes nothing
+};
+
+struct Gate {
+  Verdict verdict = Verdict::wait;
+  std::size_t bytes = 0;
+  std::uint8_t exception = 0;  ///< Modbus exception code
+  WriteRange write;
+};
+
+/// Judges the frame at the front of `received` (what is there so far) before libmodbus sees any of it, because its
+/// server reads a frame by blocking and believes the header: a frame that stays half, a wrong length or a function it
+/// does not know would hold up every client. In this order: protocol id 0, length 2 to 254, frame whole, unit 0, 1 or
+/// 255 (else exception 11), function 3, 4, 6, 16, 22, 23 or 43/14 (else 1), the length and quantity that the function
+/// allows (else 3), writes inside `writable` (else 2).
+Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable);
+
+}  // namespace spindle_twin::firmware

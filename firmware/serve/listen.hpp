@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+namespace spindle_twin::firmware {
+
+/// A non-blocking listening TCP socket with a backlog of 128: a burst of clients at a machine's start is not turned
+/// away. Throws rom::InputError naming address, port and reason.
+int listen_on(const std::string& address, int port);
+
+int port_of(int socket);
+
+/// Answers at once (TCP_NODELAY) and notices clients that are gone (keep-alive, about 25 s), so that power-cycled
+/// controllers do not use up the connections.
+void make_quick(int socket);
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,232 @@
+#include "firmware/serve/modbus_server.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <new>
+
+#include "firmware/serve/command_registers.hpp"
+#include "firmware/serve/device_identification.hpp"
+#include "firmware/serve/fill_image.hpp"
+#include "firmware/serve/listen.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+/// libmodbus keeps descriptors in an fd_set.
+constexpr int descriptor_limit = 1024;
+
+/// Input registers end where the command block, which is the last one, begins.
+constexpr int input_registers() {
+  int end = 0;
+  for (const RegisterBlock& block : register_blocks) {
+    if (!block.command) end = std::max(end, block.address + block.length);
+  }
+  return end;
+}
+
+bool can_take_an_answer(int socket) {
+  pollfd writable{socket, POLLOUT, 0};
+  return poll(&writable, 1, 0) == 1 && (writable.revents & POLLOUT) != 0;
+}
+
+}  // namespace
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) close(fd_);
+}
+
+ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots,
+                           Latest<PlcCommand>& commands)
+    : plan_(plan),
+      clock_(clock),
+      snapshots_(snapshots),
+      commands_(commands),
+      listener_(listen_on(plan.address, plan.port)),
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      modbus_(modbus_new_tcp(nullptr, 0)),
+      mapping_(modbus_mapping_new(0, 0, static_cast<int>(image_size()), input_registers())) {
+  if (modbus_ == nullptr || mapping_ == nullptr || wake_.get() < 0) throw std::bad_alloc();
+  // libmodbus sleeps for the response timeout before some of its exceptions; a whole frame is there, so the byte
+  // timeout has nothing to wait for either.
+  modbus_set_response_timeout(modbus_, 0, 1);
+  modbus_set_byte_timeout(modbus_, 0, 0);
+  modbus_set_indication_timeout(modbus_, 0, 1000);
+  modbus_set_error_recovery(modbus_, MODBUS_ERROR_RECOVERY_NONE);
+  connections_.reserve(static_cast<std::size_t>(plan.connections));
+  clear_commands(image_);
+  const WriteRange writable = writable_registers();
+  std::copy_n(image_.begin() + writable.address, writable.count, mapping_->tab_registers + writable.address);
+  fill_image(snapshot_, clock_.now_ns(), image_);
+}
+
+ModbusServer::~ModbusServer() {
+  modbus_mapping_free(mapping_);
+  modbus_free(modbus_);
+}
+
+int ModbusServer::port() const { return port_of(listener_.get()); }
+
+void ModbusServer::stop() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+}
+
+int ModbusServer::poll_timeout_ms() const {
+  std::int64_t first_ns = 0;
+  for (const Connection& connection : connections_) {
+    if (connection.deadline_ns != 0 && (first_ns == 0 || connection.deadline_ns < first_ns)) {
+      first_ns = connection.deadline_ns;
+    }
+  }
+  if (first_ns == 0) return -1;
+  return static_cast<int>(std::max<std::int64_t>(0, (first_ns - clock_.now_ns()) / 1'000'000 + 1));
+}
+
+void ModbusServer::run() {
+  std::vector<pollfd> polled;
+  polled.reserve(connections_.capacity() + 2);
+  while (true) {
+    polled.clear();
+    polled.push_back({wake_.get(), POLLIN, 0});
+    polled.push_back({listener_.get(), POLLIN, 0});
+    for (const Connection& connection : connections_)
+      polled.push_back({connection.socket.get(), POLLIN | POLLRDHUP, 0});
+    if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
+      spdlog::error("poll: {}", std::strerror(errno));
+      return;
+    }
+    if (polled[0].revents != 0) return;
+    const std::int64_t now_ns = clock_.now_ns();
+    for (std::size_t c = 0; c < connections_.size(); ++c) {
+      Connection& connection = connections_[c];
+      if (polled[c + 2].revents != 0) look_at(connection, polled[c + 2].revents);
+      if (connection.deadline_ns != 0 && now_ns >= connection.deadline_ns) connection.open = false;
+    }
+    std::erase_if(connections_, [](const Connection& connection) { return !connection.open; });
+    if (polled[1].revents != 0) accept_all();
+  }
+}
+
+void ModbusServer::accept_all() {
+  while (true) {
+    sockaddr_in peer{};
+    socklen_t size = sizeof peer;
+    Descriptor socket(
+        accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (socket.get() < 0) return;
+    if (!is_allowed(plan_.allow, ntohl(peer.sin_addr.s_addr))) {
+      std::array<char, INET_ADDRSTRLEN> text{};
+      spdlog::warn("client {} is not in serve.allow", inet_ntop(AF_INET, &peer.sin_addr, text.data(), text.size()));
+      continue;
+    }
+    if (connections_.size() >= static_cast<std::size_t>(plan_.connections) || socket.get() >= descriptor_limit) {
+      spdlog::warn("client refused: {} connections are open", connections_.size());
+      continue;
+    }
+    make_quick(socket.get());
+    connections_.push_back({std::move(socket)});
+  }
+}
+
+void ModbusServer::await(Connection& connection, std::size_t bytes) {
+  // The bytes stay in the socket until the frame is whole, so without the mark poll() would report them again at once.
+  if (connection.awaited == bytes) return;
+  const int mark = static_cast<int>(bytes);
+  setsockopt(connection.socket.get(), SOL_SOCKET, SO_RCVLOWAT, &mark, sizeof mark);
+  connection.awaited = bytes;
+}
+
+void ModbusServer::look_at(Connection& connection, short events) {
+  const int fd = connection.socket.get();
+  std::array<std::uint8_t, longest_frame> frame{};
+  int pending = 0;
+  if ((events & (POLLERR | POLLNVAL)) != 0 || ioctl(fd, FIONREAD, &pending) != 0 || pending <= 0) {
+    connection.open = false;
+    return;
+  }
+  const ssize_t peeked = recv(fd, frame.data(), std::min(frame.size(), static_cast<std::size_t>(pending)), MSG_PEEK);
+  if (peeked <= 0) {
+    connection.open = peeked < 0 && errno == EAGAIN;
+    return;
+  }
+  const auto received = std::span<const std::uint8_t>(frame).first(static_cast<std::size_t>(peeked));
+  const Gate gate = judge_frame(received, writable_registers());
+  if (gate.verdict == Verdict::wait) {
+    if ((events & (POLLRDHUP | POLLHUP)) != 0) connection.open = false;  // the rest will never come
+    if (connection.deadline_ns == 0) {
+      connection.deadline_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * plan_.frame_deadline_s);
+    }
+    await(connection, gate.bytes);
+    return;
+  }
+  connection.deadline_ns = 0;
+  await(connection, 1);
+  if (gate.verdict == Verdict::close || !can_take_an_answer(fd)) {
+    connection.open = false;
+    return;
+  }
+  answer(connection, gate, received.first(gate.bytes));
+}
+
+void ModbusServer::answer(Connection& connection, const Gate& gate, std::span<const std::uint8_t> frame) {
+  const int fd = connection.socket.get();
+  if (gate.verdict == Verdict::hand_over) {
+    connection.open = hand_over(connection, gate);
+    return;
+  }
+  std::array<std::uint8_t, longest_frame> taken{};
+  if (recv(fd, taken.data(), frame.size(), 0) != static_cast<ssize_t>(frame.size())) {
+    connection.open = false;
+    return;
+  }
+  if (gate.verdict == Verdict::identify) {
+    const std::vector<std::uint8_t> reply = identify_device(frame);
+    connection.open = send(fd, reply.data(), reply.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(reply.size());
+  } else {
+    modbus_set_socket(modbus_, fd);
+    connection.open = modbus_reply_exception(modbus_, taken.data(), gate.exception) > 0;
+  }
+}
+
+bool ModbusServer::hand_over(Connection& connection, const Gate& gate) {
+  modbus_set_socket(modbus_, connection.socket.get());
+  std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> query{};
+  const int length = modbus_receive(modbus_, query.data());
+  if (length <= 0) return false;
+  refresh();
+  const int sent = modbus_reply(modbus_, query.data(), length, mapping_);
+  constexpr int exception_bytes = 9;
+  if (gate.write.count > 0 && sent > exception_bytes) {
+    const WriteRange writable = writable_registers();
+    std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
+    take_commands(gate.write, clock_.now_ns(), image_, command_);
+    commands_.write(command_);
+  }
+  return sent > 0;
+}
+
+void ModbusServer::refresh() {
+  snapshots_.read(snapshot_);
+  fill_image(snapshot_, clock_.now_ns(), image_);
+  std::copy(image_.begin(), image_.end(), mapping_->tab_registers);
+  std::copy_n(image_.begin(), input_registers(), mapping_->tab_input_registers);
+}
+
+}  // namespace spindle_twin::firmware

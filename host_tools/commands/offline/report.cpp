@@ -1,0 +1,53 @@
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/offline/report/page.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+struct Options {
+  std::string network;
+  std::string history;
+  std::string plant;
+  std::string output;
+  std::string part = "rotor";
+  std::string dygraphs = "/usr/share/javascript/dygraphs";
+  bool table = false;
+};
+
+void run(const Options& options) {
+  if (options.output.empty() && !options.table) {
+    throw rom::InputError({}, "report", "nothing to do: give --output, --table or both");
+  }
+  const RunData data = gather_run(rom::read_network(options.network), read_csv_table(options.history),
+                                  read_csv_table(options.plant), options.part);
+  if (options.table) std::fputs(run_table(data).c_str(), stdout);
+  if (options.output.empty()) return;
+  const std::string page = run_page(data, options.dygraphs);
+  std::ofstream file(options.output, std::ios::binary);
+  file << page;
+  if (!file.flush()) throw rom::InputError({options.output, 0}, "--output", "cannot be written");
+}
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("report", "Compare a twin's history with its simulated plant: table and HTML page");
+  const auto options = std::make_shared<Options>();
+  command->add_option("network", options->network, "the twin's network, .rom")->required()->check(CLI::ExistingFile);
+  command->add_option("--history", options->history, "CSV that spindle-twind wrote")->required();
+  command->add_option("--plant", options->plant, "CSV that spindle-twin plant --log wrote")->required();
+  command->add_option("-o,--output", options->output, "HTML page to write");
+  command->add_flag("--table", options->table, "print the table of the last row");
+  command->add_option("--part", options->part, "part whose maximum is shown")->capture_default_str();
+  command->add_option("--dygraphs", options->dygraphs, "folder of the chart library")->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,114 @@
+#include "host_tools/commands/offline/report/run_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/integrate/fallback_stepper.hpp"
+#include "rom/integrate/outputs.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr double kelvin_at_0_degC = 273.15;
+constexpr double um_per_m = 1e6;
+
+std::size_t find_part(const rom::Network& network, const std::string& name) {
+  std::string list;
+  for (std::size_t p = 0; p < network.parts.size(); ++p) {
+    if (network.parts[p].name == name) return p;
+    list.append(list.empty() ? "" : ", ").append(network.parts[p].name);
+  }
+  throw rom::InputError({}, "--part", "'" + name + "' does not exist; allowed: " + list);
+}
+
+std::vector<double> on_axis(const std::vector<double>& time_s, const CsvTable& table, const std::string& column) {
+  const std::vector<double>& table_time_s = table.column("time_s");
+  const std::vector<double>& values = table.column(column);
+  std::vector<double> result;
+  for (const double time : time_s) result.push_back(interpolate(table_time_s, values, time));
+  return result;
+}
+
+/// The operating state that the daemon used in one row of its history.
+void operating_of_row(const CsvTable& history, std::size_t row, const rom::Boundaries& boundaries,
+                      rom::OperatingState& state) {
+  state.speed_rpm = history.column("speed_rpm")[row];
+  state.load = history.column("load")[row];
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    const bool coolant = boundaries.environments[e].kind == rom::EnvironmentKind::coolant;
+    state.environment_K[static_cast<Eigen::Index>(e)] =
+        history.column(coolant ? "coolant_degC" : "ambient_degC")[row] + kelvin_at_0_degC;
+  }
+}
+
+void run_uncorrected(const rom::Network& network, const CsvTable& history, std::size_t part, RunData& run) {
+  const auto stepper = rom::make_runtime_stepper(network);
+  const rom::CorrectionFactors none = correction::no_correction(network.boundaries);
+  rom::BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  rom::NetworkOutputs outputs = rom::make_network_outputs(network);
+  rom::OperatingState state = network.boundaries.operating;
+  double time_s = 0.0;
+  for (std::size_t row = 0; row < run.time_s.size(); ++row) {
+    operating_of_row(history, row, network.boundaries, state);
+    correction::evaluate_boundaries(network.boundaries, state, none, values);
+    const double period_s = run.time_s[row] - time_s;
+    if (period_s > 0.0 && stepper->advance(period_s, values) != rom::StepStatus::ok) {
+      throw rom::InputError({history.file, static_cast<int>(row) + 2}, "",
+                            "the uncorrected model cannot be integrated");
+    }
+    time_s = run.time_s[row];
+    rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
+    for (std::size_t k = 0; k < run.key_points.size(); ++k) {
+      run.key_points[k].uncorrected.push_back(outputs.key_points_K[static_cast<Eigen::Index>(k)] - kelvin_at_0_degC);
+    }
+    run.hottest.uncorrected.push_back(outputs.part_maximum_K[static_cast<Eigen::Index>(part)] - kelvin_at_0_degC);
+    run.nose.uncorrected.push_back(um_per_m * outputs.deformations_m[0]);
+  }
+}
+
+void gather_factors(const rom::Network& network, const CsvTable& history, RunData& run) {
+  for (const rom::HeatSource& source : network.boundaries.sources) {
+    run.factor_names.push_back(source.name);
+    run.heat_factors.push_back(history.column("heat_factor." + source.name));
+  }
+  const bool common =
+      std::all_of(run.heat_factors.begin(), run.heat_factors.end(),
+                  [&](const std::vector<double>& factor) { return factor == run.heat_factors.front(); });
+  if (!common) return;
+  run.factor_names = {"all sources"};
+  run.heat_factors.resize(1);
+}
+
+}  // namespace
+
+RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant,
+                   const std::string& part) {
+  const std::size_t part_index = find_part(network, part);
+  const double reference_degC = network.boundaries.reference_temperature_K - kelvin_at_0_degC;
+  RunData run;
+  run.spindle = network.spindle;
+  run.time_s = history.column("time_s");
+  run.speed_rpm = history.column("speed_rpm").back();
+  run.ambient_degC = history.column("ambient_degC").back();
+  run.coolant_degC = history.column("coolant_degC").back();
+  for (const rom::KeyPoint& point : network.key_points) {
+    Quantity quantity{point.name, "degC", reference_degC, {}, {}, {}, {}};
+    quantity.measured = history.column("measured." + point.name + "_degC");
+    quantity.twin = history.column("predicted." + point.name + "_degC");
+    quantity.plant = on_axis(run.time_s, plant, "key_point." + point.name + "_degC");
+    run.key_points.push_back(quantity);
+  }
+  const std::string part_column = "part_max." + part + "_degC";
+  run.hottest = {part, "degC", reference_degC, {}, on_axis(run.time_s, plant, part_column), history.column(part_column),
+                 {}};
+  const std::string nose_column = "deformation." + network.deformations.front().name + "_um";
+  run.nose = {network.deformations.front().name, "um", 0.0, {}, on_axis(run.time_s, plant, nose_column),
+              history.column(nose_column),       {}};
+  gather_factors(network, history, run);
+  run_uncorrected(network, history, part_index, run);
+  return run;
+}
+
+}  // namespace spindle_twin::host_tools

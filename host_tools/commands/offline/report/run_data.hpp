@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/commands/offline/report/csv_table.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::host_tools {
+
+/// One quantity as plant, twin and uncorrected model have it; all curves of a run share one time axis.
+struct Quantity {
+  std::string name;
+  std::string unit;
+  double zero = 0.0;             ///< what a rise counts from
+  std::vector<double> measured;  ///< empty where there is no sensor
+  std::vector<double> plant;
+  std::vector<double> twin;
+  std::vector<double> uncorrected;
+};
+
+struct RunData {
+  std::string spindle;
+  double speed_rpm = 0.0;  ///< at the end
+  double ambient_degC = 0.0;
+  double coolant_degC = 0.0;
+  std::vector<double> time_s;
+  std::vector<Quantity> key_points;
+  Quantity hottest;  ///< maximum of the part asked for
+  Quantity nose;
+  std::vector<std::string> factor_names;  ///< one for all if the sources share a factor
+  std::vector<std::vector<double>> heat_factors;
+};
+
+/// Puts the daemon's history and the plant's log on the history's time axis, and runs the network beside them with all
+/// factors 1 and the history's operating signals: that is the uncorrected model. Throws rom::InputError for a missing
+/// column, and for a part that the network does not have.
+RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant,
+                   const std::string& part);
+
+}  // namespace spindle_twin::host_tools

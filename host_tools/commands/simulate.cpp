@@ -1,0 +1,135 @@
+#include <CLI/Validators.hpp>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "correction/boundaries/schedule.hpp"
+#include "host_tools/commands/commands.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
+#include "rom/integrate/fallback_stepper.hpp"
+#include "rom/integrate/outputs.hpp"
+#include "rom/read/input_error.hpp"
+
+// spindle-twin simulate reference.rom --schedule day.csv -o out.csv
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr double kelvin_at_0_degC = 273.15;
+constexpr double micrometres_per_metre = 1e6;
+
+struct Options {
+  std::string network;
+  std::string schedule;
+  std::string output;
+  double period_s = 1.0;
+  double every_s = 10.0;
+};
+
+void add_name(std::string& header, const std::string& name, const char* suffix) {
+  const bool quoted = name.find_first_of(",\"") != std::string::npos;
+  header += quoted ? ",\"" : ",";
+  for (const char letter : name) header += letter == '"' ? std::string("\"\"") : std::string(1, letter);
+  header += suffix;
+  if (quoted) header += '"';
+}
+
+std::string header(const rom::Network& network) {
+  std::string text = "time_s";
+  for (const rom::KeyPoint& point : network.key_points) add_name(text, point.name, "_degC");
+  for (const rom::PartOutput& part : network.parts) add_name(text, part.name, "_max_degC");
+  for (const rom::DeformationOutput& output : network.deformations) add_name(text, output.name, "_um");
+  for (const rom::HeatSource& source : network.boundaries.sources) add_name(text, source.name, "_W");
+  return text + "\n";
+}
+
+void add_number(std::string& row, const char* format, double number) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, number);
+  row += text;
+}
+
+void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outputs, const Eigen::VectorXd& heat_W) {
+  add_number(table, "%.10g", time_s);
+  for (const double kelvin : outputs.key_points_K) add_number(table, ",%.5f", kelvin - kelvin_at_0_degC);
+  for (const double kelvin : outputs.part_maximum_K) add_number(table, ",%.5f", kelvin - kelvin_at_0_degC);
+  for (const double metre : outputs.deformations_m) add_number(table, ",%.5f", micrometres_per_metre * metre);
+  for (const double watt : heat_W) add_number(table, ",%.5f", watt);
+  table += '\n';
+}
+
+/// The first ambient environment: where a spindle ends that stood long enough.
+double rest_temperature_K(const rom::Boundaries& boundaries, const rom::OperatingState& state) {
+  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
+    if (boundaries.environments[i].kind == rom::EnvironmentKind::ambient) {
+      return state.environment_K[static_cast<Eigen::Index>(i)];
+    }
+  }
+  return state.environment_K.size() > 0 ? state.environment_K[0] : boundaries.reference_temperature_K;
+}
+
+void simulate(const Options& options) {
+  const rom::Network network = rom::read_network(options.network);
+  const rom::Boundaries& boundaries = network.boundaries;
+  const correction::Schedule schedule = correction::read_schedule(options.schedule, boundaries);
+  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
+  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::NetworkOutputs outputs = rom::make_network_outputs(network);
+  rom::OperatingState state = boundaries.operating;
+  const auto stepper = rom::make_runtime_stepper(network);
+
+  const auto hold = [&](double time_s) {
+    correction::state_at(schedule, time_s, state);
+    correction::evaluate_boundaries(boundaries, state, factors, values);
+  };
+  hold(0.0);
+  stepper->set_temperatures(
+      Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), rest_temperature_K(boundaries, state)));
+  std::string table = header(network);
+  rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
+  add_row(table, 0.0, outputs, values.heat_W);
+
+  double time_s = 0.0;
+  double due_s = options.every_s;
+  for (long cycle = 1; time_s < schedule.end_s; ++cycle) {
+    const double end_s = std::min(static_cast<double>(cycle) * options.period_s, schedule.end_s);
+    hold(0.5 * (time_s + end_s));  // the middle: exact for the linear ramps of the environments
+    if (stepper->advance(end_s - time_s, values) != rom::StepStatus::ok) {
+      throw std::runtime_error("simulate: no solution at " + std::to_string(end_s) + " s; nothing was written");
+    }
+    time_s = end_s;
+    if (time_s < due_s - 1e-6 * options.period_s && time_s < schedule.end_s) continue;
+    while (due_s <= time_s + 1e-6 * options.period_s) due_s += options.every_s;
+    rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
+    add_row(table, time_s, outputs, values.heat_W);
+  }
+  rom::write_whole_file(options.output, table);
+  if (stepper->fallbacks() > 0) {
+    std::fprintf(stderr, "simulate: CVODE failed in %ld cycles, the exact stepper did them\n", stepper->fallbacks());
+  }
+  std::printf("%g s simulated, %s written\n", time_s, options.output.c_str());
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("simulate", "Run a network along a schedule with the integrator of spindle-twind");
+  const auto options = std::make_shared<Options>();
+  const CLI::Range positive(1e-3, 1e6, "1e-3 to 1e6 s");
+  command->add_option("network", options->network, "network file, .rom")->required()->check(CLI::ExistingFile);
+  command->add_option("--schedule", options->schedule, "CSV: time_s,speed_rpm,load and <environment>_degC columns")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("-o,--output", options->output, "CSV to write")->required();
+  command->add_option("--period", options->period_s, "cycle period in s; inputs are held for it")
+      ->capture_default_str()
+      ->check(positive);
+  command->add_option("--every", options->every_s, "seconds between two rows")->capture_default_str()->check(positive);
+  command->callback([options] { simulate(*options); });
+}
+
+}  // namespace spindle_twin::host_tools

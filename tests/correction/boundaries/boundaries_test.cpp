@@ -1,0 +1,133 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "correction/boundaries/schedule.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::correction {
+namespace {
+
+rom::Boundaries make_boundaries() {
+  rom::Boundaries boundaries;
+  boundaries.reference_speed_rpm = 6000.0;
+  boundaries.environments = {{"coolant", rom::EnvironmentKind::coolant}, {"ambient", rom::EnvironmentKind::ambient}};
+  boundaries.operating = {6000.0, 1.0, Eigen::Vector2d(300.15, 298.15)};
+  rom::Conductance contact;
+  contact.name = "contact";
+  contact.nominal_W_per_m2K = 5000.0;
+  rom::Conductance film;
+  film.name = "film";
+  film.nominal_W_per_m2K = 100.0;
+  film.environment = 1;
+  film.law = {0.2, {{0.8, 1.0}}, 0.0, false};
+  boundaries.conductances = {contact, film};
+  boundaries.sources = {{"bearing", 50.0, {0.0, {{1.0, 1.0}}, 0.0, true}}};
+  return boundaries;
+}
+
+/// A schedule file that lives as long as the test's statement block.
+class ScheduleFile {
+ public:
+  explicit ScheduleFile(const std::string& text)
+      : path_((std::filesystem::temp_directory_path() / ("schedule_" + std::to_string(::getpid()) + ".csv")).string()) {
+    std::ofstream(path_, std::ios::binary) << text;
+  }
+  ~ScheduleFile() { std::filesystem::remove(path_); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::string refusal(const std::string& text) {
+  const ScheduleFile file(text);
+  try {
+    read_schedule(file.path(), make_boundaries());
+  } catch (const rom::InputError& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind(file.path(), 0), 0u) << message;
+    return message.substr(file.path().size());
+  }
+  return {};
+}
+
+TEST(EvaluateBoundaries, factor_times_nominal_times_law) {
+  const rom::Boundaries boundaries = make_boundaries();
+  rom::CorrectionFactors factors = no_correction(boundaries);
+  rom::BoundaryValues values = make_boundary_values(boundaries);
+  evaluate_boundaries(boundaries, boundaries.operating, factors, values);
+  EXPECT_EQ(values.conductance_W_per_m2K, Eigen::Vector2d(5000.0, 100.0));
+  EXPECT_EQ(values.heat_W[0], 50.0);
+  EXPECT_EQ(values.environment_K, boundaries.operating.environment_K);
+
+  factors.heat[0] = 0.46;
+  factors.conductance[0] = 2.0;
+  rom::OperatingState state = boundaries.operating;
+  state.speed_rpm = 12000.0;
+  evaluate_boundaries(boundaries, state, factors, values);
+  EXPECT_NEAR(values.conductance_W_per_m2K[0], 10000.0, 1e-9);
+  EXPECT_NEAR(values.conductance_W_per_m2K[1], 180.0, 1e-9);
+  EXPECT_NEAR(values.heat_W[0], 46.0, 1e-12);
+}
+
+TEST(Schedule, speed_and_load_hold_and_environments_run_linearly) {
+  const ScheduleFile file(
+      "\xEF\xBB\xBFspeed_rpm, time_s ,load,coolant_degC\r\n6000,0,1,20\r\n\r\n12000,100,0.5,30\r\n0,200,0,30\r\n");
+  const Schedule schedule = read_schedule(file.path(), make_boundaries());
+  ASSERT_EQ(schedule.rows.size(), 3u);
+  EXPECT_EQ(schedule.end_s, 200.0);
+  rom::OperatingState state = make_boundaries().operating;
+  state_at(schedule, 75.0, state);
+  EXPECT_EQ(state.speed_rpm, 6000.0);
+  EXPECT_EQ(state.load, 1.0);
+  EXPECT_NEAR(state.environment_K[0], 273.15 + 27.5, 1e-10);
+  EXPECT_EQ(state.environment_K[1], 298.15) << "an environment that is not in the file keeps the operating state's";
+  state_at(schedule, 100.0, state);
+  EXPECT_EQ(state.speed_rpm, 12000.0);
+  state_at(schedule, -5.0, state);
+  EXPECT_EQ(state.speed_rpm, 6000.0);
+  state_at(schedule, 1e9, state);
+  EXPECT_EQ(state.speed_rpm, 0.0);
+  EXPECT_NEAR(state.environment_K[0], 303.15, 1e-10);
+}
+
+TEST(Schedule, constant_schedule_holds_the_operating_state) {
+  const rom::Boundaries boundaries = make_boundaries();
+  const Schedule schedule = constant_schedule(boundaries, 1800.0);
+  EXPECT_EQ(schedule.end_s, 1800.0);
+  rom::OperatingState state = boundaries.operating;
+  state_at(schedule, 900.0, state);
+  EXPECT_EQ(state.speed_rpm, 6000.0);
+  EXPECT_EQ(state.environment_K, boundaries.operating.environment_K);
+}
+
+TEST(Schedule, bad_files_are_refused_with_line_and_column) {
+  EXPECT_EQ(refusal("time_s,speed_rpm,load,flow\n0,1,1,1\n1,1,1,1\n"),
+            ":1: flow: unknown column; allowed: time_s, speed_rpm, load, coolant_degC, ambient_degC");
+  EXPECT_EQ(refusal("time_s,speed_rpm\n0,1\n1,1\n"),
+            ":1: load: missing column; the header needs time_s, speed_rpm and load");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load,load\n0,1,1,1\n"), ":1: load: column given twice");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,1,1\n1,nan,1\n"),
+            ":3: speed_rpm: 'nan' is not a finite number with a decimal point");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,1e999,1\n"),
+            ":2: speed_rpm: '1e999' is not a finite number with a decimal point");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,6000rpm,1\n"),
+            ":2: speed_rpm: '6000rpm' is not a finite number with a decimal point");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,,1\n"), ":2: speed_rpm: '' is not a finite number with a decimal point");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,1\n"), ":2: 2 values, but the header names 3 columns");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n5,1,1\n6,1,1\n"), ":2: time_s: the first row must be at time 0");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,1,1\n0,1,1\n"), ":3: time_s: times must rise from row to row");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,1,1\n"),
+            ":2: a schedule needs at least two rows; the last one's time is the end");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load,coolant_degC\n0,1,1,-300\n"),
+            ":2: coolant_degC: '-300' is not above absolute zero, -273.15 degC");
+  EXPECT_EQ(refusal(""), ": empty; a header time_s,speed_rpm,load is needed");
+  EXPECT_THROW(read_schedule("/nonexistent.csv", make_boundaries()), rom::InputError);
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction
