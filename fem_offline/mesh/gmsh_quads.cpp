@@ -38,10 +38,8 @@ Polygon with_piece_ends(const Polygon& ring, const Section& section, std::size_t
     for (const BoundaryPiece& piece : section.pieces) {
       if (piece.part != part) continue;
       for (const Point& end : {piece.start, piece.end}) {
-        const double along_m =
-            ((end.r_m - a.r_m) * (b.r_m - a.r_m) + (end.z_m - a.z_m) * (b.z_m - a.z_m)) / length_m;
-        const double aside_m =
-            ((end.r_m - a.r_m) * (b.z_m - a.z_m) - (end.z_m - a.z_m) * (b.r_m - a.r_m)) / length_m;
+        const double along_m = ((end.r_m - a.r_m) * (b.r_m - a.r_m) + (end.z_m - a.z_m) * (b.z_m - a.z_m)) / length_m;
+        const double aside_m = ((end.r_m - a.r_m) * (b.z_m - a.z_m) - (end.z_m - a.z_m) * (b.r_m - a.r_m)) / length_m;
         if (std::abs(aside_m) > same_place_m) continue;
         if (along_m > same_place_m && along_m < length_m - same_place_m) between.push_back({along_m, end});
       }
@@ -59,7 +57,8 @@ Polygon with_piece_ends(const Polygon& ring, const Section& section, std::size_t
 
 int add_loop(const Polygon& ring, double coarse_size_m) {
   std::vector<int> points, lines;
-  for (const Point& point : ring) points.push_back(gmsh::model::geo::addPoint(point.r_m, point.z_m, 0.0, coarse_size_m));
+  for (const Point& point : ring)
+    points.push_back(gmsh::model::geo::addPoint(point.r_m, point.z_m, 0.0, coarse_size_m));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t next = (i + 1) % points.size();
     lines.push_back(gmsh::model::geo::addLine(points[i], points[next]));

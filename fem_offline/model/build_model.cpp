@@ -116,8 +116,8 @@ struct FeModel::Impl {
     if (spindle.deformations.empty()) return;
     const ElasticTerms elastic = elastic_terms<2>(discretisation, spindle);
     const std::vector<DofPlace> fe_places(affine.places.begin(), affine.places.begin() + fe_unknowns);
-    body = bond_and_support(spindle, section, rules, fe_places, elastic.stiffness_N_per_m,
-                            elastic.thermal_load_N_per_K);
+    body =
+        bond_and_support(spindle, section, rules, fe_places, elastic.stiffness_N_per_m, elastic.thermal_load_N_per_K);
     affine.deformations = deformation_rows(spindle, section, rules, *body);
     for (FeDeformation& output : affine.deformations) output.row_m_per_K = enlarged(output.row_m_per_K, unknowns);
   }

@@ -70,8 +70,7 @@ void append_film(ExchangeTerms& terms, const Spindle& spindle, const Section& se
   }
   rom::Conductance conductance;
   conductance.name = film.name;
-  conductance.kind =
-      air_unknown >= 0 ? rom::ConductanceKind::air_film : rom::ConductanceKind::environment_film;
+  conductance.kind = air_unknown >= 0 ? rom::ConductanceKind::air_film : rom::ConductanceKind::environment_film;
   conductance.nominal_W_per_m2K = film.coefficient_W_per_m2K;
   conductance.environment = environment;
   conductance.part_a = only_part(section, index);

@@ -66,8 +66,7 @@ SourceTerms source_terms(const Spindle& spindle, const Section& section, const S
     for (const double share_W : heat_W) total_W += share_W;
     auto column = terms.distribution.col(static_cast<Eigen::Index>(s));
     for (std::size_t i = 0; i < heat.shares.size(); ++i) {
-      const Eigen::VectorXd spread =
-          even_spread(heat, heat.shares[i], spindle, section, rules, function_volume_m3);
+      const Eigen::VectorXd spread = even_spread(heat, heat.shares[i], spindle, section, rules, function_volume_m3);
       // A source that is off at the reference state still needs a place to act.
       const double fraction = total_W > 0.0 ? heat_W[i] / total_W : 1.0 / static_cast<double>(heat.shares.size());
       column.head(spread.size()) += fraction * spread;

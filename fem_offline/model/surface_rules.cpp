@@ -113,8 +113,8 @@ double share_at(const Line& line, const Side& side, double along_m) {
   return (along_m - from_m) / (to_m - from_m);
 }
 
-/// Gauss points on every overlap of a side of A with a side of B: exact for elements that do not match, where points on one
-/// side's elements alone would integrate over kinks of the other.
+/// Gauss points on every overlap of a side of A with a side of B: exact for elements that do not match, where points on
+/// one side's elements alone would integrate over kinks of the other.
 std::vector<PairedPoint> common_refinement(const Discretisation<2>& discretisation, const BoundaryPiece& piece_a,
                                            const std::vector<Side>& sides_a, const std::vector<Side>& sides_b) {
   const Line line(piece_a);
@@ -153,8 +153,7 @@ std::vector<SurfacePoint> points_on(const Discretisation<2>& discretisation, con
     for (unsigned q = 0; q < gauss.size(); ++q) {
       const double share = gauss.point(q)[0];
       const Point at = between(side.start, side.end, share);
-      const double weight_m2 =
-          gauss.weight(q) * length(side.start, side.end) * revolution_factor<2>({at.r_m, at.z_m});
+      const double weight_m2 = gauss.weight(q) * length(side.start, side.end) * revolution_factor<2>({at.r_m, at.z_m});
       points.push_back({at, weight_m2, trace_on(discretisation, side, share)});
     }
   }

@@ -1,5 +1,7 @@
 #include "fem_offline/model/thermoelastic.hpp"
 
+#include <omp.h>
+
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <cmath>
@@ -154,6 +156,7 @@ namespace {
 using Factor = Eigen::CholmodSupernodalLLT<SparseMatrix, Eigen::Lower>;
 
 void factorise(Factor& factor, const ElasticBody& body) {
+  omp_set_max_active_levels(0);  // CHOLMOD's own threads wait in loops; see solve/cholesky.cpp
   factor.compute(body.stiffness_N_per_m);
   if (factor.info() != Eigen::Success) throw std::runtime_error("the elastic stiffness is not positive definite");
 }
@@ -181,8 +184,8 @@ std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Sectio
       }
     }
     if (area_m2 <= 0.0) {
-      throw rom::InputError(output.where, output.name, "the face lies on no side of part '" +
-                                                           spindle.parts[output.part].name + "'");
+      throw rom::InputError(output.where, output.name,
+                            "the face lies on no side of part '" + spindle.parts[output.part].name + "'");
     }
     mean *= output.sign / area_m2;
     const Eigen::VectorXd adjoint = factor.solve(mean);

@@ -23,8 +23,8 @@ VolumeTerms volume_terms(const Discretisation<dim>& discretisation, const Spindl
 ///   K_el = ∫ Bᵀ D B dV,  G = ∫ Bᵀ D m α N dV,  K_el u = G (T − T_ref)
 /// with the hoop strain u_r/r in two dimensions.
 struct ElasticTerms {
-  SparseMatrix stiffness_N_per_m;      ///< dim·n x dim·n
-  SparseMatrix thermal_load_N_per_K;   ///< dim·n x n
+  SparseMatrix stiffness_N_per_m;     ///< dim·n x dim·n
+  SparseMatrix thermal_load_N_per_K;  ///< dim·n x n
 };
 
 template <int dim>

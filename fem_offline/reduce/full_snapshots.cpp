@@ -7,7 +7,8 @@
 
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
-#include "fem_offline/reduce/shifted_factor.hpp"
+#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/solve/thermal_system.hpp"
 
 /// LAPACK: Cholesky factor with complete pivoting of a positive semidefinite matrix.
 extern "C" void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* pivots, int* rank,
@@ -29,12 +30,32 @@ Eigen::VectorXd nominal_conductances(const rom::Boundaries& boundaries) {
   return values;
 }
 
-void scale_outputs(const AffinePattern& pattern, const rom::Boundaries& boundaries, double dual_weight, Loads& loads) {
-  ShiftedFactor factor(pattern);
+/// One worker's matrices and the symbolic analysis that all its factors share.
+struct Worker {
+  explicit Worker(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
+
+  ThermalSystem system;
+  CholeskyFactor analysed;
+
+  /// (K + sC)⁻¹ F, column by column; with s > 0 as s⁻¹ (C + K/s)⁻¹ F.
+  Eigen::MatrixXd solve(const Eigen::VectorXd& conductances, double shift_per_s, const Eigen::MatrixXd& loads) {
+    system.set_conductances(conductances);
+    const bool steady = shift_per_s == 0.0;
+    CholeskyFactor factor(analysed, steady ? system.conduction_lower() : system.combined_lower(1.0 / shift_per_s));
+    Eigen::MatrixXd solutions(loads.rows(), loads.cols());
+    Eigen::VectorXd column;
+    for (Eigen::Index i = 0; i < loads.cols(); ++i) {
+      factor.solve(loads.col(i), column);
+      solutions.col(i) = steady ? column : Eigen::VectorXd(column / shift_per_s);
+    }
+    return solutions;
+  }
+};
+
+void scale_outputs(Worker& worker, const rom::Boundaries& boundaries, double dual_weight, Loads& loads) {
   const Eigen::VectorXd conductances = nominal_conductances(boundaries);
-  factor.factorise(conductances, 0.0);
-  Eigen::MatrixXd primal = factor.solve(loads.primal(conductances));
-  Eigen::MatrixXd dual = factor.solve(loads.outputs);
+  Eigen::MatrixXd primal = worker.solve(conductances, 0.0, loads.primal(conductances));
+  Eigen::MatrixXd dual = worker.solve(conductances, 0.0, loads.outputs);
   remove_constant(primal);
   remove_constant(dual);
   const double size = primal.colwise().norm().mean();
@@ -100,30 +121,29 @@ std::vector<int> most_independent(Eigen::MatrixXd gram, Eigen::Index most) {
 
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
                               const Progress& progress) {
-  const AffinePattern pattern(model);
-  scale_outputs(pattern, model.boundaries, options.dual_weight, loads);
+  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
+  workers.front() = std::make_unique<Worker>(model);
+  scale_outputs(*workers.front(), model.boundaries, options.dual_weight, loads);
 
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();
   const Eigen::Index per_set = loads.heat_W.cols() + loads.environments + loads.outputs.cols();
   Eigen::MatrixXd snapshots(unknowns, per_set * options.full_sets);
-  std::vector<std::unique_ptr<ShiftedFactor>> factors(static_cast<std::size_t>(options.threads));
-  for_each_index(options.full_sets, options.threads, [&](int set, int worker) {
-    auto& factor = factors[static_cast<std::size_t>(worker)];
-    if (!factor) factor = std::make_unique<ShiftedFactor>(pattern);
+  for_each_index(options.full_sets, options.threads, [&](int set, int index) {
+    auto& worker = workers[static_cast<std::size_t>(index)];
+    if (!worker) worker = std::make_unique<Worker>(model);
     RandomStream random(options.seed, StreamPurpose::full_snapshots, static_cast<std::uint32_t>(set));
     const bool corner = random.uniform(0.0, 1.0) < corner_share;
     const bool steady = random.uniform(0.0, 1.0) < steady_share;
     const double shift = random.log_uniform(shift_low_per_s, shift_high_per_s);
     const Eigen::VectorXd conductances = random_conductances(model.boundaries, options.box, corner, random);
-    factor->factorise(conductances, steady ? 0.0 : shift);
     Eigen::MatrixXd right_hand_sides(unknowns, per_set);
     right_hand_sides << loads.primal(conductances), loads.outputs;
-    Eigen::MatrixXd solutions = factor->solve(right_hand_sides);
+    Eigen::MatrixXd solutions = worker->solve(conductances, steady ? 0.0 : shift, right_hand_sides);
     remove_constant(solutions);
     snapshots.middleCols(set * per_set, per_set) = solutions;
-    if (worker == 0 && progress) progress("FE snapshots", static_cast<double>(set + 1) / options.full_sets);
+    if (index == 0 && progress) progress("FE snapshots", static_cast<double>(set + 1) / options.full_sets);
   });
-  factors.clear();
+  workers.clear();
 
   const std::vector<int> chosen = most_independent(gram_matrix(snapshots, options.threads),
                                                    std::min<Eigen::Index>(options.rich_states, unknowns) - 1);

@@ -1,6 +1,7 @@
 #include "fem_offline/solve/cholesky.hpp"
 
 #include <cholmod.h>
+#include <omp.h>
 
 #include <stdexcept>
 
@@ -12,7 +13,9 @@ struct Common {
   cholmod_common settings;
   Common() {
     cholmod_start(&settings);
-    settings.supernodal = CHOLMOD_SUPERNODAL;
+    // Without BLAS: Debian's libopenblas0-serial 0.3.21 is not safe to call from two threads at once (supernodal
+    // factors of a good matrix then fail at random), and at this size the simplicial factor is as fast.
+    settings.supernodal = CHOLMOD_SIMPLICIAL;
     settings.final_ll = 1;
     settings.print = 0;
     settings.error_handler = nullptr;
@@ -57,6 +60,9 @@ struct CholeskyFactor::Impl {
     cholmod_free_factor(&factor, &common.settings);
   }
   void factorise(const SparseMatrix& lower) {
+    // CHOLMOD asks for four threads per factor, whose waiting loops cost 50 times the work on a busy computer; cases
+    // run in parallel instead. The setting holds for the calling thread.
+    omp_set_max_active_levels(0);
     cholmod_sparse matrix = view(lower);
     if (!factor || !cholmod_factorize(&matrix, factor, &common.settings) || factor->minor < factor->n) {
       throw std::runtime_error("the thermal matrix is not positive definite: no film leads to an environment");

@@ -7,11 +7,12 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Factors of one sparse symmetric positive definite matrix, A = L Lᵀ (CHOLMOD, supernodal). The symbolic analysis can
+/// Factors of one sparse symmetric positive definite matrix, A = L Lᵀ (CHOLMOD, simplicial). The symbolic analysis can
 /// be handed on to other matrices of the same pattern.
 class CholeskyFactor {
  public:
-  /// Analyses and factorises. `lower` holds the lower triangle. Throws std::runtime_error if A is not positive definite.
+  /// Analyses and factorises. `lower` holds the lower triangle. Throws std::runtime_error if A is not positive
+  /// definite.
   explicit CholeskyFactor(const SparseMatrix& lower);
   /// Takes the analysis of `pattern`, whose matrix had the same entries.
   CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower);

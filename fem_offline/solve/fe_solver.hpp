@@ -17,8 +17,8 @@ struct HeatBalance {
 HeatBalance heat_balance(const AffineModel& model, const rom::BoundaryValues& values,
                          const Eigen::VectorXd& temperatures_K);
 
-/// Transient FE solution, SDIRK2 (γ = 1 − 1/√2, L-stable, order 2) with a CHOLMOD factor kept per step length and set of
-/// conductances; symbolic analysis done once. Heats, conductances and environments are held over advance().
+/// Transient FE solution, SDIRK2 (γ = 1 − 1/√2, L-stable, order 2) with a CHOLMOD factor kept per step length and set
+/// of conductances; symbolic analysis done once. Heats, conductances and environments are held over advance().
 class FeStepper {
  public:
   explicit FeStepper(const AffineModel& model);
@@ -28,7 +28,8 @@ class FeStepper {
 
   void set_temperatures(const Eigen::VectorXd& temperatures_K);
   void set_uniform_temperature(double temperature_K);
-  /// Advances by period_s in steps no longer than max_step_s. After a jump of heats or conductances the first steps are shorter.
+  /// Advances by period_s in steps no longer than max_step_s. After a jump of heats or conductances the first steps are
+  /// shorter.
   void advance(double period_s, double max_step_s, const rom::BoundaryValues& values);
   const Eigen::VectorXd& temperatures_K() const;
 

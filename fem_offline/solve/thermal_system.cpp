@@ -70,8 +70,8 @@ Eigen::VectorXd ThermalSystem::load_W(const rom::BoundaryValues& values, double 
   for (std::size_t j = 0; j < wetted_m2_.size(); ++j) {
     if (wetted_m2_[j].size() == 0) continue;
     const int environment = model_->boundaries.conductances[j].environment;
-    load += values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)] *
-            (values.environment_K[environment] - datum_K) * wetted_m2_[j];
+    load += values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * (values.environment_K[environment] - datum_K) *
+            wetted_m2_[j];
   }
   return load;
 }

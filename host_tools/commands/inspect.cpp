@@ -1,4 +1,3 @@
-#include <CLI/Validators.hpp>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cstdio>

@@ -19,8 +19,8 @@ void print_table() {
               "meaning");
   for (const firmware::RegisterEntry& entry : firmware::register_entries) {
     const int last = entry.address + entry.slots * firmware::words_of(entry.type) - 1;
-    const std::string span = last == entry.address ? std::to_string(last)
-                                                   : std::to_string(entry.address) + "-" + std::to_string(last);
+    const std::string span =
+        last == entry.address ? std::to_string(last) : std::to_string(entry.address) + "-" + std::to_string(last);
     std::printf("%-12s %-30s %-13s %5d %-5s %10g  %s\n", span.c_str(), entry.name,
                 firmware::register_type_name(entry.type), entry.slots, entry.unit, entry.resolution, entry.doc);
   }

@@ -1,5 +1,4 @@
-#include <CLI/Validators.hpp>
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>

@@ -184,7 +184,7 @@ void write_plant_header(std::ostream& out, const fem_offline::AffineModel& model
   for (const rom::Environment& environment : model.boundaries.environments) out << ',' << environment.name << "_degC";
   for (const std::string& name : key_point_names(model)) out << ",key_point." << name << "_degC";
   for (const std::string& name : key_point_names(model)) out << ",measured." << name << "_degC";
-  for (const fem_offline::FePart& part : model.parts) out << ",part_max." << part.name << "_degC";
+  for (const fem_offline::FePart& part : model.parts) out << ",part_maximum." << part.name << "_degC";
   for (const fem_offline::FeDeformation& output : model.deformations) out << ",deformation." << output.name << "_um";
   out << '\n';
 }

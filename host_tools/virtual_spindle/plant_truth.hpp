@@ -86,7 +86,7 @@ class Plant {
 };
 
 /// CSV: one header line, one line per snapshot. Columns: time_s, speed_rpm, load, <environment>_degC,
-/// key_point.<name>_degC and measured.<name>_degC, part_max.<part>_degC, deformation.<output>_um.
+/// key_point.<name>_degC and measured.<name>_degC, part_maximum.<part>_degC, deformation.<output>_um.
 void write_plant_header(std::ostream& out, const fem_offline::AffineModel& model);
 void write_plant_row(std::ostream& out, const PlantSnapshot& snapshot);
 

@@ -1,6 +1,7 @@
 #include <pb_decode.h>
 
 #include <Eigen/Core>
+#include <cstring>
 
 #include "rom/file/payload.hpp"
 #include "rom/file/rom.pb.h"
@@ -72,6 +73,15 @@ void take_law(const spindle_twin_rom_SpeedLaw& message, SpeedLaw& law) {
   law.zero_at_standstill = message.zero_at_standstill;
 }
 
+/// nanopb stores whatever number came; reading it through the C enum would be undefined beyond the enum's range.
+template <class Enum>
+unsigned number_of(const Enum& value) {
+  static_assert(sizeof(Enum) == sizeof(unsigned));
+  unsigned number = 0;
+  std::memcpy(&number, &value, sizeof number);
+  return number;
+}
+
 struct ConductanceWithFactor {
   Conductance conductance;
   Eigen::MatrixXd factor_m;
@@ -84,10 +94,10 @@ bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
   message.factor_m = attach(item.factor_m);
   attach_law(message.law, conductance.law);
   if (!pb_decode(stream, spindle_twin_rom_Conductance_fields, &message)) return false;
-  if (static_cast<unsigned>(message.kind) > static_cast<unsigned>(ConductanceKind::environment_film)) {
+  if (number_of(message.kind) > static_cast<unsigned>(ConductanceKind::environment_film)) {
     PB_RETURN_ERROR(stream, "a conductance of unknown kind");
   }
-  conductance.kind = static_cast<ConductanceKind>(message.kind);
+  conductance.kind = static_cast<ConductanceKind>(number_of(message.kind));
   conductance.nominal_W_per_m2K = message.nominal_W_per_m2K;
   conductance.area_m2 = message.area_m2;
   conductance.environment = message.environment;
@@ -126,10 +136,10 @@ bool decode_environment(pb_istream_t* stream, EnvironmentWithTemperature& item) 
   spindle_twin_rom_Environment message = spindle_twin_rom_Environment_init_zero;
   message.name = attach(item.environment.name);
   if (!pb_decode(stream, spindle_twin_rom_Environment_fields, &message)) return false;
-  if (static_cast<unsigned>(message.kind) > static_cast<unsigned>(EnvironmentKind::coolant)) {
+  if (number_of(message.kind) > static_cast<unsigned>(EnvironmentKind::coolant)) {
     PB_RETURN_ERROR(stream, "an environment of unknown kind");
   }
-  item.environment.kind = static_cast<EnvironmentKind>(message.kind);
+  item.environment.kind = static_cast<EnvironmentKind>(number_of(message.kind));
   item.operating_K = message.operating_K;
   return true;
 }

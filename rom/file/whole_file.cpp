@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <system_error>
 
 #include "rom/read/input_error.hpp"
 
@@ -51,6 +52,11 @@ mode_t ordinary_permissions() {
 }  // namespace
 
 void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes) {
+  std::error_code unknown;
+  if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) {
+    // A rename would replace a device or fail on a folder.
+    throw InputError({path, 0}, "", "cannot be written: it exists and is not a regular file");
+  }
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";
 

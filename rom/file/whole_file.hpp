@@ -9,7 +9,7 @@ namespace spindle_twin::rom {
 
 /// Replaces `path` by `bytes` so that a reader sees the old file or the new one, never a part, also over a power cut:
 /// temporary file in the same folder, write, fsync, rename, fsync of the folder. Throws InputError with the system's
-/// reason; then `path` is as it was. Permissions 0644 less the umask.
+/// reason; then `path` is as it was. Permissions 0644 less the umask. A path that is a device or a folder is refused.
 void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes);
 void write_whole_file(const std::string& path, const std::string& text);
 

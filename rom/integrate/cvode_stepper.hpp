@@ -13,7 +13,9 @@ struct CvodeSettings {
   /// Local error per internal step, capacity-weighted root mean square over the network. > 0.
   double tolerance_K = 2e-6;
   /// A heat or conductance that changes by more than this share of its larger value between two cycles is a jump.
-  double jump_share = 0.02;
+  /// Above it a new start costs fewer steps than carrying the history over the kink; below it the history is worth
+  /// more.
+  double jump_share = 2e-3;
   /// An environment that changes by more than this between two cycles is a jump.
   double jump_K = 0.05;
   /// Bound on the work of one advance().

@@ -256,6 +256,8 @@ TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
   EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "second");
   expect_refused(refusal([&] { read_whole_file(path, 5); }), "6 bytes; at most 5 are allowed");
   EXPECT_EQ(folder.files(), 1);
+  EXPECT_EQ(refusal([] { write_whole_file("/dev/null", std::string("x")); }),
+            "/dev/null: cannot be written: it exists and is not a regular file");
 }
 
 }  // namespace

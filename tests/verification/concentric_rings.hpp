@@ -62,7 +62,7 @@ inline Spindle concentric_rings(const std::vector<double>& radii_m, double conta
   return spindle;
 }
 
-/// Benchmark "shaft in sleeve": solid shaft with 1e6 W/m3, contact 5000, sleeve, film 200 at 27 degC.
+/// A solid shaft of 20 mm radius with 1e6 W/m3 in a sleeve of 40 mm; contact 5000 and film 200 W/m2K, 27 degC.
 inline Spindle shaft_in_sleeve() {
   Spindle spindle = concentric_rings({0.0, 0.02, 0.04}, 5000.0, 200.0, 300.15);
   HeatSource heat;

@@ -110,8 +110,7 @@ void print_table(const AffineModel& model, const Report& report) {
   for (std::size_t d = 0; d < model.deformations.size(); ++d) {
     std::printf("%-24s %10.3f um\n", model.deformations[d].name.c_str(), report.deformation_um[d]);
   }
-  std::printf("%-24s %10.3f W\n%-24s %10.3f W\n", "heat in", report.heat.heat_in_W, "heat out",
-              report.heat.heat_out_W);
+  std::printf("%-24s %10.3f W\n%-24s %10.3f W\n", "heat in", report.heat.heat_in_W, "heat out", report.heat.heat_out_W);
 }
 
 /// One line of the time series per output period: time, key points, part maxima, deformations.

@@ -222,6 +222,17 @@ TEST(Section, slanted_faces_touch_over_the_frustum) {
   EXPECT_NEAR(area_of(section, PieceKind::contact, 0, 1), frustum_m2, 1e-12);
 }
 
+TEST(Section, slanted_faces_touch_although_their_corners_are_rounded_to_the_grid) {
+  std::string text = cone_text;
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("[0, 90]", "[0, 77]");  // the line through (30, 0) meets r 20 at z 25.6666..., r 10 at z 51.3333...
+  replace("[20, 30], [40, 30], [40, 60], [10, 60]", "[20, 25.666667], [40, 25], [40, 60], [10, 51.333333]");
+  EXPECT_NEAR(area_of(section_of(text), PieceKind::contact, 0, 1), pi * (0.02 + 0.01) * std::hypot(0.01, 0.077 / 3),
+              1e-9);
+}
+
 TEST(Section, slanted_face_is_cut_where_the_region_ends) {
   const Section section = section_of(cone_text);
   // The cone's face from r 30 (z 0) to r 26 (z 12), and its base.

@@ -100,7 +100,7 @@ RunData gather_run(const rom::Network& network, const CsvTable& history, const C
     quantity.plant = on_axis(run.time_s, plant, "key_point." + point.name + "_degC");
     run.key_points.push_back(quantity);
   }
-  const std::string part_column = "part_max." + part + "_degC";
+  const std::string part_column = "part_maximum." + part + "_degC";
   run.hottest = {part, "degC", reference_degC, {}, on_axis(run.time_s, plant, part_column), history.column(part_column),
                  {}};
   const std::string nose_column = "deformation." + network.deformations.front().name + "_um";

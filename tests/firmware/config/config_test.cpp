@@ -1,0 +1,175 @@
+#include "firmware/config/config.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/support/small_network.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+const std::string good = R"(network = "small.rom"
+[cycle]
+clock_rate = 60.0
+[serve]
+port = 1502
+allow = ["127.0.0.1", "192.168.1.0/24"]
+[device]
+port = 1503
+[[sensor]]
+key_point = "sleeve_inner"
+register = 0
+type = "float32"
+[[sensor]]
+key_point = "sleeve_outer"
+register = 2
+scale = 0.01
+offset = 0.5
+[signals]
+speed = { source = "plc" }
+load = { source = "device", register = 10, scale = 0.001 }
+coolant = { source = "constant", value = 27.0 }
+ambient = { source = "device", register = 12, type = "float32" }
+[correction]
+law = "paper"
+relaxation = 0.5
+)";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = good;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    bind_config(parse_config(text, "/etc/twin.toml"), tests::small_network());
+  } catch (const rom::InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Config, values_come_in_si) {
+  const Config config = parse_config(good, "/etc/twin.toml");
+  const DaemonPlan plan = bind_config(config, tests::small_network());
+  EXPECT_EQ(config.network_path, "/etc/small.rom");
+  EXPECT_TRUE(plan.cycle.sensors[0].configured);
+  EXPECT_FALSE(plan.cycle.sensors[1].configured);
+  EXPECT_TRUE(plan.cycle.sensors[2].configured);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].max_K, 423.15);
+  ASSERT_EQ(plan.device.channels.size(), 4U);
+  EXPECT_EQ(plan.device.channels[1].index, 2U);
+  EXPECT_DOUBLE_EQ(plan.device.channels[1].source.offset, 273.65);
+  EXPECT_DOUBLE_EQ(plan.device.channels[2].source.scale, 0.001);
+  EXPECT_DOUBLE_EQ(plan.device.channels[3].source.offset, 273.15);
+  EXPECT_DOUBLE_EQ(plan.device.poll_s, 1.0 / 60.0);
+  EXPECT_DOUBLE_EQ(plan.cycle.signals[2].value, 300.15);
+  EXPECT_EQ(plan.cycle.signals[0].source, SignalSource::plc);
+  ASSERT_TRUE(plan.cycle.paper.has_value());
+  EXPECT_DOUBLE_EQ(plan.cycle.paper->relaxation, 0.5);
+  ASSERT_EQ(plan.cycle.paper->groups.size(), 1U);
+  EXPECT_EQ(plan.cycle.paper->groups[0].key_points, (std::vector<int>{0, 2}));
+  EXPECT_EQ(plan.serve.address, "127.0.0.1");
+}
+
+TEST(Config, without_an_allow_list_only_this_machine_is_answered) {
+  const Config config = parse_config(with("allow = [\"127.0.0.1\", \"192.168.1.0/24\"]\n", ""), "twin.toml");
+  EXPECT_TRUE(is_allowed(config.serve.allow, parse_address_range("127.0.0.1")->address));
+  EXPECT_FALSE(is_allowed(config.serve.allow, parse_address_range("192.168.1.7")->address));
+}
+
+TEST(Config, groups_name_sensors_and_sources) {
+  const std::string text =
+      good + "[[correction.group]]\nname = \"rear\"\nsensors = [\"sleeve_outer\"]\nsources = [\"bearing\"]\n";
+  const DaemonPlan plan = bind_config(parse_config(text, "twin.toml"), tests::small_network());
+  EXPECT_EQ(plan.cycle.paper->groups[0].key_points, (std::vector<int>{2}));
+  EXPECT_EQ(plan.cycle.paper->groups[0].sources, (std::vector<int>{0}));
+}
+
+TEST(ConfigErrors, an_unknown_key_point_lists_those_there_are) {
+  EXPECT_EQ(
+      error_of(with("\"sleeve_outer\"", "\"sleve_outer\"")),
+      "/etc/twin.toml:14: sensor[2].key_point: the network has no key point \"sleve_outer\"; it has sleeve_inner, "
+      "sleeve_middle, sleeve_outer");
+}
+
+TEST(ConfigErrors, two_sensors_at_one_key_point) {
+  EXPECT_EQ(error_of(with("\"sleeve_outer\"", "\"sleeve_inner\"")),
+            "/etc/twin.toml:14: sensor[2].key_point: \"sleeve_inner\" has a sensor already");
+}
+
+TEST(ConfigErrors, an_unknown_key_names_its_line) {
+  const std::string error = error_of(with("clock_rate", "clock_rat"));
+  EXPECT_EQ(error.rfind("/etc/twin.toml:3: cycle.clock_rat: unknown key, did you mean \"clock_rate\"?", 0), 0U)
+      << error;
+}
+
+TEST(ConfigErrors, ports_addresses_and_ranges_say_what_is_allowed) {
+  EXPECT_EQ(error_of(with("port = 1502", "port = 70000")),
+            "/etc/twin.toml:5: serve.port: must be an integer from 1 to 65535, is 70000");
+  EXPECT_EQ(error_of(with("port = 1503", "port = 1503\naddress = \"plant\"")),
+            "/etc/twin.toml:9: device.address: must be an IPv4 address such as 127.0.0.1, is \"plant\"");
+  EXPECT_EQ(error_of(with("192.168.1.0/24", "192.168.1.0/40")),
+            "/etc/twin.toml:6: serve.allow: every entry must be an IPv4 address or range such as 192.168.1.0/24, is "
+            "\"192.168.1.0/40\"");
+  EXPECT_EQ(error_of(with("clock_rate = 60.0", "clock_rate = -1.0")),
+            "/etc/twin.toml:3: cycle.clock_rate: must be a number from 0.1 to 1000, is -1");
+  EXPECT_EQ(
+      error_of(with("relaxation = 0.5", "relaxation = nan")).rfind("/etc/twin.toml:25: correction.relaxation:", 0), 0U);
+}
+
+TEST(ConfigErrors, missing_parts_are_named) {
+  EXPECT_EQ(error_of(with("network = \"small.rom\"\n", "")), "/etc/twin.toml:1: network: this key is required");
+  EXPECT_EQ(error_of(with("speed = { source = \"plc\" }\n", "")),
+            "/etc/twin.toml:18: signals.speed: this key is required");
+  EXPECT_EQ(error_of(with("[device]\nport = 1503\n", "")),
+            "/etc/twin.toml:8: sensor[1].key_point: sensors need a [device] table");
+}
+
+TEST(ConfigErrors, choices_list_what_is_allowed) {
+  EXPECT_EQ(error_of(with("type = \"float32\"", "type = \"float64\"")),
+            "/etc/twin.toml:12: sensor[1].type: must be one of int16, uint16, offset16, int32, uint32, float32, "
+            "float32_cdab, is \"float64\"");
+  EXPECT_EQ(error_of(with("law = \"paper\"", "law = \"magic\"")),
+            "/etc/twin.toml:24: correction.law: must be one of paper, none, is \"magic\"");
+}
+
+TEST(ConfigErrors, a_group_with_a_source_that_is_not_there) {
+  const std::string error =
+      error_of(good + "[[correction.group]]\nname = \"rear\"\nsensors = [\"sleeve_outer\"]\nsources = [\"motor\"]\n");
+  EXPECT_NE(error.find("the network has no heat source \"motor\"; it has bearing, rotor"), std::string::npos) << error;
+}
+
+TEST(ConfigErrors, a_network_too_large_for_the_map) {
+  rom::Network network = tests::small_network();
+  while (network.parts.size() <= slots::parts) network.parts.push_back(network.parts[0]);
+  try {
+    bind_config(parse_config(good, "/etc/twin.toml"), network);
+    FAIL() << "no error";
+  } catch (const rom::InputError& error) {
+    EXPECT_EQ(std::string(error.what()), "/etc/twin.toml:1: network: has 33 parts, the register map has room for 32");
+  }
+}
+
+TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
+  const std::string text = R"(network = "small.rom"
+[serve]
+[signals]
+speed = { source = "plc" }
+load = { source = "plc" }
+coolant = { source = "plc" }
+ambient = { source = "plc" }
+)";
+  EXPECT_EQ(error_of(text),
+            "/etc/twin.toml:1: start: temperature_degC is required here when there is no sensor to start from");
+  EXPECT_EQ(error_of(text + "[start]\ntemperature_degC = 25.0\n"), "no error");
+}
+
+TEST(Config, the_commented_example_is_valid) {
+  const Config config = read_config(SPINDLE_TWIN_SOURCE_DIR "/firmware/spindle-twind.example.toml");
+  EXPECT_EQ(config.sensors.size(), 3U);
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

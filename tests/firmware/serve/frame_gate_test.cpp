@@ -1,0 +1,136 @@
+#include "firmware/serve/frame_gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "firmware/serve/device_identification.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+constexpr WriteRange writable{1000, 6};
+
+Bytes framed(const Bytes& pdu, std::uint8_t unit = 1) {
+  Bytes frame(mbap_bytes + pdu.size());
+  frame[0] = 0xAB;
+  frame[5] = static_cast<std::uint8_t>(pdu.size() + 1);
+  frame[6] = unit;
+  std::copy(pdu.begin(), pdu.end(), frame.begin() + mbap_bytes);
+  return frame;
+}
+
+const Bytes read_ten{4, 0, 0, 0, 10};
+
+TEST(FrameGate, waits_until_the_last_byte_then_hands_over) {
+  const Bytes frame = framed(read_ten);
+  for (std::size_t n = 0; n < frame.size(); ++n) {
+    const Gate gate = judge_frame(std::span(frame).first(n), writable);
+    EXPECT_EQ(gate.verdict, Verdict::wait) << n;
+    EXPECT_EQ(gate.bytes, n < mbap_bytes ? mbap_bytes : frame.size()) << n;
+  }
+  Bytes two(2 * frame.size());
+  std::copy(frame.begin(), frame.end(), std::copy(frame.begin(), frame.end(), two.begin()));
+  const Gate gate = judge_frame(two, writable);
+  EXPECT_EQ(gate.verdict, Verdict::hand_over);
+  EXPECT_EQ(gate.bytes, frame.size());
+}
+
+TEST(FrameGate, closes_on_another_protocol_and_on_impossible_lengths) {
+  Bytes frame = framed(read_ten);
+  frame[3] = 1;
+  EXPECT_EQ(judge_frame(frame, writable).verdict, Verdict::close);
+  for (const int length : {0, 1, 255, 1000, 65535}) {
+    Bytes wrong = framed(read_ten);
+    wrong[4] = static_cast<std::uint8_t>(length >> 8);
+    wrong[5] = static_cast<std::uint8_t>(length & 255);
+    EXPECT_EQ(judge_frame(wrong, writable).verdict, Verdict::close) << length;
+  }
+}
+
+TEST(FrameGate, answers_units_0_1_and_255_only) {
+  for (int unit = 0; unit < 256; ++unit) {
+    const Gate gate = judge_frame(framed(read_ten, static_cast<std::uint8_t>(unit)), writable);
+    const bool ours = unit == 0 || unit == 1 || unit == 255;
+    EXPECT_EQ(gate.verdict, ours ? Verdict::hand_over : Verdict::refuse) << unit;
+    EXPECT_EQ(gate.exception, ours ? 0 : 11) << unit;
+  }
+}
+
+TEST(FrameGate, refuses_functions_that_are_not_served) {
+  for (int function = 0; function < 256; ++function) {
+    const bool served = function == 3 || function == 4 || function == 6 || function == 16 || function == 22 ||
+                        function == 23 || function == 43;
+    if (served) continue;
+    const Gate gate = judge_frame(framed({static_cast<std::uint8_t>(function), 0, 0, 0, 1}), writable);
+    EXPECT_EQ(gate.verdict, Verdict::refuse) << function;
+    EXPECT_EQ(gate.exception, 1) << function;
+  }
+}
+
+TEST(FrameGate, refuses_a_length_or_quantity_that_contradicts_the_function) {
+  for (const Bytes& pdu : {Bytes{4, 0, 0, 0}, Bytes{4, 0, 0, 0, 1, 9}, Bytes{16, 3, 232, 0, 1, 2, 0},
+                           Bytes{16, 3, 232, 0, 2, 2, 0, 0}, Bytes{3, 0, 0, 0, 0}, Bytes{3, 0, 0, 0, 126}, Bytes{4}}) {
+    const Gate gate = judge_frame(framed(pdu), writable);
+    EXPECT_EQ(gate.verdict, Verdict::refuse) << pdu.size();
+    EXPECT_EQ(gate.exception, 3) << pdu.size();
+  }
+}
+
+TEST(FrameGate, lets_writes_pass_only_inside_the_command_block) {
+  const auto single = [](int address) {
+    return framed({6, static_cast<std::uint8_t>(address >> 8), static_cast<std::uint8_t>(address & 255), 0, 1});
+  };
+  EXPECT_EQ(judge_frame(single(1000), writable).verdict, Verdict::hand_over);
+  EXPECT_EQ(judge_frame(single(1005), writable).verdict, Verdict::hand_over);
+  for (const int address : {0, 999, 1006, 65535}) {
+    const Gate gate = judge_frame(single(address), writable);
+    EXPECT_EQ(gate.verdict, Verdict::refuse) << address;
+    EXPECT_EQ(gate.exception, 2) << address;
+  }
+  EXPECT_EQ(judge_frame(framed({16, 3, 237, 0, 2, 4, 0, 1, 0, 1}), writable).exception, 2);
+  EXPECT_EQ(judge_frame(framed({23, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 1}), writable).exception, 2);
+}
+
+TEST(FrameGate, random_bytes_never_reach_beyond_what_was_received) {
+  constexpr unsigned seed = 20240611;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> byte(0, 255);
+  std::uniform_int_distribution<std::size_t> size(0, longest_frame);
+  for (int trial = 0; trial < 20000; ++trial) {
+    Bytes bytes(size(random));
+    for (auto& b : bytes) b = static_cast<std::uint8_t>(byte(random));
+    if (bytes.size() > 5 && trial % 2 == 0) bytes[2] = bytes[3] = bytes[4] = 0;
+    const Gate gate = judge_frame(bytes, writable);
+    if (gate.verdict == Verdict::wait) {
+      EXPECT_GT(gate.bytes, bytes.size());
+    } else if (gate.verdict != Verdict::close) {
+      EXPECT_LE(gate.bytes, bytes.size());
+    }
+    EXPECT_TRUE(gate.write.count == 0 || gate.write.address >= writable.address);
+  }
+}
+
+TEST(DeviceIdentification, basic_category_lists_three_objects) {
+  const Bytes request = framed({43, 14, 1, 0});
+  EXPECT_EQ(judge_frame(request, writable).verdict, Verdict::identify);
+  const Bytes reply = identify_device(request);
+  EXPECT_EQ(reply[0], 0xAB);
+  EXPECT_EQ(reply[5] + 6U, reply.size());
+  EXPECT_EQ(reply[7], 43);
+  EXPECT_EQ(reply[13], 3);
+  EXPECT_EQ(std::string(reply.begin() + 16, reply.begin() + 16 + reply[15]), "spindle-twin");
+}
+
+TEST(DeviceIdentification, an_object_that_does_not_exist_is_exception_2) {
+  const Bytes reply = identify_device(framed({43, 14, 4, 77}));
+  EXPECT_EQ(reply[7], 43 | 0x80);
+  EXPECT_EQ(reply[8], 2);
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

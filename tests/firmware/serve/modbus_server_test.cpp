@@ -1,0 +1,276 @@
+#include "firmware/serve/modbus_server.hpp"
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <thread>
+
+#include "firmware/serve/pack.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// A server in its own thread on a free port.
+struct Serving {
+  explicit Serving(ServePlan the_plan = plan()) : server(the_plan, clock, snapshots, commands) {
+    thread = std::thread([this] { server.run(); });
+  }
+  ~Serving() {
+    server.stop();
+    thread.join();
+  }
+
+  static ServePlan plan() {
+    ServePlan plan;
+    plan.port = 0;
+    plan.allow = {*parse_address_range("127.0.0.0/8")};
+    plan.frame_deadline_s = 0.3;
+    return plan;
+  }
+
+  MonotonicClock clock;
+  Latest<Snapshot> snapshots;
+  Latest<PlcCommand> commands;
+  ModbusServer server;
+  std::thread thread;
+};
+
+/// A client that sends bytes as they are; every wait ends after 5 s.
+class Client {
+ public:
+  explicit Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in there{};
+    there.sin_family = AF_INET;
+    there.sin_port = htons(static_cast<std::uint16_t>(port));
+    there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected = ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&there), sizeof there) == 0;
+    const timeval patience{5, 0};
+    setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+
+  void send(const Bytes& bytes) { (void)!::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL); }
+
+  /// One whole frame; empty when the server closed the connection instead.
+  Bytes receive() {
+    Bytes frame(6);
+    if (!fill(frame, 0)) return {};
+    frame.resize(6 + static_cast<std::size_t>(frame[4] << 8 | frame[5]));
+    return fill(frame, 6) ? frame : Bytes{};
+  }
+
+  Bytes ask(const Bytes& pdu, std::uint8_t unit = 1) {
+    send(framed(pdu, unit));
+    return receive();
+  }
+
+  bool closed_by_server() {
+    std::uint8_t byte = 0;
+    // What was sent and never read turns the end into a reset.
+    const ssize_t n = recv(socket_.get(), &byte, 1, 0);
+    return n == 0 || (n < 0 && errno == ECONNRESET);
+  }
+
+  static Bytes framed(const Bytes& pdu, std::uint8_t unit = 1) {
+    Bytes frame(mbap_bytes + pdu.size());
+    frame[1] = 7;
+    frame[5] = static_cast<std::uint8_t>(pdu.size() + 1);
+    frame[6] = unit;
+    std::copy(pdu.begin(), pdu.end(), frame.begin() + mbap_bytes);
+    return frame;
+  }
+
+  bool connected = false;
+
+ private:
+  bool fill(Bytes& bytes, std::size_t from) {
+    while (from < bytes.size()) {
+      const ssize_t n = recv(socket_.get(), bytes.data() + from, bytes.size() - from, 0);
+      if (n <= 0) return false;
+      from += static_cast<std::size_t>(n);
+    }
+    return true;
+  }
+
+  Descriptor socket_;
+};
+
+const Bytes read_known{4, 0, 0, 0, 6};
+const Bytes known_words{0x12, 0x34, 0xFF, 0x83, 0xC1, 0x48, 0x00, 0x00, 0x00, 0x00, 0xC1, 0x48};
+
+Bytes payload(const Bytes& reply) { return reply.size() > 9 ? Bytes(reply.begin() + 9, reply.end()) : Bytes{}; }
+
+int exception_of(const Bytes& reply) { return reply.size() == 9 && (reply[7] & 0x80) != 0 ? reply[8] : 0; }
+
+Bytes write_single(Register which, std::uint16_t value) {
+  const std::uint16_t at = entry_of(which).address;
+  return {6, static_cast<std::uint8_t>(at >> 8), static_cast<std::uint8_t>(at & 255),
+          static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value & 255)};
+}
+
+TEST(ModbusServer, known_answers_stand_on_input_and_holding_registers) {
+  Serving serving;
+  Client client(serving.server.port());
+  EXPECT_EQ(payload(client.ask(read_known)), known_words);
+  EXPECT_EQ(payload(client.ask({3, 0, 0, 0, 6})), known_words);
+}
+
+TEST(ModbusServer, a_request_sees_the_newest_snapshot) {
+  Serving serving;
+  Client client(serving.server.port());
+  Snapshot snapshot;
+  snapshot.sequence = 70001;
+  snapshot.nose_m = 12.34e-6;
+  serving.snapshots.write(snapshot);
+  const Bytes words = payload(client.ask({4, 0, 7, 0, 9}));
+  EXPECT_EQ(words[0] << 8 | words[1], 70001 & 0xFFFF);
+  EXPECT_EQ(words[16] << 8 | words[17], 123);
+}
+
+TEST(ModbusServer, a_request_in_pieces_is_answered_when_whole) {
+  Serving serving;
+  Client client(serving.server.port());
+  for (const std::uint8_t byte : Client::framed(read_known)) {
+    client.send({byte});
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(payload(client.receive()), known_words);
+}
+
+TEST(ModbusServer, requests_sent_at_once_are_answered_in_order) {
+  Serving serving;
+  Client client(serving.server.port());
+  const Bytes first = Client::framed(read_known);
+  const Bytes second = Client::framed({4, 0, 0, 0, 1});
+  Bytes both(first.size() + second.size());
+  std::copy(second.begin(), second.end(), std::copy(first.begin(), first.end(), both.begin()));
+  client.send(both);
+  EXPECT_EQ(payload(client.receive()), known_words);
+  EXPECT_EQ(payload(client.receive()), (Bytes{0x12, 0x34}));
+}
+
+TEST(ModbusServer, a_client_that_drips_is_closed_at_the_deadline_and_others_are_served_meanwhile) {
+  Serving serving;
+  Client good(serving.server.port());
+  std::vector<std::unique_ptr<Client>> drippers;
+  for (int i = 0; i < 4; ++i) drippers.push_back(std::make_unique<Client>(serving.server.port()));
+  const Bytes frame = Client::framed(read_known);
+  for (std::size_t n = 0; n < 6; ++n) {
+    for (const auto& dripper : drippers) dripper->send({frame[n]});
+    EXPECT_EQ(payload(good.ask(read_known)), known_words);
+    std::this_thread::sleep_for(std::chrono::milliseconds(80));
+  }
+  for (const auto& dripper : drippers) EXPECT_TRUE(dripper->closed_by_server());
+  EXPECT_EQ(payload(good.ask(read_known)), known_words);
+}
+
+TEST(ModbusServer, half_a_frame_then_silence_or_an_end_closes_the_connection) {
+  Serving serving;
+  Client silent(serving.server.port());
+  silent.send({0, 1, 0, 0, 0, 6, 1, 4});
+  EXPECT_TRUE(silent.closed_by_server());
+}
+
+TEST(ModbusServer, garbage_and_impossible_lengths_close_the_connection) {
+  Serving serving;
+  for (const Bytes& bytes : {Bytes{'G', 'E', 'T', ' ', '/', ' ', 'H', 'T'}, Bytes{0, 1, 0, 0, 4, 0, 1, 4, 0, 0}}) {
+    Client client(serving.server.port());
+    client.send(bytes);
+    EXPECT_TRUE(client.closed_by_server());
+  }
+  Client good(serving.server.port());
+  EXPECT_EQ(payload(good.ask(read_known)), known_words);
+}
+
+TEST(ModbusServer, what_is_not_served_is_an_exception_and_the_connection_goes_on) {
+  Serving serving;
+  Client client(serving.server.port());
+  EXPECT_EQ(exception_of(client.ask({7})), 1);
+  EXPECT_EQ(exception_of(client.ask({17})), 1);
+  EXPECT_EQ(exception_of(client.ask({1, 0, 0, 0, 1})), 1);
+  EXPECT_EQ(exception_of(client.ask({4, 0, 0, 0, 126})), 3);
+  EXPECT_EQ(exception_of(client.ask({4, 0xFF, 0, 0, 1})), 2);
+  EXPECT_EQ(exception_of(client.ask(read_known, 42)), 11);
+  EXPECT_EQ(exception_of(client.ask(write_single(Register::nose_int16, 5))), 2);
+  EXPECT_EQ(client.ask({43, 14, 1, 0})[7], 43);
+  EXPECT_EQ(payload(client.ask(read_known, 255)), known_words);
+}
+
+TEST(ModbusServer, commands_reach_the_cycle_and_read_back) {
+  Serving serving;
+  Client client(serving.server.port());
+  EXPECT_EQ(client.ask(write_single(Register::command_speed, 6000)).size(), 12U);
+  EXPECT_EQ(client.ask({16, 3, 233, 0, 2, 4, 1, 244, 0xFF, 0x38}).size(), 12U);
+  EXPECT_EQ(client.ask(write_single(Register::command_tare, 1)).size(), 12U);
+  EXPECT_EQ(payload(client.ask({3, 3, 232, 0, 6})),
+            (Bytes{0x17, 0x70, 0x01, 0xF4, 0xFF, 0x38, 0x80, 0x00, 0xFF, 0xFF, 0x00, 0x00}));
+  PlcCommand command;
+  ASSERT_TRUE(serving.commands.read(command));
+  EXPECT_EQ(command.signals[0].value, 6000.0);
+  EXPECT_NEAR(command.signals[1].value, 0.5, 1e-12);
+  EXPECT_NEAR(command.signals[2].value, 273.15 - 2.0, 1e-9);
+  EXPECT_EQ(command.signals[3].time_ns, 0);
+  EXPECT_EQ(command.tare_orders, 1U);
+}
+
+TEST(ModbusServer, the_client_after_the_last_place_is_turned_away) {
+  ServePlan plan = Serving::plan();
+  plan.connections = 2;
+  Serving serving(plan);
+  Client a(serving.server.port());
+  Client b(serving.server.port());
+  EXPECT_EQ(payload(a.ask(read_known)), known_words);
+  EXPECT_EQ(payload(b.ask(read_known)), known_words);
+  Client c(serving.server.port());
+  EXPECT_TRUE(c.closed_by_server());
+  EXPECT_EQ(payload(a.ask(read_known)), known_words);
+}
+
+TEST(ModbusServer, a_client_that_is_not_on_the_list_is_turned_away) {
+  ServePlan plan = Serving::plan();
+  plan.allow = {*parse_address_range("10.0.0.0/8")};
+  Serving serving(plan);
+  Client client(serving.server.port());
+  EXPECT_TRUE(client.closed_by_server());
+}
+
+TEST(ModbusServer, a_busy_port_is_one_clear_error) {
+  Serving serving;
+  ServePlan plan = Serving::plan();
+  plan.port = serving.server.port();
+  MonotonicClock clock;
+  Latest<Snapshot> snapshots;
+  Latest<PlcCommand> commands;
+  try {
+    const ModbusServer second(plan, clock, snapshots, commands);
+    FAIL() << "no error";
+  } catch (const rom::InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "serve: cannot listen on 127.0.0.1 port " + std::to_string(plan.port) + ": Address already in use");
+  }
+}
+
+TEST(AllowList, ranges_take_the_first_bits) {
+  const auto host = [](const char* text) { return parse_address_range(text)->address; };
+  const std::vector<AddressRange> allow{*parse_address_range("192.168.1.7"), *parse_address_range("10.1.0.0/16")};
+  EXPECT_TRUE(is_allowed(allow, host("192.168.1.7")));
+  EXPECT_FALSE(is_allowed(allow, host("192.168.1.8")));
+  EXPECT_TRUE(is_allowed(allow, host("10.1.255.3")));
+  EXPECT_FALSE(is_allowed(allow, host("10.2.0.1")));
+  EXPECT_TRUE(is_allowed({*parse_address_range("0.0.0.0/0")}, host("8.8.8.8")));
+  for (const char* text : {"", "10.1.0.0/33", "10.1.0.0/", "10.1.0/16", "host", "10.1.0.0/1x"}) {
+    EXPECT_FALSE(parse_address_range(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

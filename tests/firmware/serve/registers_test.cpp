@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "firmware/serve/command_registers.hpp"
+#include "firmware/serve/fill_image.hpp"
+#include "firmware/serve/pack.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+Snapshot empty_snapshot() {
+  Snapshot snapshot;
+  for (auto* values : {&snapshot.measured_K, &snapshot.predicted_K, &snapshot.uncorrected_K}) values->fill(not_a_value);
+  snapshot.part_maximum_K.fill(not_a_value);
+  snapshot.deformation_m.fill(not_a_value);
+  snapshot.heat_factor.fill(not_a_value);
+  snapshot.conductance_factor.fill(not_a_value);
+  snapshot.signals = {6000.0, 1.0, 300.0, 300.0};
+  snapshot.nose_m = 0.0;
+  return snapshot;
+}
+
+RegisterImage image_of(const Snapshot& snapshot, std::int64_t now_ns = 0) {
+  RegisterImage image{};
+  fill_image(snapshot, now_ns, image);
+  return image;
+}
+
+std::uint16_t word(const RegisterImage& image, Register which, int offset = 0) {
+  return image.at(static_cast<std::size_t>(entry_of(which).address + offset));
+}
+
+TEST(RegisterMap, no_two_registers_overlap) {
+  std::set<int> taken;
+  for (const RegisterEntry& entry : register_entries) {
+    for (int at = entry.address; at < entry.address + entry.slots * words_of(entry.type); ++at) {
+      EXPECT_TRUE(taken.insert(at).second) << entry.name << " at " << at;
+    }
+  }
+}
+
+TEST(RegisterMap, each_block_fits_one_read_and_holds_its_registers) {
+  for (const RegisterBlock& block : register_blocks) EXPECT_LE(block.length, 125) << block.name;
+  for (const RegisterEntry& entry : register_entries) {
+    int homes = 0;
+    for (const RegisterBlock& block : register_blocks) {
+      const int end = entry.address + entry.slots * words_of(entry.type);
+      if (entry.address >= block.address && end <= block.address + block.length) ++homes;
+    }
+    EXPECT_EQ(homes, 1) << entry.name;
+  }
+}
+
+TEST(RegisterMap, printed_map_names_every_register) {
+  const std::string markdown = register_map_markdown();
+  const std::string csv = register_map_csv();
+  for (const RegisterEntry& entry : register_entries) {
+    EXPECT_NE(markdown.find(std::string("| ") + entry.name + " |"), std::string::npos) << entry.name;
+    EXPECT_NE(csv.find(std::string("\n") + entry.name), std::string::npos) << entry.name;
+  }
+}
+
+TEST(RegisterImage, known_answers_have_the_documented_words) {
+  const RegisterImage image = image_of(empty_snapshot());
+  EXPECT_EQ(word(image, Register::known_uint16), 0x1234);
+  EXPECT_EQ(word(image, Register::known_int16), 0xFF83);
+  EXPECT_EQ(word(image, Register::known_float32, 0), 0xC148);
+  EXPECT_EQ(word(image, Register::known_float32, 1), 0x0000);
+  EXPECT_EQ(word(image, Register::known_float32_cdab, 0), 0x0000);
+  EXPECT_EQ(word(image, Register::known_float32_cdab, 1), 0xC148);
+}
+
+TEST(RegisterImage, every_word_of_every_readable_register_is_written) {
+  RegisterImage zeros{};
+  RegisterImage ones{};
+  ones.fill(0xFFFF);
+  const Snapshot snapshot = empty_snapshot();
+  fill_image(snapshot, 0, zeros);
+  fill_image(snapshot, 0, ones);
+  for (const RegisterEntry& entry : register_entries) {
+    if (entry.command) continue;
+    for (int at = entry.address; at < entry.address + entry.slots * words_of(entry.type); ++at) {
+      EXPECT_EQ(zeros.at(static_cast<std::size_t>(at)), ones.at(static_cast<std::size_t>(at)))
+          << entry.name << " " << at;
+    }
+  }
+}
+
+TEST(RegisterImage, nose_stands_in_all_forms) {
+  Snapshot snapshot = empty_snapshot();
+  snapshot.nose_m = -15.46e-6;
+  const RegisterImage image = image_of(snapshot);
+  EXPECT_EQ(static_cast<std::int16_t>(word(image, Register::nose_int16)), -155);
+  EXPECT_EQ(word(image, Register::nose_offset16), 32768 - 155);
+  EXPECT_EQ(word(image, Register::nose_int32, 0), 0xFFFF);
+  EXPECT_EQ(word(image, Register::nose_int32, 1), 0xFF65);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_float32)), -15.46F);
+  EXPECT_EQ(word(image, Register::nose_float32, 0), word(image, Register::nose_float32_cdab, 1));
+  EXPECT_EQ(word(image, Register::nose_float32, 1), word(image, Register::nose_float32_cdab, 0));
+}
+
+TEST(RegisterImage, a_clipped_value_raises_the_saturation_bit) {
+  Snapshot snapshot = empty_snapshot();
+  snapshot.nose_m = 3.2767e-3;
+  RegisterImage image = image_of(snapshot);
+  EXPECT_EQ(word(image, Register::nose_int16), 32767);
+  EXPECT_EQ(word(image, Register::quality) & bits(Quality::saturated), 0);
+  snapshot.nose_m = -3.4e-3;
+  image = image_of(snapshot);
+  EXPECT_EQ(static_cast<std::int16_t>(word(image, Register::nose_int16)), -32767);
+  EXPECT_EQ(word(image, Register::nose_offset16), 1);
+  EXPECT_NE(word(image, Register::quality) & bits(Quality::saturated), 0);
+  EXPECT_DOUBLE_EQ(get(image, Register::nose_int32), -3400.0);
+}
+
+TEST(RegisterImage, absent_values_are_not_present_and_not_saturated) {
+  Snapshot snapshot = empty_snapshot();
+  snapshot.nose_m = not_a_value;
+  const RegisterImage image = image_of(snapshot);
+  EXPECT_EQ(word(image, Register::nose_int16), 0x8000);
+  EXPECT_EQ(word(image, Register::nose_offset16), 0);
+  EXPECT_EQ(word(image, Register::nose_float32, 0), 0x7FC0);
+  EXPECT_EQ(word(image, Register::key_point_measured, 15), 0x8000);
+  EXPECT_EQ(word(image, Register::heat_factor, 15), 0xFFFF);
+  EXPECT_EQ(word(image, Register::quality) & bits(Quality::saturated), 0);
+}
+
+TEST(RegisterImage, heartbeat_wraps_over_all_words) {
+  Snapshot snapshot = empty_snapshot();
+  snapshot.sequence = 65535;
+  EXPECT_EQ(word(image_of(snapshot), Register::heartbeat), 65535);
+  snapshot.sequence = 65536;
+  EXPECT_EQ(word(image_of(snapshot), Register::heartbeat), 0);
+  EXPECT_DOUBLE_EQ(get(image_of(snapshot), Register::parts_sequence), 65536.0);
+}
+
+TEST(RegisterImage, prediction_age_is_the_time_since_the_cycle) {
+  Snapshot snapshot = empty_snapshot();
+  snapshot.time_ns = 5'000'000'000;
+  EXPECT_NEAR(get(image_of(snapshot, 5'250'000'000), Register::prediction_age), 0.25, 1e-9);
+}
+
+TEST(Pack, get_inverts_put_for_every_type) {
+  RegisterImage image{};
+  for (const Register which : {Register::speed, Register::nose_int16, Register::nose_offset16, Register::nose_int32,
+                               Register::overruns, Register::nose_float32, Register::nose_float32_cdab}) {
+    const double value = 1234.0;
+    EXPECT_TRUE(put(image, which, value));
+    EXPECT_NEAR(get(image, which), value, 1e-9) << entry_of(which).name;
+    put_not_present(image, which);
+    EXPECT_TRUE(std::isnan(get(image, which))) << entry_of(which).name;
+  }
+}
+
+TEST(Commands, only_what_was_written_counts_as_read) {
+  RegisterImage image{};
+  clear_commands(image);
+  PlcCommand command;
+  put(image, Register::command_speed, 6000.0);
+  put(image, Register::command_load, 55.5);
+  take_commands({entry_of(Register::command_speed).address, 1}, 77, image, command);
+  EXPECT_EQ(command.signals[0].value, 6000.0);
+  EXPECT_EQ(command.signals[0].time_ns, 77);
+  EXPECT_EQ(command.signals[1].time_ns, 0);
+  take_commands({entry_of(Register::command_speed).address, 2}, 78, image, command);
+  EXPECT_NEAR(command.signals[1].value, 0.555, 1e-12);
+  EXPECT_EQ(command.correction, CorrectionOrder::as_configured);
+}
+
+TEST(Commands, tare_order_is_taken_once_and_reads_back_as_zero) {
+  RegisterImage image{};
+  clear_commands(image);
+  PlcCommand command;
+  put(image, Register::command_tare, 2.0);
+  take_commands(writable_registers(), 1, image, command);
+  EXPECT_EQ(command.tare_orders, 1U);
+  EXPECT_EQ(command.tare_order, TareOrder::clear);
+  EXPECT_EQ(get(image, Register::command_tare), 0.0);
+  take_commands(writable_registers(), 2, image, command);
+  EXPECT_EQ(command.tare_orders, 1U);
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

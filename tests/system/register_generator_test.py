@@ -1,0 +1,70 @@
+"""What the generator of the register map refuses."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+GENERATOR = pathlib.Path(__file__).resolve().parents[2] / "firmware" / "serve" / "generate_registers.py"
+MAP = """
+map_version = 1
+codes = []
+[slots]
+points = 4
+[[block]]
+name = "first"
+address = 0
+length = {length}
+command = false
+doc = ""
+register = [
+  {{ address = 0, name = "a", type = "int16", slots = "points", doc = "" }},
+  {{ address = {second}, name = "{name}", type = "{type}", doc = "" }},
+]
+"""
+
+
+class Generator(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.map = pathlib.Path(folder.name) / "registers.toml"
+
+    def run_on(self, task, length=6, second=4, name="b", type="float32"):
+        self.map.write_text(MAP.format(length=length, second=second, name=name, type=type))
+        return subprocess.run([sys.executable, GENERATOR, "--map", self.map, task], capture_output=True, text=True)
+
+    def error_of(self, **changes):
+        result = self.run_on("--write", **changes)
+        self.assertNotEqual(result.returncode, 0)
+        return result.stderr
+
+    def test_a_good_map_is_written_and_then_current(self):
+        self.assertEqual(self.run_on("--write").returncode, 0)
+        self.assertEqual(self.run_on("--check").returncode, 0)
+
+    def test_files_that_are_not_current_are_named(self):
+        self.run_on("--write")
+        result = self.run_on("--check", type="int32")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("registers.md", result.stderr)
+        self.assertIn("registers.csv", result.stderr)
+
+    def test_overlap(self):
+        self.assertIn("registers a and b overlap at 3", self.error_of(second=3))
+
+    def test_outside_the_block(self):
+        self.assertIn("register b: 6 is outside block first, 0 to 5", self.error_of(second=5))
+
+    def test_a_block_longer_than_one_read(self):
+        self.assertIn("block first: 126 registers, one read takes at most 125", self.error_of(length=126))
+
+    def test_the_same_name_twice(self):
+        self.assertIn("register a stands twice", self.error_of(name="a"))
+
+    def test_an_unknown_type(self):
+        self.assertIn("register b: type real, allowed: uint16", self.error_of(type="real"))
+
+
+if __name__ == "__main__":
+    unittest.main()
