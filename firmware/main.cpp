@@ -96,14 +96,14 @@ int run(const std::string& config_path, bool only_check) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"spindle-twind: thermal twin of a CNC spindle, served by Modbus/TCP"};
-  std::string config_path;
-  bool only_check = false;
-  app.add_option("CONFIG", config_path, "configuration file (TOML)")->required();
-  app.add_flag("--check", only_check, "read configuration and network, say whether they fit, and end");
-  app.set_version_flag("--version", SPINDLE_TWIN_VERSION);
-  CLI11_PARSE(app, argc, argv);
   try {
+    CLI::App app{"spindle-twind: thermal twin of a CNC spindle, served by Modbus/TCP"};
+    std::string config_path;
+    bool only_check = false;
+    app.add_option("CONFIG", config_path, "configuration file (TOML)")->required();
+    app.add_flag("--check", only_check, "read configuration and network, say whether they fit, and end");
+    app.set_version_flag("--version", SPINDLE_TWIN_VERSION);
+    CLI11_PARSE(app, argc, argv);
     return run(config_path, only_check);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twind: %s\n", error.what());

@@ -11,9 +11,11 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr int sets = 60;
-constexpr std::size_t most_candidates = 16;
+constexpr int sets = 300;
+constexpr std::size_t most_candidates = 24;
 constexpr double good_enough_K = 0.01;
+/// Maxima are what the certificate, the displays and the alarms use.
+constexpr double weight_of_minimum = 0.3;
 /// Times after a change of the operating state at which fields are taken.
 constexpr std::array<double, 5> times_s = {2.0, 10.0, 60.0, 300.0, 1500.0};
 
@@ -32,6 +34,8 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
   const Eigen::Index per_set = 2 + static_cast<Eigen::Index>(times_s.size());
   Eigen::MatrixXd fields(count, sets * per_set);
   const rom::Boundaries& boundaries = network.boundaries;
+  std::vector<Eigen::MatrixXd> terms;
+  for (const Eigen::MatrixXd& factor : network.factors_m) terms.emplace_back(factor * factor.transpose());
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));
     rom::CorrectionFactors factors = correction::no_correction(boundaries);
@@ -43,13 +47,11 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
       correction::evaluate_boundaries(boundaries, state, factors, values);
       conduction = network.conduction_W_per_K;
       drive = network.source_distribution * values.heat_W;
-      for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
-        const Eigen::MatrixXd& factor = network.factors_m[j];
-        const rom::Conductance& item = boundaries.conductances[j];
+      for (std::size_t j = 0; j < terms.size(); ++j) {
         const double g = values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)];
-        conduction.noalias() += g * factor * factor.transpose();
-        if (item.environment < 0) continue;
-        drive += g * values.environment_K[item.environment] * (factor * factor.colwise().sum().transpose());
+        const int environment = boundaries.conductances[j].environment;
+        conduction += g * terms[j];
+        if (environment >= 0) drive += g * values.environment_K[environment] * terms[j].rowwise().sum();
       }
     };
     const auto solve = [&](double rate_per_s, const Eigen::VectorXd& before_K) {
@@ -85,7 +87,7 @@ std::vector<int> greedy_extremes(const Eigen::MatrixXd& part_fields) {
     int next = -1;
     for (Eigen::Index i = 0; i < count; ++i) {
       const double above_K = part_fields(hottest[i], i) - high[i];
-      const double below_K = low[i] - part_fields(coldest[i], i);
+      const double below_K = weight_of_minimum * (low[i] - part_fields(coldest[i], i));
       if (above_K > worst_K) worst_K = above_K, next = hottest[i];
       if (below_K > worst_K) worst_K = below_K, next = coldest[i];
     }

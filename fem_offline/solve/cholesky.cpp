@@ -60,8 +60,8 @@ struct CholeskyFactor::Impl {
     cholmod_free_factor(&factor, &common.settings);
   }
   void factorise(const SparseMatrix& lower) {
-    // CHOLMOD asks for four threads per factor, whose waiting loops cost 50 times the work on a busy computer; cases
-    // run in parallel instead. The setting holds for the calling thread.
+    // CHOLMOD asks for four threads per factor, which wait in loops and on a busy computer cost far more than the
+    // work; cases run in parallel instead. The setting holds for the calling thread.
     omp_set_max_active_levels(0);
     cholmod_sparse matrix = view(lower);
     if (!factor || !cholmod_factorize(&matrix, factor, &common.settings) || factor->minor < factor->n) {

@@ -20,7 +20,7 @@ std::string beside(const std::string& config_path, const std::string& path) {
 }
 
 std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
-  const std::string address = table.string_or("address", otherwise);
+  std::string address = table.string_or("address", otherwise);
   in_addr parsed{};
   if (inet_pton(AF_INET, address.c_str(), &parsed) != 1) {
     table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");

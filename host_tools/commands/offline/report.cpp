@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 #include "host_tools/commands/commands.hpp"
@@ -17,6 +18,7 @@ struct Options {
   std::string output;
   std::string part = "rotor";
   std::string dygraphs = "/usr/share/javascript/dygraphs";
+  double until_s = std::numeric_limits<double>::infinity();
   bool table = false;
 };
 
@@ -25,7 +27,7 @@ void run(const Options& options) {
     throw rom::InputError({}, "report", "nothing to do: give --output, --table or both");
   }
   const RunData data = gather_run(rom::read_network(options.network), read_csv_table(options.history),
-                                  read_csv_table(options.plant), options.part);
+                                  read_csv_table(options.plant), options.part, options.until_s);
   if (options.table) std::fputs(run_table(data).c_str(), stdout);
   if (options.output.empty()) return;
   const std::string page = run_page(data, options.dygraphs);
@@ -46,6 +48,7 @@ void add_report(CLI::App& app) {
   command->add_option("-o,--output", options->output, "HTML page to write");
   command->add_flag("--table", options->table, "print the table of the last row");
   command->add_option("--part", options->part, "part whose maximum is shown")->capture_default_str();
+  command->add_option("--until-s", options->until_s, "last model time; without: as far as both files reach");
   command->add_option("--dygraphs", options->dygraphs, "folder of the chart library")->capture_default_str();
   command->callback([options] { run(*options); });
 }

@@ -154,7 +154,10 @@ class SeriesWriter {
 
 void write_fields(const FeModel& model, const SolveOptions& options, const Eigen::VectorXd& temperatures_K) {
   if (options.vtu_directory.empty()) return;
-  std::filesystem::create_directories(options.vtu_directory);
+  std::error_code failure;
+  std::filesystem::create_directories(options.vtu_directory, failure);
+  if (failure)
+    throw rom::InputError({options.vtu_directory, 0}, "--vtu", "no folder can be made: " + failure.message());
   const std::string name = std::filesystem::path(options.spindle_path).stem().string();
   model.write_vtu(options.vtu_directory, name, temperatures_K);
   std::fprintf(stderr, "fields in %s/%s.vtu\n", options.vtu_directory.c_str(), name.c_str());

@@ -72,7 +72,8 @@ TEST_F(ReferenceModel, films_to_environments_sum_to_their_area) {
     const rom::Conductance& conductance = model().boundaries.conductances[j];
     if (conductance.environment < 0) continue;
     EXPECT_NEAR(model().conductance_terms_m2[j].sum(), conductance.area_m2, 1e-12);
-    if (conductance.name == "shaft_bore") EXPECT_NEAR(conductance.area_m2, 2.0 * pi * 0.014 * 0.410, 1e-12);
+    if (conductance.name != "shaft_bore") continue;
+    EXPECT_NEAR(conductance.area_m2, 2.0 * pi * 0.014 * 0.410, 1e-12);
   }
 }
 
@@ -92,7 +93,7 @@ TEST_F(ReferenceModel, heat_distributions_sum_to_one) {
 TEST_F(ReferenceModel, air_volumes_are_the_last_unknowns_with_their_capacity) {
   ASSERT_EQ(model().air_names.size(), 2U);
   const auto n = static_cast<int>(model().places.size());
-  EXPECT_EQ(model().places[static_cast<std::size_t>(n - 3)].part >= 0, true);
+  EXPECT_GE(model().places[static_cast<std::size_t>(n - 3)].part, 0);
   EXPECT_EQ(model().places[static_cast<std::size_t>(n - 2)].part, -1);
   EXPECT_DOUBLE_EQ(model().capacity_J_per_K.coeff(n - 2, n - 2), 0.35);
   EXPECT_DOUBLE_EQ(model().capacity_J_per_K.coeff(n - 1, n - 1), 0.25);

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
-#include <numeric>
 
 namespace spindle_twin::fem_offline {
 namespace {

@@ -11,11 +11,11 @@ inline constexpr const char* page_template = R"HTML(<!DOCTYPE html>
 <title>Simulated spindle: plant, twin, uncorrected model</title>
 <style>@DYGRAPHS_CSS@</style>
 <style>
-:root { color-scheme: light dark; --page: #fff; --card: #f6f7f9; --text: #1b1f24; --soft: #59636e; --line: #d5dae0;
+:root { color-scheme: light dark; --page: #fff; --card: #f6f7f9; --text: #1b1f24; --soft: #59636e; --reading: #8b96a3; --line: #d5dae0; --grid: #c3cad2;
   --warn: #fff3cd; --warn-text: #664d03; --k1: #0b62c4; --k2: #b54708; --k3: #157347; --twin: #0b62c4;
   --plant: #1b1f24; --raw: #c02434; }
 @media (prefers-color-scheme: dark) {
-  :root { --page: #14171b; --card: #1c2026; --text: #e6e9ed; --soft: #9aa4af; --line: #343b44;
+  :root { --page: #14171b; --card: #1c2026; --text: #e6e9ed; --soft: #9aa4af; --reading: #7c8792; --line: #343b44; --grid: #4a535e;
     --warn: #3a3015; --warn-text: #ffe08a; --k1: #6cb2ff; --k2: #ffa25c; --k3: #63d297; --twin: #6cb2ff;
     --plant: #e6e9ed; --raw: #ff7b86; } }
 * { box-sizing: border-box; }
@@ -61,7 +61,7 @@ footer { color: var(--soft); font-size: 13px; }
 </section>
 <section>
   <h2>Nose elongation (the paper's Fig. 11)</h2>
-  <p>Forward growth of the nose. Plant against twin and uncorrected model.</p>
+  <p>Forward growth of the nose. Plant against twin and uncorrected model; the steps of the twin are its corrections.</p>
   <div class="legend" id="nose-legend"></div><div class="chart" id="nose"></div>
 </section>
 <section>
@@ -134,12 +134,12 @@ function chart(id, unit, series, extra) {
     labels: ["model time", ...series.map(s => s[0])],
     colors: colours(), strokeWidth: 2, legend: "always", labelsDiv: byId(id + "-legend"),
     series: Object.fromEntries(series.map(s => [s[0], s[3] || {}])),
-    xlabel: "model time, s", ylabel: unit, gridLineColor: ink("line"), axisLineColor: ink("soft"),
+    xlabel: "model time, s", ylabel: unit, gridLineColor: ink("grid"), axisLineColor: ink("soft"),
     highlightCircleSize: 3, digitsAfterDecimal: 2, labelsKMB: false,
     axes: { x: { valueFormatter: t => `${t.toFixed(0)} s`, axisLabelFormatter: t => t.toFixed(0), pixelsPerLabel: 60 },
             y: { axisLabelWidth: 44 } },
   }, extra || {}));
-  graph.paint = () => graph.updateOptions({ colors: colours(), gridLineColor: ink("line"), axisLineColor: ink("soft") });
+  graph.paint = () => graph.updateOptions({ colors: colours(), gridLineColor: ink("grid"), axisLineColor: ink("soft") });
   charts.push(graph);
 }
 
@@ -159,7 +159,7 @@ run.key_points.forEach((point, i) => {
   const area = Object.assign(document.createElement("div"), { className: "chart", id: id });
   box.append(title, legend, area);
   byId("key-points").append(box);
-  chart(id, "temperature, °C", [["measured", point.measured, "soft", { strokeWidth: 1 }],
+  chart(id, "temperature, °C", [["measured", point.measured, "reading", { strokeWidth: 1 }],
     ["twin", point.twin, "k" + (i % 3 + 1)]], { valueRange: [low - margin, high + margin] });
 });
 

@@ -71,7 +71,9 @@ void run_uncorrected(const rom::Network& network, const CsvTable& history, std::
 void gather_factors(const rom::Network& network, const CsvTable& history, RunData& run) {
   for (const rom::HeatSource& source : network.boundaries.sources) {
     run.factor_names.push_back(source.name);
-    run.heat_factors.push_back(history.column("heat_factor." + source.name));
+    std::vector<double> factor = history.column("heat_factor." + source.name);
+    factor.resize(run.time_s.size());
+    run.heat_factors.push_back(factor);
   }
   const bool common =
       std::all_of(run.heat_factors.begin(), run.heat_factors.end(),
@@ -83,29 +85,40 @@ void gather_factors(const rom::Network& network, const CsvTable& history, RunDat
 
 }  // namespace
 
-RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant,
-                   const std::string& part) {
+RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant, const std::string& part,
+                   double until_s) {
   const std::size_t part_index = find_part(network, part);
   const double reference_degC = network.boundaries.reference_temperature_K - kelvin_at_0_degC;
   RunData run;
   run.spindle = network.spindle;
   run.time_s = history.column("time_s");
-  run.speed_rpm = history.column("speed_rpm").back();
-  run.ambient_degC = history.column("ambient_degC").back();
-  run.coolant_degC = history.column("coolant_degC").back();
+  const double end_s = std::min(until_s, plant.column("time_s").back());
+  run.time_s.erase(std::upper_bound(run.time_s.begin(), run.time_s.end(), end_s), run.time_s.end());
+  if (run.time_s.empty()) throw rom::InputError({history.file, 0}, "time_s", "no row within the plant's log");
+  const auto shown = [&](const std::string& column) {
+    const std::vector<double>& values = history.column(column);
+    return std::vector<double>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(run.time_s.size()));
+  };
+  run.speed_rpm = shown("speed_rpm").back();
+  run.ambient_degC = shown("ambient_degC").back();
+  run.coolant_degC = shown("coolant_degC").back();
   for (const rom::KeyPoint& point : network.key_points) {
     Quantity quantity{point.name, "degC", reference_degC, {}, {}, {}, {}};
-    quantity.measured = history.column("measured." + point.name + "_degC");
-    quantity.twin = history.column("predicted." + point.name + "_degC");
+    quantity.measured = shown("measured." + point.name + "_degC");
+    quantity.twin = shown("predicted." + point.name + "_degC");
     quantity.plant = on_axis(run.time_s, plant, "key_point." + point.name + "_degC");
     run.key_points.push_back(quantity);
   }
   const std::string part_column = "part_maximum." + part + "_degC";
-  run.hottest = {part, "degC", reference_degC, {}, on_axis(run.time_s, plant, part_column), history.column(part_column),
-                 {}};
+  run.hottest = {part, "degC", reference_degC, {}, on_axis(run.time_s, plant, part_column), shown(part_column), {}};
   const std::string nose_column = "deformation." + network.deformations.front().name + "_um";
-  run.nose = {network.deformations.front().name, "um", 0.0, {}, on_axis(run.time_s, plant, nose_column),
-              history.column(nose_column),       {}};
+  run.nose = {network.deformations.front().name,
+              "um",
+              0.0,
+              {},
+              on_axis(run.time_s, plant, nose_column),
+              shown(nose_column),
+              {}};
   gather_factors(network, history, run);
   run_uncorrected(network, history, part_index, run);
   return run;

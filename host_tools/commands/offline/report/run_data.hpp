@@ -32,10 +32,10 @@ struct RunData {
   std::vector<std::vector<double>> heat_factors;
 };
 
-/// Puts the daemon's history and the plant's log on the history's time axis, and runs the network beside them with all
-/// factors 1 and the history's operating signals: that is the uncorrected model. Throws rom::InputError for a missing
-/// column, and for a part that the network does not have.
-RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant,
-                   const std::string& part);
+/// Puts the daemon's history and the plant's log on the history's time axis, as far as both reach and `until_s`, and
+/// runs the network beside them with all factors 1 and the history's operating signals: that is the uncorrected model.
+/// Throws rom::InputError for a missing column, and for a part that the network does not have.
+RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant, const std::string& part,
+                   double until_s);
 
 }  // namespace spindle_twin::host_tools
