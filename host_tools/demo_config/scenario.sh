@@ -7,3 +7,8 @@ plant_truth=(
   --contact-spread 2:2.0                          # every joint off by up to 2x either way, seed 2
   --noise-K 0.03 --seed 2
   --offset-K inner=0.02 --offset-K outer=-0.02)
+
+# write_twin_config FOLDER PLANT_PORT TWIN_PORT: twin.toml for this run, beside reference.rom in FOLDER.
+write_twin_config() {
+  sed -e "s/15020/$2/" -e "s/15021/$3/" host_tools/demo_config/twin.toml >"$1/twin.toml"
+}

@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "host_tools/commands/offline/report/csv_table.hpp"
+#include "host_tools/commands/offline/report/page.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+class ReportFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("report_test_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& text) const {
+    const std::string path = (folder_ / name).string();
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  }
+  static std::string message_of(const std::function<void()>& act) {
+    try {
+      act();
+    } catch (const rom::InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReportFiles, table_reads_numbers_empty_cells_and_drops_a_cut_line) {
+  const CsvTable table = read_csv_table(write("a.csv", "time_s,a\n0,1.5\n1,\n2,2e-3\n3,0."));
+  ASSERT_EQ(table.rows(), 3U);
+  EXPECT_EQ(table.column("a")[0], 1.5);
+  EXPECT_TRUE(std::isnan(table.column("a")[1]));
+  EXPECT_EQ(table.column("a")[2], 2e-3);
+}
+
+TEST_F(ReportFiles, bad_table_is_one_error_with_line_and_column) {
+  const std::string word = write("word.csv", "time_s,a\n0,1\n1,one\n");
+  EXPECT_EQ(message_of([&] { read_csv_table(word); }), word + ":3: a: 'one' is not a number");
+  const std::string shorter = write("short.csv", "time_s,a\n0\n");
+  EXPECT_EQ(message_of([&] { read_csv_table(shorter); }), shorter + ":2: 1 values, but the header names 2 columns");
+  const std::string empty = write("empty.csv", "time_s\n");
+  EXPECT_EQ(message_of([&] { read_csv_table(empty); }), empty + ": holds no row");
+  const CsvTable table = read_csv_table(write("b.csv", "time_s\n0\n"));
+  EXPECT_EQ(message_of([&] { table.column("nose"); }), table.file + ":1: nose: missing column");
+}
+
+TEST(Interpolate, is_linear_inside_and_held_outside) {
+  const std::vector<double> x = {0.0, 2.0, 4.0};
+  const std::vector<double> y = {1.0, 3.0, -1.0};
+  EXPECT_EQ(interpolate(x, y, 1.0), 2.0);
+  EXPECT_EQ(interpolate(x, y, 3.0), 1.0);
+  EXPECT_EQ(interpolate(x, y, -1.0), 1.0);
+  EXPECT_EQ(interpolate(x, y, 9.0), -1.0);
+}
+
+RunData some_run() {
+  RunData run;
+  run.spindle = "a</script>b";
+  run.speed_rpm = 6000.0;
+  run.time_s = {0.0, 1.0};
+  const double gap = std::numeric_limits<double>::quiet_NaN();
+  run.key_points = {{"inner", "degC", 27.0, {27.0, gap}, {27.0, 29.0}, {27.0, 29.1}, {27.0, 31.0}}};
+  run.hottest = {"rotor", "degC", 27.0, {}, {27.0, 34.0}, {27.0, 34.5}, {27.0, 42.0}};
+  run.nose = {"nose", "um", 0.0, {}, {0.0, 7.0}, {0.0, 7.5}, {0.0, 15.0}};
+  run.factor_names = {"all sources"};
+  run.heat_factors = {{1.0, 0.46}};
+  return run;
+}
+
+TEST(RunTable, errors_are_those_of_the_rise) {
+  const std::string text = run_table(some_run());
+  EXPECT_NE(text.find("simulated spindle"), std::string::npos);
+  EXPECT_NE(text.find("+2.00          +0.10      +5.0%"), std::string::npos) << text;
+  EXPECT_NE(text.find("+8.00          +0.50      +7.1%"), std::string::npos) << text;
+}
+
+TEST_F(ReportFiles, page_holds_the_chart_library_and_says_simulated) {
+  std::filesystem::create_directories(folder_ / "extras");
+  write("dygraph.min.css", "/*css-here*/");
+  write("dygraph.min.js", "var js = '</script>';");
+  write("extras/synchronizer.js", "/*sync-here*/");
+  const std::string page = run_page(some_run(), folder_.string());
+  for (const char* part : {"Simulated spindle", "/*css-here*/", "var js = '<\\/script>'", "/*sync-here*/",
+                           "a<\\/script>b", "[27.0,null]"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(page.find('@' + std::string("D")), std::string::npos) << "a mark was left unfilled";
+  EXPECT_EQ(page.find("src="), std::string::npos) << "the page must not load anything";
+}
+
+TEST_F(ReportFiles, missing_chart_library_names_its_package) {
+  const std::string message = message_of([&] { run_page(some_run(), folder_.string()); });
+  EXPECT_NE(message.find("libjs-dygraphs"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace spindle_twin::host_tools
