@@ -11,9 +11,9 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr int sets = 300;
-constexpr std::size_t most_candidates = 24;
-constexpr double good_enough_K = 0.01;
+constexpr int sets = 600;
+constexpr std::size_t most_candidates = 48;
+constexpr double good_enough_K = 0.03;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
 /// Times after a change of the operating state at which fields are taken.

@@ -12,10 +12,10 @@
 namespace spindle_twin::fem_offline {
 
 struct ReduceOptions {
-  int nodes = 180;
+  int nodes = 160;
   std::uint64_t seed = 1;
   int threads = 2;
-  int full_sets = 60;       ///< random parameter sets at which the FE model is solved
+  int full_sets = 60;        ///< random parameter sets at which the FE model is solved
   int rich_states = 460;     ///< size of the richer Galerkin model between FE model and network
   int rich_sets = 250;       ///< random parameter sets at which the richer model is solved
   double dual_weight = 0.1;  ///< size of the adjoint snapshots relative to the primal ones

@@ -79,6 +79,10 @@ void run(const BuildArguments& arguments) {
   timed(before, "FE model",
         [&] { model = std::make_unique<fem_offline::FeModel>(fem_offline::build_fe_model(arguments.spindle_path)); });
   progress("FE model", 1.0);
+  if (model->affine().deformations.empty()) {
+    throw rom::InputError({arguments.spindle_path, 0}, "deformation",
+                          "a network needs at least one deformation output, the nose first");
+  }
   rom::Network network = fem_offline::reduce_model(model->affine(), arguments.reduce, progress, &report);
   report.stages.insert(report.stages.begin(), before.stages.begin(), before.stages.end());
   if (arguments.certificate_cases > 0) {

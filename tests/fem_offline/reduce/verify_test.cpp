@@ -1,0 +1,106 @@
+#include "fem_offline/reduce/verify.hpp"
+
+#include <gtest/gtest.h>
+
+#include "grid_model.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+const rom::Network& network() {
+  static const rom::Network built = [] {
+    ReduceOptions options;
+    options.nodes = 60;
+    options.full_sets = 40;
+    options.rich_sets = 40;
+    options.rich_states = 220;
+    return reduce_model(make_grid_model(), options);
+  }();
+  return built;
+}
+
+TEST(VerifyCase, stays_in_the_box) {
+  const rom::Boundaries boundaries = make_grid_model().boundaries;
+  const ParameterBox box;
+  double smallest_contact = 1.0, largest_contact = 1.0, fastest_rpm = 0.0;
+  for (std::uint32_t index = 0; index < 200; ++index) {
+    const VerifyCase drawn = random_case(boundaries, 5, index);
+    for (Eigen::Index j = 0; j < drawn.factors.conductance.size(); ++j) {
+      const bool contact = boundaries.conductances[static_cast<std::size_t>(j)].kind == rom::ConductanceKind::contact;
+      const double factor = drawn.factors.conductance[j];
+      ASSERT_GE(factor, contact ? box.contact_low : box.film_low);
+      ASSERT_LE(factor, contact ? box.contact_high : box.film_high);
+      if (contact) smallest_contact = std::min(smallest_contact, factor);
+      if (contact) largest_contact = std::max(largest_contact, factor);
+    }
+    double end_s = 0.0;
+    for (const HeldInterval& interval : drawn.intervals) {
+      end_s += interval.duration_s;
+      fastest_rpm = std::max(fastest_rpm, interval.state.speed_rpm);
+      ASSERT_GT(interval.duration_s, 0.0);
+      ASSERT_LE(interval.duration_s, longest_interval_s);
+      ASSERT_GE(interval.state.speed_rpm, 0.0);
+      ASSERT_LE(interval.state.speed_rpm, box.speed_high_rpm);
+      ASSERT_GE(interval.state.load, 0.0);
+      ASSERT_LE(interval.state.load, box.load_high);
+      // Five kelvin of spread and two hours of drift at 6 K/h.
+      ASSERT_LE((interval.state.environment_K - boundaries.operating.environment_K).cwiseAbs().maxCoeff(), 17.1);
+    }
+    ASSERT_GE(end_s, 3600.0);
+    ASSERT_LE(end_s, 7200.0 + longest_interval_s);
+  }
+  EXPECT_LT(smallest_contact, 0.12);
+  EXPECT_GT(largest_contact, 8.5);
+  EXPECT_GT(fastest_rpm, 23000.0);
+}
+
+TEST(VerifyCase, depends_on_seed_and_index_alone) {
+  const rom::Boundaries boundaries = make_grid_model().boundaries;
+  const VerifyCase first = random_case(boundaries, 5, 3), again = random_case(boundaries, 5, 3);
+  EXPECT_EQ(first.factors.conductance, again.factors.conductance);
+  EXPECT_EQ(first.intervals.size(), again.intervals.size());
+  EXPECT_NE(first.factors.conductance, random_case(boundaries, 5, 4).factors.conductance);
+  EXPECT_NE(first.factors.conductance, random_case(boundaries, 6, 3).factors.conductance);
+}
+
+TEST(Verify, network_follows_the_full_model_through_random_drive_cycles) {
+  VerifyOptions options;
+  options.cases = 3;
+  options.seed = 2;
+  const VerifyReport report = verify_network(network(), make_grid_model(), options);
+  EXPECT_EQ(report.certificate.cases, 3u);
+  EXPECT_EQ(report.cases.size(), 3u);
+  EXPECT_GT(report.certificate.worst.key_points_K, 0.0);
+  EXPECT_LT(report.certificate.worst.key_points_K, 0.2);
+  EXPECT_LT(report.certificate.worst.part_max_K, 1.0);
+  EXPECT_LE(report.certificate.median.key_points_K, report.certificate.worst.key_points_K);
+}
+
+TEST(Verify, sees_a_network_with_a_wrong_source) {
+  rom::Network wrong = network();
+  wrong.source_distribution.col(3) *= 1.1;
+  VerifyOptions options;
+  options.cases = 1;
+  EXPECT_GT(verify_network(wrong, make_grid_model(), options).certificate.worst.part_max_K, 1.0);
+}
+
+TEST(Verify, figures_do_not_depend_on_the_number_of_threads) {
+  VerifyOptions options;
+  options.cases = 2;
+  options.threads = 1;
+  const VerifyReport one = verify_network(network(), make_grid_model(), options);
+  options.threads = 2;
+  const VerifyReport two = verify_network(network(), make_grid_model(), options);
+  EXPECT_EQ(one.certificate.worst.key_points_K, two.certificate.worst.key_points_K);
+  EXPECT_EQ(one.certificate.worst.nose_um, two.certificate.worst.nose_um);
+  EXPECT_EQ(one.certificate.worst.part_max_K, two.certificate.worst.part_max_K);
+}
+
+TEST(Verify, refuses_a_network_of_another_model) {
+  rom::Network other = network();
+  other.key_points.pop_back();
+  EXPECT_THROW(verify_network(other, make_grid_model(), {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace spindle_twin::fem_offline
