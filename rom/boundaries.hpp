@@ -73,7 +73,7 @@ struct Boundaries {
   std::vector<Conductance> conductances;
   std::vector<HeatSource> sources;
   std::vector<Environment> environments;
-  OperatingState operating;             ///< the description's operating state
+  OperatingState operating;              ///< the description's operating state
   double reference_temperature_K = 0.0;  ///< deformation is zero when everything has this temperature
 };
 

@@ -59,11 +59,11 @@ struct Network {
   std::string spindle;           ///< the description's name
   std::string description_hash;  ///< SHA-256, hex, of the description file the network was built from
   std::vector<Node> nodes;
-  Eigen::MatrixXd capacity_J_per_K;           ///< C, N x N
-  Eigen::MatrixXd conduction_W_per_K;         ///< K₀, N x N
+  Eigen::MatrixXd capacity_J_per_K;    ///< C, N x N
+  Eigen::MatrixXd conduction_W_per_K;  ///< K₀, N x N
   Boundaries boundaries;
-  std::vector<Eigen::MatrixXd> factors_m;     ///< Fⱼ, N x rankⱼ, one per conductance
-  Eigen::MatrixXd source_distribution;        ///< B, N x sources
+  std::vector<Eigen::MatrixXd> factors_m;  ///< Fⱼ, N x rankⱼ, one per conductance
+  Eigen::MatrixXd source_distribution;     ///< B, N x sources
   std::vector<KeyPoint> key_points;
   std::vector<PartOutput> parts;
   std::vector<DeformationOutput> deformations;  ///< the first is the nose
