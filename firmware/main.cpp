@@ -103,7 +103,15 @@ int main(int argc, char** argv) {
     app.add_option("CONFIG", config_path, "configuration file (TOML)")->required();
     app.add_flag("--check", only_check, "read configuration and network, say whether they fit, and end");
     app.set_version_flag("--version", SPINDLE_TWIN_VERSION);
-    CLI11_PARSE(app, argc, argv);
+    app.failure_message([](const CLI::App*, const CLI::Error& error) {
+      return std::string("spindle-twind: ") + error.what() + "; see spindle-twind --help\n";
+    });
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      constexpr int usage_error = 2;
+      return app.exit(error) == 0 ? 0 : usage_error;
+    }
     return run(config_path, only_check);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twind: %s\n", error.what());

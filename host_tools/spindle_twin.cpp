@@ -3,29 +3,47 @@
 #include <CLI/Formatter.hpp>
 #include <cstdio>
 #include <exception>
+#include <string>
 
 #include "host_tools/commands/commands.hpp"
+
+namespace {
+
+constexpr int usage_error = 2;
+
+std::string usage_message(const CLI::App* app, const CLI::Error& error) {
+  std::string command = "spindle-twin";
+  for (const CLI::App* given : app->get_subcommands()) command += " " + given->get_name();
+  return command + ": " + error.what() + "; see " + command + " --help\n";
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace spindle_twin::host_tools;
   CLI::App app{"spindle-twin: thermal digital twin of a CNC spindle, host tool"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", SPINDLE_TWIN_VERSION, "print the version and exit");
+  app.set_help_flag("-h,--help", "print this help and exit");
+  app.failure_message(usage_message);
 #ifdef SPINDLE_TWIN_OFFLINE
   add_solve(app);
   add_build(app);
   add_verify(app);
+  add_verify_fem(app);
 #endif
   add_inspect(app);
   add_simulate(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE
+  add_export(app);
   add_plant(app);
   add_report(app);
 #endif
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error);
+    return app.exit(error) == 0 ? 0 : usage_error;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twin: %s\n", error.what());
     return 1;

@@ -60,11 +60,24 @@ struct Environment {
   EnvironmentKind kind = EnvironmentKind::ambient;
 };
 
+/// A coolant channel in one dimension: the liquid enters at its environment's temperature and passes the segments one
+/// after another. Segment s is the conductance segments[s], an environment film of area A and film coefficient h:
+///   q_s = G_s (T_wall,s − T_in,s),  G_s = |ṁ| c (1 − exp(−NTU_s)),  NTU_s = h_s A_s / (|ṁ| c),
+///   T_in,s+1 = T_in,s + q_s / (|ṁ| c)
+/// with T_wall,s the area mean of the wetted wall. Negative flow passes the segments in the opposite order.
+struct CoolantCircuit {
+  std::string name;
+  int environment = -1;  ///< its temperature is that of the inlet
+  double heat_capacity_J_per_kgK = 0.0;
+  std::vector<int> segments;  ///< conductances in the order of positive flow; each in one circuit only
+};
+
 /// What the machine and its surroundings do at one instant.
 struct OperatingState {
   double speed_rpm = 0.0;
-  double load = 0.0;              ///< fraction of the rated load, 1 at the reference state
-  Eigen::VectorXd environment_K;  ///< one temperature per environment (coolant inlet, ambient)
+  double load = 0.0;                   ///< fraction of the rated load, 1 at the reference state
+  Eigen::VectorXd environment_K;       ///< one temperature per environment (coolant inlet, ambient)
+  Eigen::VectorXd flow_kg_per_s = {};  ///< one per circuit; negative when it runs backwards
 };
 
 /// Everything at the border of the spindle that FE model and network share, in the same order.
@@ -75,6 +88,7 @@ struct Boundaries {
   std::vector<Environment> environments;
   OperatingState operating;              ///< the description's operating state
   double reference_temperature_K = 0.0;  ///< deformation is zero when everything has this temperature
+  std::vector<CoolantCircuit> circuits = {};
 };
 
 /// Factors on the nominal values that a correction (or a virtual spindle's hidden truth) sets; all 1 by default.
@@ -85,9 +99,11 @@ struct CorrectionFactors {
 
 /// The right-hand side's inputs at one instant; sized once, refilled in the cycle.
 struct BoundaryValues {
+  /// For a segment of a circuit the effective G/A of the channel law, for all others the film or contact itself.
   Eigen::VectorXd conductance_W_per_m2K;
   Eigen::VectorXd heat_W;
   Eigen::VectorXd environment_K;
+  Eigen::VectorXd coolant_W_per_K = {};  ///< ṁ c, one per circuit, with the sign of the flow
 };
 
 }  // namespace spindle_twin::rom

@@ -37,6 +37,13 @@ struct DeformationOutput {
   Eigen::VectorXd row_m_per_K;  ///< N; deformation_m = row · (T − T_ref); + = spindle longer
 };
 
+/// Mean pressure of a joint: pressure_Pa = assembly + row · (T − T_ref), bonded and linear: below zero it would open.
+struct ContactPressureOutput {
+  std::string name;
+  double assembly_pressure_Pa = 0.0;
+  Eigen::VectorXd row_Pa_per_K;  ///< N
+};
+
 /// One column of a certificate: errors of network minus FE model over random cases, on key points, nose, part maxima.
 struct CertificateErrors {
   double key_points_K = 0.0;
@@ -67,6 +74,7 @@ struct Network {
   std::vector<KeyPoint> key_points;
   std::vector<PartOutput> parts;
   std::vector<DeformationOutput> deformations;  ///< the first is the nose
+  std::vector<ContactPressureOutput> contact_pressures;
   Certificate certificate;
 };
 

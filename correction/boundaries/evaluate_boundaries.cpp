@@ -1,8 +1,30 @@
 #include "correction/boundaries/evaluate_boundaries.hpp"
 
+#include <cmath>
+
+#include "correction/laws/channel_law.hpp"
 #include "correction/laws/speed_law.hpp"
 
 namespace spindle_twin::correction {
+namespace {
+
+/// Film coefficients of the circuits' segments become those of the channel law.
+void apply_channel_law(const rom::Boundaries& boundaries, const rom::OperatingState& state,
+                       rom::BoundaryValues& values) {
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const rom::CoolantCircuit& circuit = boundaries.circuits[c];
+    const auto index = static_cast<Eigen::Index>(c);
+    values.coolant_W_per_K[index] = state.flow_kg_per_s[index] * circuit.heat_capacity_J_per_kgK;
+    const double flow_W_per_K = std::abs(values.coolant_W_per_K[index]);
+    for (const int segment : circuit.segments) {
+      double& film_W_per_m2K = values.conductance_W_per_m2K[segment];
+      const double area_m2 = boundaries.conductances[static_cast<std::size_t>(segment)].area_m2;
+      film_W_per_m2K = channel_W_per_m2K(film_W_per_m2K, area_m2, flow_W_per_K);
+    }
+  }
+}
+
+}  // namespace
 
 rom::CorrectionFactors no_correction(const rom::Boundaries& boundaries) {
   rom::CorrectionFactors factors;
@@ -16,6 +38,7 @@ rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries) {
   values.conductance_W_per_m2K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.conductances.size()));
   values.heat_W = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.sources.size()));
   values.environment_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.environments.size()));
+  values.coolant_W_per_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.circuits.size()));
   return values;
 }
 
@@ -33,6 +56,7 @@ void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::Operating
                        evaluate_speed_law(source.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
   }
   values.environment_K = state.environment_K;
+  apply_channel_law(boundaries, state, values);
 }
 
 }  // namespace spindle_twin::correction

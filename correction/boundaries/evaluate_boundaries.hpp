@@ -11,7 +11,9 @@ rom::CorrectionFactors no_correction(const rom::Boundaries& boundaries);
 rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries);
 
 /// gⱼ = factorⱼ · nominalⱼ · lawⱼ(speed, load), q_i likewise; environments copied. [W/m²K, W, K]
-/// Cycle-safe: no allocation when `values` came from make_boundary_values.
+/// For the segments of a coolant circuit g becomes the effective G/A of the channel law (rom::CoolantCircuit), 0
+/// without flow; the circuits' ṁ c are filled in. Cycle-safe: no allocation when `values` came from
+/// make_boundary_values.
 void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::OperatingState& state,
                          const rom::CorrectionFactors& factors, rom::BoundaryValues& values);
 

@@ -44,6 +44,7 @@ double number(const std::string& cell, const std::string& column, const rom::Sou
 std::vector<std::string> allowed_columns(const rom::Boundaries& boundaries) {
   std::vector<std::string> columns = {"time_s", "speed_rpm", "load"};
   for (const rom::Environment& environment : boundaries.environments) columns.push_back(environment.name + "_degC");
+  for (const rom::CoolantCircuit& circuit : boundaries.circuits) columns.push_back(circuit.name + "_kg_per_s");
   return columns;
 }
 
@@ -81,6 +82,7 @@ ScheduleRow read_row(const std::vector<std::string>& cells, const std::vector<st
         std::to_string(cells.size()) + " values, but the header names " + std::to_string(meaning.size()) + " columns");
   }
   ScheduleRow row{0.0, standard};
+  const std::size_t first_flow = 3 + static_cast<std::size_t>(standard.environment_K.size());
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const std::string& column = allowed[meaning[c]];
     const double value = number(cells[c], column, where);
@@ -95,6 +97,10 @@ ScheduleRow read_row(const std::vector<std::string>& cells, const std::vector<st
         row.state.load = value;
         break;
       default:
+        if (meaning[c] >= first_flow) {
+          row.state.flow_kg_per_s[static_cast<Eigen::Index>(meaning[c] - first_flow)] = value;
+          break;
+        }
         if (value <= -kelvin_at_0_degC) {
           throw rom::InputError(where, column, "'" + cells[c] + "' is not above absolute zero, -273.15 degC");
         }
@@ -151,6 +157,7 @@ void state_at(const Schedule& schedule, double time_s, rom::OperatingState& stat
   state.speed_rpm = row.state.speed_rpm;
   state.load = row.state.load;
   state.environment_K = row.state.environment_K;
+  state.flow_kg_per_s = row.state.flow_kg_per_s;
   if (next != rows.begin() && next != rows.end()) {
     const double share = (time_s - row.time_s) / (next->time_s - row.time_s);
     state.environment_K += share * (next->state.environment_K - row.state.environment_K);

@@ -13,18 +13,20 @@ struct ScheduleRow {
   rom::OperatingState state;
 };
 
-/// A drive cycle. Speed and load hold until the next row; environment temperatures run linearly to the next row.
+/// A drive cycle. Speed, load and coolant flows hold until the next row; environment temperatures run linearly to the
+/// next row.
 struct Schedule {
   std::vector<ScheduleRow> rows;  ///< strictly rising times, the first at 0
   double end_s = 0.0;
 };
 
-/// Reads a CSV with header time_s,speed_rpm,load and optionally one <environment>_degC column per environment
-/// (missing ones keep the description's operating state). The last row's time is the end. Throws rom::InputError
-/// with file, line and column for an unknown column, a missing one, a non-finite value, times that do not rise.
+/// Reads a CSV with header time_s,speed_rpm,load and optionally one <environment>_degC column per environment and one
+/// <circuit>_kg_per_s column per coolant circuit (missing ones keep the description's operating state). The last row's
+/// time is the end. Throws rom::InputError with file, line and column for an unknown column, a missing one, a
+/// non-finite value, times that do not rise.
 Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries);
 
-/// The state at time_s (clamped to the schedule). Cycle-safe when `state.environment_K` is already sized.
+/// The state at time_s (clamped to the schedule). Cycle-safe when `state` is already sized.
 void state_at(const Schedule& schedule, double time_s, rom::OperatingState& state);
 
 /// A schedule that holds the description's operating state for duration_s.

@@ -315,6 +315,21 @@ struct PaperCorrection::Impl {
     return result;
   }
 
+  void stand_by(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating, double advance_s) {
+    if (!started) reset(time_s, nodes_K, operating);
+    watch_operating(time_s, operating);
+    factors.heat.setOnes();
+    factors.conductance.setOnes();
+    for (Group& group : groups) {
+      group.factor = group.step = group.ratio = 1.0;
+      group.rise_K = 0.0;
+      group.freeze = Freeze::waiting;
+    }
+    clear_window();
+    due_s = time_s + advance_s + options.period_s;
+    advance_bases(operating, advance_s);
+  }
+
   const rom::Network& network;
   PaperOptions options;
   rom::CorrectionFactors factors;
@@ -343,6 +358,11 @@ void PaperCorrection::reset(double time_s, const Eigen::VectorXd& nodes_K, const
 }
 
 PaperStep PaperCorrection::step(const PaperSample& sample, double advance_s) { return impl_->step(sample, advance_s); }
+
+void PaperCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating,
+                               double advance_s) {
+  impl_->stand_by(time_s, nodes_K, operating, advance_s);
+}
 
 const rom::CorrectionFactors& PaperCorrection::factors() const { return impl_->factors; }
 const Eigen::VectorXd& PaperCorrection::rescaled_nodes_K() const { return impl_->rescaled_K; }

@@ -113,6 +113,11 @@ class PaperCorrection {
   /// the new factors, as the caller does with its own model. The first call resets by itself.
   PaperStep step(const PaperSample& sample, double advance_s);
 
+  /// Instead of step() while the correction is switched off and the caller's model runs with all factors 1: all factors
+  /// go back to 1, the base is carried on with them, so that T - T_base stays what the uncorrected heats have done, and
+  /// the next step() begins a new period. May run in the cycle, as step().
+  void stand_by(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating, double advance_s);
+
   const rom::CorrectionFactors& factors() const;
   /// All nodes of the corrected model; meaningful when the last step() said state_rescaled.
   const Eigen::VectorXd& rescaled_nodes_K() const;

@@ -9,6 +9,29 @@ using rom::between;
 using rom::not_negative;
 using rom::positive;
 
+namespace {
+
+constexpr rom::Range element_size_mm = between(0.01, 1000.0);
+
+}  // namespace
+
+MeshSettings read_mesh(const TomlTable& root) {
+  MeshSettings mesh;
+  const auto table = root.optional_table("mesh");
+  if (!table) return mesh;
+  mesh.element_size_m = table->number_or("element_size_mm", 4.0, element_size_mm) * metre_per_mm;
+  mesh.degree = static_cast<int>(table->integer_or("degree", 2, 1, 4));
+  mesh.cells_across = static_cast<int>(table->integer_or("cells_across", 1, 1, 20));
+  if (const auto size_mm = table->optional_number("contact_element_size_mm", element_size_mm)) {
+    mesh.contact_size_m = *size_mm * metre_per_mm;
+  }
+  // A 200th of the element size: the error of the outline stays below that of the elements along it.
+  mesh.arc_sagitta_m =
+      table->number_or("arc_sagitta_mm", mesh.element_size_m / metre_per_mm / 200.0, between(1e-5, 100.0)) *
+      metre_per_mm;
+  return mesh;
+}
+
 Material read_material(const TomlTable& table, Names& names) {
   Material material;
   material.name = names.add(table);
@@ -24,18 +47,25 @@ Material read_material(const TomlTable& table, Names& names) {
   return material;
 }
 
-Part read_part(const TomlTable& table, Names& names, const Names& materials) {
+Part read_part(const TomlTable& table, Names& names, const Names& materials, Geometry geometry,
+               const MeshSettings& mesh) {
   Part part;
   part.name = names.add(table);
   part.where = table.where("name");
   part.material = materials.find(table, "material");
-  part.shapes = read_shapes(table, "rectangles", "polygons");
-  part.cuts = read_shapes(table, "cut_rectangles", "cut_polygons");
+  part.shapes = read_shapes(table, "rectangles", "polygons", geometry, mesh);
+  part.cuts = read_shapes(table, "cut_rectangles", "cut_polygons", geometry, mesh);
+  if (const auto size_mm = table.optional_number("element_size_mm", element_size_mm)) {
+    part.element_size_m = *size_mm * metre_per_mm;
+  }
+  if (const auto initial_degC = table.optional_number("initial_degC", temperature_degC)) {
+    part.initial_K = *initial_degC + kelvin_at_0_degC;
+  }
   if (part.shapes.empty()) table.fail("rectangles", "a part needs at least one rectangle or polygon");
   return part;
 }
 
-Contact read_contact(const TomlTable& table, const Names& parts) {
+Contact read_contact(const TomlTable& table, const Names& parts, Geometry geometry) {
   Contact contact;
   contact.where = table.where("between");
   const auto names = table.strings("between");
@@ -43,6 +73,7 @@ Contact read_contact(const TomlTable& table, const Names& parts) {
   std::tie(contact.part_a, contact.part_b) = parts.find_pair(table, "between");
   contact.conductance_W_per_m2K = table.number("conductance_W_per_m2K", positive);
   if (const auto fit = table.optional_table("interference_fit")) {
+    if (geometry == Geometry::planar) table.fail("interference_fit", "a planar geometry has no rings to fit");
     InterferenceFit read;
     read.inner_radius_m = fit->number("inner_radius_mm", length_mm) * metre_per_mm;
     read.fit_radius_m = fit->number("fit_radius_mm", length_mm) * metre_per_mm;
@@ -53,6 +84,7 @@ Contact read_contact(const TomlTable& table, const Names& parts) {
     }
     contact.fit = read;
   }
+  contact.preload_pressure_Pa = table.optional_number("preload_pressure_Pa", not_negative);
   return contact;
 }
 

@@ -43,19 +43,15 @@ Box read_face(const TomlTable& table, const std::string& key) {
   return box_from(table, key, table.numbers(key, 4, any_number), true);
 }
 
-std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons) {
+std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons,
+                                 Geometry geometry, const MeshSettings& mesh) {
   std::vector<Polygon> shapes;
-  for (const auto& row : table.rows_or_empty(rectangles, 4, length_mm)) {
+  for (const auto& row : table.rows_or_empty(rectangles, 4, coordinate_mm(geometry))) {
     const Box box = box_from(table, rectangles, row, false);
     shapes.push_back({{box.r0_m, box.z0_m}, {box.r1_m, box.z0_m}, {box.r1_m, box.z1_m}, {box.r0_m, box.z1_m}});
   }
   for (const auto& polygon : table.tables_or_empty(polygons)) {
-    Polygon shape;
-    for (const auto& row : polygon.rows_or_empty("points", 2, length_mm)) {
-      shape.push_back({row[0] * metre_per_mm, row[1] * metre_per_mm});
-    }
-    if (shape.size() < 3) polygon.fail("points", "must hold at least three [r, z]");
-    shapes.push_back(std::move(shape));
+    shapes.push_back(read_polygon(polygon, geometry, mesh));
   }
   return shapes;
 }

@@ -9,7 +9,6 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 using rom::InputError;
-using rom::not_negative;
 
 std::string sha256_hex(const std::string& text) {
   unsigned char digest[crypto_hash_sha256_BYTES];
@@ -26,13 +25,18 @@ Spindle parse_spindle(const std::string& text, const std::string& file) {
   spindle.file = file;
   spindle.hash = sha256_hex(text);
   spindle.name = root.name();
+  spindle.geometry = root.choice_or("geometry", "axisymmetric", {"axisymmetric", "planar"}) == "planar"
+                         ? Geometry::planar
+                         : Geometry::axisymmetric;
+  spindle.mesh = read_mesh(root);
 
   Names materials("material"), parts("part"), surroundings("surrounding"), films("film"),
       adiabatics("adiabatic region"), heats("heat"), key_points("key point"), deformations("deformation output");
   for (const auto& table : root.tables("material")) spindle.materials.push_back(read_material(table, materials));
-  for (const auto& table : root.tables("part")) spindle.parts.push_back(read_part(table, parts, materials));
+  for (const auto& table : root.tables("part"))
+    spindle.parts.push_back(read_part(table, parts, materials, spindle.geometry, spindle.mesh));
   const auto contacts = root.tables_or_empty("contact");
-  for (const auto& table : contacts) spindle.contacts.push_back(read_contact(table, parts));
+  for (const auto& table : contacts) spindle.contacts.push_back(read_contact(table, parts, spindle.geometry));
   check_contacts_once(spindle.contacts, contacts);
   for (const auto& table : root.tables("surrounding")) {
     spindle.surroundings.push_back(read_surrounding(table, surroundings));
@@ -40,6 +44,13 @@ Spindle parse_spindle(const std::string& text, const std::string& file) {
   for (const auto& table : root.tables_or_empty("film")) {
     spindle.films.push_back(read_film(table, films, surroundings, parts));
   }
+  for (const auto& table : root.tables_or_empty("prescribed_temperature")) {
+    spindle.films.push_back(read_prescribed_temperature(table, films, surroundings, parts));
+  }
+  for (const auto& table : root.tables_or_empty("radiation")) {
+    spindle.films.push_back(read_radiation(table, films, surroundings, parts));
+  }
+  read_coolant_circuits(root, parts, surroundings, films, spindle);
   // Films and gap films share one list of names because a network addresses both as conductances.
   for (const auto& table : root.tables_or_empty("gap_film")) {
     spindle.gap_films.push_back(read_gap_film(table, films, parts));
@@ -53,25 +64,21 @@ Spindle parse_spindle(const std::string& text, const std::string& file) {
   }
   for (const auto& table : root.tables_or_empty("heat")) spindle.heats.push_back(read_heat(table, heats, parts));
   for (const auto& table : root.tables_or_empty("support")) {
-    spindle.supports.push_back({parts.find(table, "part"), read_face(table, "face"), table.where("face")});
+    spindle.supports.push_back(read_support(table, parts, spindle.geometry));
   }
   for (const auto& table : root.tables_or_empty("key_point")) {
     const std::string name = key_points.add(table);
     const std::size_t part = parts.find(table, "part");
-    const auto at_mm = table.numbers("at", 2, not_negative);
+    const auto at_mm = table.numbers("at", 2, coordinate_mm(spindle.geometry));
     spindle.key_points.push_back({name, part, {at_mm[0] * metre_per_mm, at_mm[1] * metre_per_mm}, table.where("name")});
   }
   for (const auto& table : root.tables_or_empty("deformation")) {
-    spindle.deformations.push_back(read_deformation(table, deformations, parts));
+    spindle.deformations.push_back(read_deformation(table, deformations, parts, spindle.geometry));
   }
-  if (!spindle.deformations.empty() && spindle.supports.empty()) {
-    root.fail("deformation", "a deformation output needs a support that holds the spindle");
-  }
+  read_mechanics(root, parts, spindle);
   spindle.operating = read_operating(root.table("operating"), spindle.surroundings, surroundings);
-  if (const auto mesh = root.optional_table("mesh")) {
-    spindle.mesh.element_size_m = mesh->number_or("element_size_mm", 4.0, {0.01, 1000.0, false, false}) * metre_per_mm;
-    spindle.mesh.degree = static_cast<int>(mesh->integer_or("degree", 2, 1, 4));
-  }
+  set_prescribed_coefficients(spindle);
+  read_verification(root, spindle);
   root.finish();
   return spindle;
 }

@@ -2,9 +2,13 @@
 
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/numerics/data_out.h>
+#include <deal.II/numerics/data_postprocessor.h>
 
+#include <array>
 #include <fstream>
+#include <utility>
 
+#include "fem_offline/model/stress.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -37,11 +41,43 @@ dealii::Vector<double> as_vector_field(const Discretisation<2>& discretisation,
   return field;
 }
 
+using StressFields = std::vector<std::pair<std::string, dealii::Vector<double>>>;
+
+StressFields stress_fields(const Eigen::MatrixXd& stresses_Pa) {
+  StressFields fields;
+  if (stresses_Pa.rows() == 0) return fields;
+  const std::array<const char*, 4> names = {"stress_rr_Pa", "stress_zz_Pa", "stress_tt_Pa", "stress_rz_Pa"};
+  for (Eigen::Index c = 0; c < 4; ++c) fields.emplace_back(names[c], copied(stresses_Pa.col(c)));
+  Eigen::VectorXd von_mises(stresses_Pa.rows());
+  for (Eigen::Index i = 0; i < von_mises.size(); ++i) von_mises[i] = von_mises_Pa(stress_from(stresses_Pa.row(i)));
+  fields.emplace_back("stress_von_mises_Pa", copied(von_mises));
+  return fields;
+}
+
+/// −k ∇T with the conductivities of the element's part.
+class HeatFlux : public dealii::DataPostprocessorVector<2> {
+ public:
+  explicit HeatFlux(const Spindle& spindle)
+      : dealii::DataPostprocessorVector<2>("heat_flux_W_per_m2", dealii::update_gradients), spindle_(&spindle) {}
+
+  void evaluate_scalar_field(const dealii::DataPostprocessorInputs::Scalar<2>& inputs,
+                             std::vector<dealii::Vector<double>>& fluxes) const override {
+    const Material& material = spindle_->materials[spindle_->parts[inputs.get_cell<2>()->material_id()].material];
+    for (std::size_t q = 0; q < fluxes.size(); ++q) {
+      fluxes[q][0] = -material.conductivity_r_W_per_mK * inputs.solution_gradients[q][0];
+      fluxes[q][1] = -material.conductivity_z_W_per_mK * inputs.solution_gradients[q][1];
+    }
+  }
+
+ private:
+  const Spindle* spindle_;
+};
+
 }  // namespace
 
-void write_field_file(const std::string& path, const Discretisation<2>& discretisation,
+void write_field_file(const std::string& path, const Spindle& spindle, const Discretisation<2>& discretisation,
                       const Eigen::VectorXd& temperatures_K, const Eigen::VectorXd& rises_K,
-                      const Eigen::VectorXd& displacements_m) {
+                      const Eigen::VectorXd& displacements_m, const Eigen::MatrixXd& stresses_Pa) {
   const dealii::FESystem<2> vector_element(discretisation.element, 2);
   dealii::DoFHandler<2> vector_handler(discretisation.triangulation);
   vector_handler.distribute_dofs(vector_element);
@@ -53,12 +89,17 @@ void write_field_file(const std::string& path, const Discretisation<2>& discreti
     part[cell->active_cell_index()] = static_cast<float>(cell->material_id());
   }
 
+  const StressFields stress = stress_fields(stresses_Pa);
+
+  const HeatFlux heat_flux(spindle);
   dealii::DataOut<2> out;
   using Meaning = dealii::DataComponentInterpretation::DataComponentInterpretation;
   const std::vector<Meaning> vector_meaning(2, Meaning::component_is_part_of_vector);
   out.add_data_vector(discretisation.dof_handler, temperature, "temperature_degC");
   out.add_data_vector(discretisation.dof_handler, rise, "rise_K");
+  out.add_data_vector(discretisation.dof_handler, temperature, heat_flux);
   out.add_data_vector(vector_handler, displacement, std::vector<std::string>(2, "displacement_m"), vector_meaning);
+  for (const auto& [name, values] : stress) out.add_data_vector(discretisation.dof_handler, values, name);
   out.attach_triangulation(discretisation.triangulation);
   out.add_data_vector(part, "part", dealii::DataOut<2>::type_cell_data);
   out.build_patches(discretisation.mapping, discretisation.element.degree);

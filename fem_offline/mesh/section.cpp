@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "fem_offline/mesh/section_detail.hpp"
 
@@ -15,6 +16,12 @@ bool any_piece_in(const Section& section, std::size_t part, const Box& face, boo
     const bool exposed =
         piece.kind == PieceKind::film || piece.kind == PieceKind::adiabatic || piece.kind == PieceKind::gap;
     return piece.part == part && lies_in(piece, face) && (exposed || !exposed_only);
+  });
+}
+
+bool any_piece_begins_at(const Section& section, std::size_t part, const Box& point) {
+  return std::any_of(section.pieces.begin(), section.pieces.end(), [&](const BoundaryPiece& piece) {
+    return piece.part == part && contains(to_mm(point), to_mm(piece.start));
   });
 }
 
@@ -67,21 +74,39 @@ void check_fits(const Spindle& spindle, const Section& section) {
 
 void check_places(const Spindle& spindle, const Section& section) {
   for (const Support& support : spindle.supports) {
-    if (any_piece_in(section, support.part, support.face, false)) continue;
+    if (support.is_point() ? any_piece_begins_at(section, support.part, support.face)
+                           : any_piece_in(section, support.part, support.face, false)) {
+      continue;
+    }
+    if (support.is_point()) {
+      throw rom::InputError(support.where, "support",
+                            "the outline of part \"" + spindle.parts[support.part].name + "\" does not pass " +
+                                printed(Vec{to_mm(support.face).r0, to_mm(support.face).z0}) + " mm");
+    }
     throw rom::InputError(
         support.where, "support",
         "part \"" + spindle.parts[support.part].name + "\" has no face in " + face_text(support.face));
   }
+  const auto check_point = [&](const rom::SourceLine& where, const std::string& field, std::size_t part,
+                               const Point& at) {
+    if (covers(section.outlines[part], to_mm(at))) return;
+    throw rom::InputError(where, field,
+                          printed(to_mm(at)) + " mm lies outside part \"" + spindle.parts[part].name + "\"");
+  };
+  for (const StressProbe& probe : spindle.stress_probes) {
+    check_point(probe.where, "stress_probe." + probe.name, probe.part, probe.at);
+  }
   for (const DeformationOutput& output : spindle.deformations) {
+    if (output.at) {
+      check_point(output.where, "deformation." + output.name, output.part, *output.at);
+      continue;
+    }
     if (any_piece_in(section, output.part, output.face, false)) continue;
     throw rom::InputError(output.where, "deformation." + output.name,
                           "part \"" + spindle.parts[output.part].name + "\" has no face in " + face_text(output.face));
   }
   for (const KeyPoint& point : spindle.key_points) {
-    if (covers(section.outlines[point.part], to_mm(point.at))) continue;
-    throw rom::InputError(
-        point.where, "key_point." + point.name,
-        printed(to_mm(point.at)) + " mm lies outside part \"" + spindle.parts[point.part].name + "\"");
+    check_point(point.where, "key_point." + point.name, point.part, point.at);
   }
   check_heats(spindle, section);
   check_fits(spindle, section);
@@ -97,6 +122,25 @@ Section build_section(const Spindle& spindle) {
       spindle, section_detail::cut_edges(spindle, section_detail::edges_of(section.outlines)));
   section_detail::check_places(spindle, section);
   return section;
+}
+
+double volume_within(const Polygon& ring, Geometry geometry) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point& a = ring[i];
+    const Point& b = ring[(i + 1) % ring.size()];
+    const double mean = geometry == Geometry::planar
+                            ? 0.5 * (a.r_m + b.r_m)
+                            : std::numbers::pi / 3.0 * (a.r_m * a.r_m + a.r_m * b.r_m + b.r_m * b.r_m);
+    sum += (b.z_m - a.z_m) * mean;
+  }
+  return sum;
+}
+
+bool acts_on(std::size_t film, const BoundaryPiece& piece) {
+  const auto& beside = piece.radiations;
+  return (piece.kind == PieceKind::film && piece.index == film) ||
+         std::find(beside.begin(), beside.end(), film) != beside.end();
 }
 
 bool lies_in(const BoundaryPiece& piece, const Box& box) {

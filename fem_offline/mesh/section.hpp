@@ -16,9 +16,10 @@ struct BoundaryPiece {
   Point start;  ///< the part lies to the left from start to end
   Point end;
   PieceKind kind = PieceKind::adiabatic;
-  std::size_t index = 0;  ///< into Spindle::contacts, films, gap_films or adiabatics
-  int side = 0;           ///< contact, gap: 0 on part_a, 1 on part_b
-  std::size_t pair = 0;   ///< contact, gap: number shared by the two pieces that face each other
+  std::size_t index = 0;                     ///< into Spindle::contacts, films, gap_films or adiabatics
+  int side = 0;                              ///< contact, gap: 0 on part_a, 1 on part_b
+  std::size_t pair = 0;                      ///< contact, gap: number shared by the two pieces that face each other
+  std::vector<std::size_t> radiations = {};  ///< into Spindle::films: radiation that acts beside film or adiabatic
 };
 
 /// One connected face of a part: outer ring counter-clockwise (r to the right, z up), holes clockwise.
@@ -29,7 +30,7 @@ struct OutlineFace {
 
 struct PartOutline {
   std::vector<OutlineFace> faces;
-  double volume_m3 = 0.0;  ///< of revolution
+  double volume_m3 = 0.0;  ///< of revolution, or per metre of depth
 };
 
 /// The meridian section, exact: outlines of the parts and everything that happens on them.
@@ -43,6 +44,13 @@ struct Section {
 /// contact declared, a declared contact that does not touch, a film, gap, adiabatic region or support on no face, an
 /// outer face with no film, a face hit by two laws, a key point or deformation face outside its part.
 Section build_section(const Spindle& spindle);
+
+/// Volume that a closed ring encloses, Green's theorem: π ∮ r² dz of revolution, ∮ x dy per metre of depth when planar.
+/// Positive for a counter-clockwise ring.
+double volume_within(const Polygon& ring, Geometry geometry);
+
+/// Whether the film (of any kind) acts on the piece.
+bool acts_on(std::size_t film, const BoundaryPiece& piece);
 
 /// Whether both ends of the piece lie in the closed box, to the snap tolerance of 1e-6 mm. Outlines are split where the
 /// face box of a support, a deformation output or a heat begins and ends, so that a piece is either in or out.

@@ -229,8 +229,18 @@ std::vector<Piece> cut_edges(const Spindle& spindle, std::vector<Edge> edges) {
     const auto cut_at_face = [&](std::size_t part, const Box& face) {
       if (part == edge.part) add_cuts(edge, clip(edge.start, edge.end, to_mm(face)), true);
     };
-    for (const Support& support : spindle.supports) cut_at_face(support.part, support.face);
-    for (const DeformationOutput& output : spindle.deformations) cut_at_face(output.part, output.face);
+    for (const Support& support : spindle.supports) {
+      if (!support.is_point()) {
+        cut_at_face(support.part, support.face);
+        continue;
+      }
+      const BoxMm box = to_mm(support.face);
+      const Vec point{box.r0, box.z0};
+      if (support.part == edge.part && std::abs(edge.distance(point)) <= 2.0 * snap_mm) add_cut(edge, point, true);
+    }
+    for (const DeformationOutput& output : spindle.deformations) {
+      if (!output.at) cut_at_face(output.part, output.face);
+    }
     for (const HeatSource& heat : spindle.heats) {
       for (const HeatShare& share : heat.shares) {
         if (share.on_face) cut_at_face(share.part, *share.on_face);

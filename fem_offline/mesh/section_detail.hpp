@@ -69,6 +69,7 @@ struct Piece {
   bool last_of_edge = false;
   std::optional<Law> law;
   std::size_t pair = 0;
+  std::vector<std::size_t> radiations = {};  // as in BoundaryPiece
 
   Vec hair_outside() const;
 };

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "fem_offline/mesh/element_sizes.hpp"
 #include "fem_offline/mesh/section.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -16,11 +17,12 @@ struct SectionMesh {
   std::vector<std::size_t> part_of_quad;
 };
 
-/// Meshes every part apart with elements of about MeshSettings::element_size_m. Parts with sides along r and z take
-/// cells of one tensor grid (lines at every corner and piece end), so that neighbours match; others go through gmsh.
-/// Every end of a BoundaryPiece is a mesh point. Throws rom::InputError naming the part whose mesh would not fill
-/// it or would hold an inverted or sliver element.
-SectionMesh mesh_section(const Spindle& spindle, const Section& section);
+/// Meshes every part apart with elements of about the size asked for (MeshSettings, Part::element_size_m). Parts with
+/// sides along r and z take cells of one tensor grid (lines at every corner and piece end), so that neighbours match;
+/// others go through gmsh. Every end of a BoundaryPiece is a mesh point. Throws rom::InputError naming the part whose
+/// mesh would not fill it or would hold an inverted or sliver element, and before meshing when the sizes ask for more
+/// than `element_limit`.
+SectionMesh mesh_section(const Spindle& spindle, const Section& section, double element_limit = most_elements);
 
 /// Two coordinates closer than this are one.
 inline constexpr double same_place_m = 1e-7;

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fem_offline/mesh/section_detail.hpp"
 
@@ -76,17 +75,6 @@ Polygon clean_ring(const Ring& ring) {
   return points.size() > 2 ? out : Polygon{};
 }
 
-/// ∮ r²/2 dz of a ring, times 2π: volume of revolution, positive for a counter-clockwise ring.
-double volume_of(const Polygon& ring) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Point& a = ring[i];
-    const Point& b = ring[(i + 1) % ring.size()];
-    sum += (b.z_m - a.z_m) * (a.r_m * a.r_m + a.r_m * b.r_m + b.r_m * b.r_m);
-  }
-  return std::numbers::pi / 3.0 * sum;
-}
-
 BgMulti multi_from(const PartOutline& outline) {
   const auto ring_from = [](const Polygon& ring, auto& to) {
     for (const Point& corner : ring) {
@@ -108,6 +96,21 @@ BgMulti multi_from(const PartOutline& outline) {
   return multi;
 }
 
+/// Every side is compared with every other, so that many more would take minutes.
+void refuse_too_many_corners(const Spindle& spindle) {
+  constexpr std::size_t most_corners = 6000;
+  std::size_t corners = 0;
+  for (const Part& part : spindle.parts) {
+    for (const auto* shapes : {&part.shapes, &part.cuts}) {
+      for (const Polygon& shape : *shapes) corners += shape.size();
+    }
+    if (corners <= most_corners) continue;
+    throw rom::InputError(part.where, "part." + part.name,
+                          "up to this part the description has " + std::to_string(corners) + " corners, at most " +
+                              std::to_string(most_corners) + " are allowed: raise arc_sagitta_mm of [mesh]");
+  }
+}
+
 }  // namespace
 
 // Division by a whole number gives the nearest double of the decimal number, so 30 stays 30.
@@ -120,6 +123,7 @@ BoxMm to_mm(const Box& box) {
 }
 
 std::vector<PartOutline> unite_parts(const Spindle& spindle) {
+  refuse_too_many_corners(spindle);
   std::vector<PartOutline> outlines;
   for (const Part& part : spindle.parts) {
     BgMulti area;
@@ -129,11 +133,11 @@ std::vector<PartOutline> unite_parts(const Spindle& spindle) {
       OutlineFace face;
       face.outer = clean_ring(polygon.outer());
       if (face.outer.empty()) continue;
-      outline.volume_m3 += volume_of(face.outer);
+      outline.volume_m3 += volume_within(face.outer, spindle.geometry);
       for (const auto& inner : polygon.inners()) {
         Polygon hole = clean_ring(inner);
         if (hole.empty()) continue;
-        outline.volume_m3 += volume_of(hole);
+        outline.volume_m3 += volume_within(hole, spindle.geometry);
         face.holes.push_back(std::move(hole));
       }
       outline.faces.push_back(std::move(face));

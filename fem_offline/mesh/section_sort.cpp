@@ -102,7 +102,8 @@ class Sorter {
   }
 
   void sort_exposed(Piece& piece) {
-    if (std::abs(piece.start.r) <= snap_mm && std::abs(piece.end.r) <= snap_mm) {
+    if (spindle_.geometry == Geometry::axisymmetric && std::abs(piece.start.r) <= snap_mm &&
+        std::abs(piece.end.r) <= snap_mm) {
       piece.law = Law{PieceKind::axis, 0, 0};
       return;
     }
@@ -116,7 +117,11 @@ class Sorter {
       const Film& film = spindle_.films[i];
       const auto& only = film.only_parts;
       if (!only.empty() && std::find(only.begin(), only.end(), piece.part) == only.end()) continue;
-      if (in_any(film.regions, outside)) {
+      if (!in_any(film.regions, outside)) continue;
+      if (film.kind == FilmKind::radiation) {
+        const bool in_gap = piece.law && piece.law->kind == PieceKind::gap;
+        if (!in_gap) piece.radiations.push_back(i);
+      } else {
         take(Law{PieceKind::film, i, 0}, "film " + quoted(film.name), film.where, "film." + film.name);
       }
     }
@@ -127,6 +132,9 @@ class Sorter {
              "adiabatic." + adiabatic.name);
       }
     }
+    if (piece.law || piece.radiations.empty()) return;
+    piece.law = Law{PieceKind::film, piece.radiations.front(), 0};
+    piece.radiations.erase(piece.radiations.begin());
   }
 
   std::string describe(const Law& law) const {
@@ -153,7 +161,9 @@ class Sorter {
 
   bool any_with(PieceKind kind, std::size_t index) const {
     return std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& piece) {
-      return piece.law && piece.law->kind == kind && piece.law->index == index;
+      const auto& beside = piece.radiations;
+      return (piece.law && piece.law->kind == kind && piece.law->index == index) ||
+             (kind == PieceKind::film && std::find(beside.begin(), beside.end(), index) != beside.end());
     });
   }
 
@@ -207,7 +217,7 @@ class Sorter {
     std::vector<Piece> joined;
     for (const Piece& piece : pieces_) {
       if (!joined.empty() && !joined.back().last_of_edge && !joined.back().lasting_end &&
-          joined.back().law == piece.law) {
+          joined.back().law == piece.law && joined.back().radiations == piece.radiations) {
         joined.back().end = piece.end;
         joined.back().lasting_end = piece.lasting_end;
         joined.back().last_of_edge = piece.last_of_edge;
@@ -241,7 +251,7 @@ class Sorter {
     std::vector<BoundaryPiece> pieces;
     for (const Piece& piece : pieces_) {
       pieces.push_back({piece.part, to_m(piece.start), to_m(piece.end), piece.law->kind, piece.law->index,
-                        piece.law->side, piece.pair});
+                        piece.law->side, piece.pair, piece.radiations});
     }
     return pieces;
   }

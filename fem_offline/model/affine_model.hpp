@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct DofPlace {
 
 struct FePart {
   std::string name;
-  std::vector<int> dofs;     ///< all of its unknowns
-  Eigen::VectorXd mean_row;  ///< n; volume mean
+  std::vector<int> dofs;            ///< all of its unknowns
+  Eigen::VectorXd mean_row;         ///< n; volume mean
+  std::optional<double> initial_K;  ///< where a transient starts, if the description says so
 };
 
 struct FeKeyPoint {
@@ -34,6 +36,12 @@ struct FeKeyPoint {
 struct FeDeformation {
   std::string name;
   Eigen::VectorXd row_m_per_K;  ///< n, from one adjoint elastic solve; deformation_m = row · (T − T_ref)
+};
+
+struct FeContactPressure {
+  std::string name;
+  double assembly_pressure_Pa = 0.0;
+  Eigen::VectorXd row_Pa_per_K;  ///< n; pressure_Pa = assembly + row · (T − T_ref)
 };
 
 /// The FE model as affine terms, free of the FE library:
@@ -54,6 +62,9 @@ struct AffineModel {
   std::vector<FePart> parts;
   std::vector<FeKeyPoint> key_points;
   std::vector<FeDeformation> deformations;
+  std::vector<FeContactPressure> contact_pressures;
+  std::optional<Eigen::VectorXd>
+      imposed_rises_K;  ///< n; the field that the description gives instead of a heat balance
 };
 
 }  // namespace spindle_twin::fem_offline

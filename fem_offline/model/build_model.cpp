@@ -1,12 +1,17 @@
 #include "fem_offline/model/build_model.hpp"
 
+#include <algorithm>
 #include <optional>
+#include <stdexcept>
 
 #include "fem_offline/look/field_file.hpp"
 #include "fem_offline/model/discretisation.hpp"
 #include "fem_offline/model/exchange_terms.hpp"
+#include "fem_offline/model/field_error.hpp"
+#include "fem_offline/model/imposed_temperature.hpp"
 #include "fem_offline/model/source_terms.hpp"
 #include "fem_offline/model/thermoelastic.hpp"
+#include "fem_offline/model/thermoelastic_stress.hpp"
 #include "fem_offline/model/volume_terms.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -59,10 +64,26 @@ Surroundings sort_surroundings(const Spindle& spindle, AffineModel& model) {
   return sorted;
 }
 
+/// Their segments are found among the conductances by name: films and gap films share one list of names.
+void fill_circuits(const Spindle& spindle, const std::vector<int>& environment_of, rom::Boundaries& boundaries) {
+  boundaries.operating.flow_kg_per_s.resize(static_cast<Eigen::Index>(spindle.circuits.size()));
+  for (const CoolantCircuit& given : spindle.circuits) {
+    boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(boundaries.circuits.size())] = given.flow_kg_per_s;
+    rom::CoolantCircuit circuit{given.name, environment_of[given.inlet], given.heat_capacity_J_per_kgK, {}};
+    for (const std::size_t film : given.segments) {
+      const auto segment =
+          std::find_if(boundaries.conductances.begin(), boundaries.conductances.end(),
+                       [&](const rom::Conductance& item) { return item.name == spindle.films[film].name; });
+      circuit.segments.push_back(static_cast<int>(segment - boundaries.conductances.begin()));
+    }
+    boundaries.circuits.push_back(std::move(circuit));
+  }
+}
+
 void fill_parts(const Spindle& spindle, const std::vector<Eigen::VectorXd>& function_volume_m3, AffineModel& model) {
   const auto unknowns = static_cast<int>(model.places.size());
   for (std::size_t p = 0; p < spindle.parts.size(); ++p) {
-    FePart part{spindle.parts[p].name, {}, {}};
+    FePart part{spindle.parts[p].name, {}, {}, spindle.parts[p].initial_K};
     part.mean_row = enlarged(Eigen::VectorXd(function_volume_m3[p] / function_volume_m3[p].sum()), unknowns);
     for (int i = 0; i < unknowns; ++i) {
       if (model.places[i].part == static_cast<int>(p)) part.dofs.push_back(i);
@@ -81,11 +102,21 @@ void fill_key_points(const Spindle& spindle, const Discretisation<2>& discretisa
   }
 }
 
+bool asks_for_mechanics(const Spindle& spindle) {
+  return !spindle.deformations.empty() || !spindle.contact_pressures.empty() || !spindle.stress_probes.empty() ||
+         (spindle.imposed_temperature && !spindle.supports.empty());
+}
+
 }  // namespace
 
 struct FeModel::Impl {
-  Impl(const Spindle& spindle, const Section& section)
-      : discretisation(mesh_section(spindle, section), spindle.mesh.degree) {
+  Impl(const Spindle& spindle, const Section& section) : Impl(spindle, section, mesh_section(spindle, section)) {}
+
+  Impl(const Spindle& spindle, const Section& section, const SectionMesh& mesh)
+      : discretisation(mesh, spindle.mesh.degree, spindle.geometry),
+        quality(mesh_quality(spindle, mesh)),
+        described(spindle),
+        outlined(section) {
     const SurfaceRules rules = make_surface_rules(discretisation, spindle, section);
     affine.spindle = spindle.name;
     affine.description_hash = spindle.hash;
@@ -107,24 +138,47 @@ struct FeModel::Impl {
         exchange_terms(spindle, section, rules, unknowns, sorted.environment_of, sorted.air_unknown);
     affine.conductance_terms_m2 = std::move(exchange.matrices_m2);
     affine.boundaries.conductances = std::move(exchange.conductances);
+    fill_circuits(spindle, sorted.environment_of, affine.boundaries);
     SourceTerms sources = source_terms(spindle, section, rules, unknowns, volume.function_volume_m3);
     affine.boundaries.sources = std::move(sources.sources);
     affine.source_distribution = std::move(sources.distribution);
 
     fill_parts(spindle, volume.function_volume_m3, affine);
     fill_key_points(spindle, discretisation, affine);
-    if (spindle.deformations.empty()) return;
+    if (spindle.imposed_temperature) {
+      affine.imposed_rises_K = imposed_rises_K(*spindle.imposed_temperature, affine.places);
+    }
+    if (!asks_for_mechanics(spindle)) return;
     const ElasticTerms elastic = elastic_terms<2>(discretisation, spindle);
     const std::vector<DofPlace> fe_places(affine.places.begin(), affine.places.begin() + fe_unknowns);
-    body =
-        bond_and_support(spindle, section, rules, fe_places, elastic.stiffness_N_per_m, elastic.thermal_load_N_per_K);
-    affine.deformations = deformation_rows(spindle, section, rules, *body);
+    solver.emplace(bond_and_support(spindle, section, rules, fe_places, elastic));
+    affine.deformations = deformation_rows(spindle, section, rules, discretisation, *solver);
     for (FeDeformation& output : affine.deformations) output.row_m_per_K = enlarged(output.row_m_per_K, unknowns);
+    affine.contact_pressures = contact_pressure_rows(spindle, section, rules, elastic, *solver);
+    for (FeContactPressure& output : affine.contact_pressures) {
+      output.row_Pa_per_K = enlarged(output.row_Pa_per_K, unknowns);
+    }
+  }
+
+  Eigen::VectorXd rises_K(const Eigen::VectorXd& temperatures_K) const {
+    const auto count = static_cast<Eigen::Index>(discretisation.places.size());
+    return temperatures_K.head(count).array() - affine.boundaries.reference_temperature_K;
+  }
+
+  Stress stress_at(const Eigen::MatrixXd& nodal_Pa, std::size_t part, const Point& at) const {
+    if (nodal_Pa.rows() == 0) throw std::logic_error("the description asks for no mechanics, so there is no stress");
+    const Trace trace = trace_at(discretisation, static_cast<int>(part), at);
+    Eigen::RowVector4d stress_Pa = Eigen::RowVector4d::Zero();
+    for (std::size_t i = 0; i < trace.dofs.size(); ++i) stress_Pa += trace.values[i] * nodal_Pa.row(trace.dofs[i]);
+    return stress_from(stress_Pa);
   }
 
   Discretisation<2> discretisation;
+  std::vector<PartQuality> quality;
   AffineModel affine;
-  std::optional<ElasticBody> body;  ///< only if the description asks for deformations
+  Spindle described;
+  Section outlined;
+  std::optional<ElasticSolver> solver;  ///< only if the description asks for mechanics
 };
 
 FeModel::FeModel(const Spindle& spindle, const Section& section) : impl_(std::make_unique<Impl>(spindle, section)) {}
@@ -134,14 +188,46 @@ FeModel& FeModel::operator=(FeModel&&) noexcept = default;
 
 const AffineModel& FeModel::affine() const { return impl_->affine; }
 
+const std::vector<PartQuality>& FeModel::quality() const { return impl_->quality; }
+const Spindle& FeModel::description() const { return impl_->described; }
+const Section& FeModel::section() const { return impl_->outlined; }
+Lattice FeModel::lattice() const { return make_lattice(impl_->discretisation); }
+
+FieldError FeModel::error_against(const ExactField& exact, const Eigen::VectorXd& nodal) const {
+  return field_error(impl_->discretisation, nodal, exact);
+}
+
+Eigen::VectorXd FeModel::displacements_m(const Eigen::VectorXd& temperatures_K) const {
+  if (impl_->solver) return impl_->solver->displacements_m(impl_->rises_K(temperatures_K));
+  return Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(impl_->discretisation.places.size()));
+}
+
+Eigen::MatrixXd FeModel::stresses_Pa(const Eigen::VectorXd& temperatures_K) const {
+  if (!impl_->solver) return Eigen::MatrixXd(0, 4);
+  return nodal_stresses_Pa(impl_->discretisation, impl_->described, displacements_m(temperatures_K),
+                           impl_->rises_K(temperatures_K));
+}
+
+Stress FeModel::stress_at(std::size_t part, const Point& at, const Eigen::VectorXd& temperatures_K) const {
+  return impl_->stress_at(stresses_Pa(temperatures_K), part, at);
+}
+
+std::vector<ProbedStress> FeModel::probed_stresses(const Eigen::VectorXd& temperatures_K) const {
+  std::vector<ProbedStress> probed;
+  if (impl_->described.stress_probes.empty()) return probed;
+  const Eigen::MatrixXd nodal_Pa = stresses_Pa(temperatures_K);
+  for (const StressProbe& probe : impl_->described.stress_probes) {
+    probed.push_back({probe.name, impl_->stress_at(nodal_Pa, probe.part, probe.at)});
+  }
+  return probed;
+}
+
 void FeModel::write_vtu(const std::string& directory, const std::string& name,
                         const Eigen::VectorXd& temperatures_K) const {
   const auto count = static_cast<Eigen::Index>(impl_->discretisation.places.size());
   const Eigen::VectorXd at_nodes_K = temperatures_K.head(count);
-  const Eigen::VectorXd rises_K = at_nodes_K.array() - impl_->affine.boundaries.reference_temperature_K;
-  const Eigen::VectorXd moved_m =
-      impl_->body ? displacements(*impl_->body, rises_K) : Eigen::VectorXd(Eigen::VectorXd::Zero(2 * count));
-  write_field_file(directory + "/" + name + ".vtu", impl_->discretisation, at_nodes_K, rises_K, moved_m);
+  write_field_file(directory + "/" + name + ".vtu", impl_->described, impl_->discretisation, at_nodes_K,
+                   impl_->rises_K(temperatures_K), displacements_m(temperatures_K), stresses_Pa(temperatures_K));
 }
 
 FeModel build_fe_model(const std::string& spindle_path) {

@@ -2,11 +2,21 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "fem_offline/look/picture_lattice.hpp"
+#include "fem_offline/mesh/mesh_quality.hpp"
 #include "fem_offline/mesh/section.hpp"
 #include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/model/exact_field.hpp"
+#include "fem_offline/model/stress.hpp"
 
 namespace spindle_twin::fem_offline {
+
+struct ProbedStress {
+  std::string name;
+  Stress stress;
+};
 
 /// The FE model behind an AffineModel: keeps mesh and dof numbering so that fields can be written.
 class FeModel {
@@ -17,8 +27,28 @@ class FeModel {
   FeModel& operator=(FeModel&&) noexcept;
 
   const AffineModel& affine() const;
+  /// Shapes of the elements, per part.
+  const std::vector<PartQuality>& quality() const;
+  const Spindle& description() const;
+  const Section& section() const;
+  /// The mesh as pictures need it; its nodes are the FE unknowns.
+  Lattice lattice() const;
 
-  /// Writes DIR/<name>.vtu with temperature (degC), rise (K), part and displacement (m).
+  /// L2 errors of a field given at the unknowns (air volumes ignored) against a closed form.
+  FieldError error_against(const ExactField& exact, const Eigen::VectorXd& nodal) const;
+
+  /// Displacements of a field of temperatures, component c (r, z) of place i at 2i + c; all 0 if the description asks
+  /// for no mechanics. [m]
+  Eigen::VectorXd displacements_m(const Eigen::VectorXd& temperatures_K) const;
+  /// Stress at every FE place, n x 4 (σ_rr, σ_zz, σ_tt, σ_rz), averaged within each part; no rows if the description
+  /// asks for no mechanics. [Pa]
+  Eigen::MatrixXd stresses_Pa(const Eigen::VectorXd& temperatures_K) const;
+  /// The same at one point of a part. Throws std::logic_error if no element is there or no mechanics were asked for.
+  Stress stress_at(std::size_t part, const Point& at, const Eigen::VectorXd& temperatures_K) const;
+  /// At the description's stress probes.
+  std::vector<ProbedStress> probed_stresses(const Eigen::VectorXd& temperatures_K) const;
+
+  /// Writes DIR/<name>.vtu with temperature (degC), rise (K), part, displacement (m) and stress (Pa).
   void write_vtu(const std::string& directory, const std::string& name, const Eigen::VectorXd& temperatures_K) const;
 
  private:

@@ -28,8 +28,8 @@ void fill(dealii::Triangulation<dim>& triangulation, const SectionMesh& mesh) {
 }  // namespace
 
 template <int dim>
-Discretisation<dim>::Discretisation(const SectionMesh& mesh, int degree)
-    : element(static_cast<unsigned>(degree)), mapping(1) {
+Discretisation<dim>::Discretisation(const SectionMesh& mesh, int degree, Geometry geometry_of_mesh)
+    : geometry(geometry_of_mesh), element(static_cast<unsigned>(degree)), mapping(1) {
   fill(triangulation, mesh);
   dof_handler.reinit(triangulation);
   dof_handler.distribute_dofs(element);

@@ -6,7 +6,6 @@
 #include <deal.II/fe/mapping_q.h>
 #include <deal.II/grid/tria.h>
 
-#include <numbers>
 #include <vector>
 
 #include "fem_offline/mesh/section_mesh.hpp"
@@ -19,8 +18,9 @@ namespace spindle_twin::fem_offline {
 /// Material id = part index. In two dimensions coordinate 0 is r, 1 is z.
 template <int dim>
 struct Discretisation {
-  Discretisation(const SectionMesh& mesh, int degree);
+  Discretisation(const SectionMesh& mesh, int degree, Geometry geometry = Geometry::axisymmetric);
 
+  Geometry geometry;
   dealii::Triangulation<dim> triangulation;
   dealii::FE_Q<dim> element;
   dealii::MappingQ<dim> mapping;
@@ -28,11 +28,11 @@ struct Discretisation {
   std::vector<DofPlace> places;  ///< one per unknown
 };
 
-/// Volume per volume of the meshed domain: 2πr of the body of revolution in two dimensions, 1 in three.
+/// Volume per volume of the meshed domain: depth_m in two dimensions, 1 in three.
 template <int dim>
-double revolution_factor(const dealii::Point<dim>& at) {
+double revolution_factor(Geometry geometry, const dealii::Point<dim>& at) {
   if constexpr (dim == 2) {
-    return 2.0 * std::numbers::pi * at[0];
+    return depth_m(geometry, at[0]);
   } else {
     return 1.0;
   }

@@ -52,7 +52,7 @@ void append(ExchangeTerms& terms, const Quadratic& form, int unknowns, rom::Cond
 int only_part(const Section& section, std::size_t film) {
   int part = -1;
   for (const BoundaryPiece& piece : section.pieces) {
-    if (piece.kind != PieceKind::film || piece.index != film) continue;
+    if (!acts_on(film, piece)) continue;
     if (part >= 0 && part != static_cast<int>(piece.part)) return -1;
     part = static_cast<int>(piece.part);
   }
@@ -65,7 +65,7 @@ void append_film(ExchangeTerms& terms, const Spindle& spindle, const Section& se
   const Trace air = air_unknown >= 0 ? Trace{{air_unknown}, {1.0}} : Trace{};
   Quadratic form;
   for (std::size_t p = 0; p < section.pieces.size(); ++p) {
-    if (section.pieces[p].kind != PieceKind::film || section.pieces[p].index != index) continue;
+    if (!acts_on(index, section.pieces[p])) continue;
     for (const SurfacePoint& point : rules.pieces[p]) form.add_jump(point.weight_m2, point.trace, air);
   }
   rom::Conductance conductance;

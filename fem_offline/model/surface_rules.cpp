@@ -13,7 +13,7 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 using Cell = dealii::DoFHandler<2>::active_cell_iterator;
-using Geometry = dealii::GeometryInfo<2>;
+using CellGeometry = dealii::GeometryInfo<2>;
 
 /// An element's side on a piece; from..to along the pair's direction, in metres from the origin of the coordinates.
 struct Side {
@@ -61,9 +61,10 @@ std::vector<std::vector<Side>> sides_of_pieces(const Discretisation<2>& discreti
   for (const auto& cell : discretisation.dof_handler.active_cell_iterators()) {
     for (const unsigned face : cell->face_indices()) {
       if (!cell->at_boundary(face)) continue;
-      const unsigned v0 = Geometry::face_to_cell_vertices(face, 0), v1 = Geometry::face_to_cell_vertices(face, 1);
-      const Side side{cell, point_of(cell->vertex(v0)), point_of(cell->vertex(v1)), Geometry::unit_cell_vertex(v0),
-                      Geometry::unit_cell_vertex(v1)};
+      const unsigned v0 = CellGeometry::face_to_cell_vertices(face, 0),
+                     v1 = CellGeometry::face_to_cell_vertices(face, 1);
+      const Side side{cell, point_of(cell->vertex(v0)), point_of(cell->vertex(v1)), CellGeometry::unit_cell_vertex(v0),
+                      CellGeometry::unit_cell_vertex(v1)};
       const auto& candidates = pieces_of_part[cell->material_id()];
       const auto found = std::find_if(candidates.begin(), candidates.end(),
                                       [&](std::size_t p) { return lies_on(side, section.pieces[p]); });
@@ -139,7 +140,7 @@ std::vector<PairedPoint> common_refinement(const Discretisation<2>& discretisati
       const double along_m = breaks_m[i] + length_m * gauss.point(q)[0];
       const double share_a = share_at(line, *a, along_m), share_b = share_at(line, *b, along_m);
       const double r_m = 0.5 * (between(a->start, a->end, share_a).r_m + between(b->start, b->end, share_b).r_m);
-      points.push_back({gauss.weight(q) * length_m * revolution_factor<2>({r_m, 0.0}),
+      points.push_back({gauss.weight(q) * length_m * depth_m(discretisation.geometry, r_m),
                         trace_on(discretisation, *a, share_a), trace_on(discretisation, *b, share_b)});
     }
   }
@@ -153,7 +154,8 @@ std::vector<SurfacePoint> points_on(const Discretisation<2>& discretisation, con
     for (unsigned q = 0; q < gauss.size(); ++q) {
       const double share = gauss.point(q)[0];
       const Point at = between(side.start, side.end, share);
-      const double weight_m2 = gauss.weight(q) * length(side.start, side.end) * revolution_factor<2>({at.r_m, at.z_m});
+      const double weight_m2 =
+          gauss.weight(q) * length(side.start, side.end) * depth_m(discretisation.geometry, at.r_m);
       points.push_back({at, weight_m2, trace_on(discretisation, side, share)});
     }
   }
@@ -197,11 +199,11 @@ Trace trace_at(const Discretisation<2>& discretisation, int part, const Point& a
     if (static_cast<int>(cell->material_id()) != part || cell->center().distance(point) > cell->diameter()) continue;
     try {
       const dealii::Point<2> unit = discretisation.mapping.transform_real_to_unit_cell(cell, point);
-      const double distance = Geometry::distance_to_unit_cell(unit);
+      const double distance = CellGeometry::distance_to_unit_cell(unit);
       if (distance >= least_distance) continue;
       least_distance = distance;
       nearest = cell;
-      nearest_unit = Geometry::project_to_unit_cell(unit);
+      nearest_unit = CellGeometry::project_to_unit_cell(unit);
     } catch (const dealii::Mapping<2>::ExcTransformationFailed&) {
       continue;  // far outside this cell
     }

@@ -14,12 +14,12 @@ SparseMatrix assembled(Eigen::Index rows, Eigen::Index columns, const Triplets& 
   return matrix;
 }
 
-/// Normal strains first, then shears; the hoop strain is normal number 2 of a body of revolution.
+/// Normal strains first, then shears; the hoop strain is normal number 2 of a body of revolution, 0 in plane strain.
 constexpr int strain_count = 6;
 using Strains = Eigen::Matrix<double, strain_count, Eigen::Dynamic>;
 
 template <int dim>
-void fill_strains(const dealii::FEValues<dim>& values, unsigned q, Strains& strains) {
+void fill_strains(const dealii::FEValues<dim>& values, unsigned q, Geometry geometry, Strains& strains) {
   strains.setZero();
   for (unsigned i = 0; i < values.dofs_per_cell; ++i) {
     const dealii::Tensor<1, dim> gradient = values.shape_grad(i, q);
@@ -31,7 +31,7 @@ void fill_strains(const dealii::FEValues<dim>& values, unsigned q, Strains& stra
         strains(shear, dim * static_cast<int>(i) + b) = gradient[static_cast<unsigned>(a)];
       }
     }
-    if constexpr (dim == 2) {
+    if (dim == 2 && geometry == Geometry::axisymmetric) {
       strains(2, dim * static_cast<int>(i)) = values.shape_value(i, q) / values.quadrature_point(q)[0];
     }
   }
@@ -75,7 +75,8 @@ VolumeTerms volume_terms(const Discretisation<dim>& discretisation, const Spindl
     Eigen::MatrixXd cell_capacity = Eigen::MatrixXd::Zero(per_cell, per_cell);
     Eigen::MatrixXd cell_conduction = Eigen::MatrixXd::Zero(per_cell, per_cell);
     for (const unsigned q : values.quadrature_point_indices()) {
-      const double weight_m3 = values.JxW(q) * revolution_factor<dim>(values.quadrature_point(q));
+      const double weight_m3 =
+          values.JxW(q) * revolution_factor<dim>(discretisation.geometry, values.quadrature_point(q));
       for (unsigned i = 0; i < per_cell; ++i) {
         terms.function_volume_m3[part][static_cast<Eigen::Index>(dofs[i])] += weight_m3 * values.shape_value(i, q);
         for (unsigned j = 0; j < per_cell; ++j) {
@@ -123,8 +124,9 @@ ElasticTerms elastic_terms(const Discretisation<dim>& discretisation, const Spin
     Eigen::MatrixXd cell_load = Eigen::MatrixXd::Zero(strains.cols(), per_cell);
     Eigen::RowVectorXd shape(per_cell);
     for (const unsigned q : values.quadrature_point_indices()) {
-      const double weight_m3 = values.JxW(q) * revolution_factor<dim>(values.quadrature_point(q));
-      fill_strains<dim>(values, q, strains);
+      const double weight_m3 =
+          values.JxW(q) * revolution_factor<dim>(discretisation.geometry, values.quadrature_point(q));
+      fill_strains<dim>(values, q, discretisation.geometry, strains);
       for (unsigned i = 0; i < per_cell; ++i) shape[i] = values.shape_value(i, q);
       const Eigen::MatrixXd weighted_stress = weight_m3 * (stress_per_strain * strains);
       cell_stiffness.noalias() += strains.transpose() * weighted_stress;

@@ -1,4 +1,5 @@
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <stdexcept>
@@ -7,6 +8,7 @@
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/nodal.hpp"
 #include "fem_offline/reduce/parallel.hpp"
+#include "rom/integrate/coolant.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -24,7 +26,31 @@ rom::OperatingState random_state(const rom::Boundaries& boundaries, const Parame
   state.speed_rpm = random.uniform(0.0, box.speed_high_rpm);
   state.load = random.uniform(0.0, box.load_high);
   for (double& environment_K : state.environment_K) environment_K += random.uniform(-10.0, 10.0);
+  state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    // Steady fields are asked for, and without flow there may be none.
+    double& flow_kg_per_s = state.flow_kg_per_s[static_cast<Eigen::Index>(c)];
+    if (flow_kg_per_s == 0.0) flow_kg_per_s = box.flow_low * flow_scale_kg_per_s(boundaries, c);
+  }
   return state;
+}
+
+/// What the liquid carries from segment to segment: conduction −= S Γ U A⁻¹ Sᵀ, drive −= S Γ U T_inlet.
+void couple(const rom::CoolantSegments& segments, const std::vector<Eigen::MatrixXd>& terms,
+            const rom::BoundaryValues& values, Eigen::MatrixXd& conduction, Eigen::VectorXd& drive) {
+  const Eigen::Index count = segments.count();
+  Eigen::MatrixXd upstream(count, count), walls(drive.size(), count);
+  Eigen::VectorXd inlet_K(count), film_W_per_m2K(count);
+  rom::coolant_upstream(segments, values, upstream);
+  for (Eigen::Index s = 0; s < count; ++s) {
+    const auto segment = static_cast<std::size_t>(s);
+    walls.col(s) = terms[static_cast<std::size_t>(segments.conductance[segment])].rowwise().sum();
+    film_W_per_m2K[s] = values.conductance_W_per_m2K[segments.conductance[segment]];
+    inlet_K[s] = values.environment_K[segments.inlet[segment]];
+  }
+  const Eigen::MatrixXd heat = walls * film_W_per_m2K.asDiagonal() * upstream;
+  drive -= heat * inlet_K;
+  conduction -= heat * segments.area_m2.cwiseInverse().asDiagonal() * walls.transpose();
 }
 
 /// Node temperatures, one column per field: steady ones, and one step of the implicit Euler rule
@@ -36,6 +62,7 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
   const rom::Boundaries& boundaries = network.boundaries;
   std::vector<Eigen::MatrixXd> terms;
   for (const Eigen::MatrixXd& factor : network.factors_m) terms.emplace_back(factor * factor.transpose());
+  const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));
     rom::CorrectionFactors factors = correction::no_correction(boundaries);
@@ -53,11 +80,15 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
         conduction += g * terms[j];
         if (environment >= 0) drive += g * values.environment_K[environment] * terms[j].rowwise().sum();
       }
+      if (segments.count() > 0) couple(segments, terms, values, conduction, drive);
     };
     const auto solve = [&](double rate_per_s, const Eigen::VectorXd& before_K) {
-      const Eigen::LLT<Eigen::MatrixXd> factor(conduction + rate_per_s * network.capacity_J_per_K);
+      const Eigen::VectorXd held = drive + rate_per_s * (network.capacity_J_per_K * before_K);
+      const Eigen::MatrixXd matrix = conduction + rate_per_s * network.capacity_J_per_K;
+      if (segments.count() > 0) return Eigen::VectorXd(matrix.partialPivLu().solve(held));
+      const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
       if (factor.info() != Eigen::Success) throw std::runtime_error("the network is not positive definite");
-      return Eigen::VectorXd(factor.solve(drive + rate_per_s * (network.capacity_J_per_K * before_K)));
+      return Eigen::VectorXd(factor.solve(held));
     };
     const Eigen::VectorXd uniform_K = Eigen::VectorXd::Constant(count, boundaries.reference_temperature_K);
     Eigen::Index column = set * per_set;

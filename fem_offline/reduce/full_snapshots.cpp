@@ -126,7 +126,7 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   scale_outputs(*workers.front(), model.boundaries, options.dual_weight, loads);
 
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();
-  const Eigen::Index per_set = loads.heat_W.cols() + loads.environments + loads.outputs.cols();
+  const Eigen::Index per_set = loads.heat_W.cols() + loads.film_columns + loads.outputs.cols();
   Eigen::MatrixXd snapshots(unknowns, per_set * options.full_sets);
   for_each_index(options.full_sets, options.threads, [&](int set, int index) {
     auto& worker = workers[static_cast<std::size_t>(index)];

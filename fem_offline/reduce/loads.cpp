@@ -7,12 +7,12 @@
 namespace spindle_twin::fem_offline {
 
 Eigen::MatrixXd Loads::primal(const Eigen::VectorXd& conductance_W_per_m2K) const {
-  Eigen::MatrixXd columns(heat_W.rows(), heat_W.cols() + environments);
+  Eigen::MatrixXd columns(heat_W.rows(), heat_W.cols() + film_columns);
   columns.leftCols(heat_W.cols()) = heat_W;
-  columns.rightCols(environments).setZero();
+  columns.rightCols(film_columns).setZero();
   for (std::size_t j = 0; j < film_m2.size(); ++j) {
-    if (environment[j] < 0) continue;
-    columns.col(heat_W.cols() + environment[j]) +=
+    if (film_column[j] < 0) continue;
+    columns.col(heat_W.cols() + film_column[j]) +=
         environment_step_K * conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * film_m2[j];
   }
   return columns;
@@ -39,13 +39,17 @@ Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_hi
         correction::evaluate_speed_law(source.law, speed_high_rpm, boundaries.reference_speed_rpm, load_high);
     loads.heat_W.col(static_cast<Eigen::Index>(i)) *= source.nominal_W * std::max(law, 1.0);
   }
-  loads.environments = static_cast<int>(boundaries.environments.size());
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
-    loads.environment.push_back(boundaries.conductances[j].environment);
+    loads.film_column.push_back(boundaries.conductances[j].environment);
     loads.film_m2.emplace_back();
-    if (loads.environment[j] >= 0) {
+    if (loads.film_column[j] >= 0) {
       loads.film_m2[j] = model.conductance_terms_m2[j] * Eigen::VectorXd::Ones(unknowns);
     }
+  }
+  loads.film_columns = static_cast<int>(boundaries.environments.size());
+  for (const rom::CoolantCircuit& circuit : boundaries.circuits) {
+    for (const int segment : circuit.segments)
+      loads.film_column[static_cast<std::size_t>(segment)] = loads.film_columns++;
   }
   loads.outputs.setZero(unknowns, static_cast<Eigen::Index>(model.key_points.size() + model.deformations.size()));
   Eigen::Index column = 0;

@@ -11,11 +11,12 @@ namespace spindle_twin::fem_offline {
 struct Loads {
   Eigen::MatrixXd heat_W;                ///< one column per source at the largest heat it makes in the box
   std::vector<Eigen::VectorXd> film_m2;  ///< Kⱼ1 per conductance; empty for exchange between bodies
-  std::vector<int> environment;          ///< per conductance
-  int environments = 0;
+  std::vector<int> film_column;          ///< per conductance, -1 for exchange between bodies
+  int film_columns = 0;  ///< one per environment, then one per segment of a coolant circuit, whose liquid has its own
   Eigen::MatrixXd outputs;  ///< Lᵀ of key points and deformations, scaled to the primal snapshots
 
-  /// [heats, one column per environment: Σⱼ gⱼ Kⱼ1 · environment_step_K]
+  /// [heats, one column per environment or coolant segment: Σⱼ gⱼ Kⱼ1 · environment_step_K]. Solutions with coolant
+  /// that warms up on its way lie in the span of these (Woodbury), so that K stays symmetric here.
   Eigen::MatrixXd primal(const Eigen::VectorXd& conductance_W_per_m2K) const;
   /// The same loads tested with the columns of `basis`.
   Loads project(const Eigen::MatrixXd& basis) const;

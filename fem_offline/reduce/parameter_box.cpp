@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "correction/laws/channel_law.hpp"
 #include "correction/laws/speed_law.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -36,6 +37,28 @@ Eigen::VectorXd random_conductance_factors(const rom::Boundaries& boundaries, co
   return factors;
 }
 
+double flow_scale_kg_per_s(const rom::Boundaries& boundaries, std::size_t circuit) {
+  const double described_kg_per_s = std::abs(boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(circuit)]);
+  if (described_kg_per_s > 0.0) return described_kg_per_s;
+  double film_W_per_K = 0.0;
+  for (const int segment : boundaries.circuits[circuit].segments) {
+    const rom::Conductance& film = boundaries.conductances[static_cast<std::size_t>(segment)];
+    film_W_per_K += film.nominal_W_per_m2K * film.area_m2;
+  }
+  return film_W_per_K / boundaries.circuits[circuit].heat_capacity_J_per_kgK;
+}
+
+Eigen::VectorXd random_flow_kg_per_s(const rom::Boundaries& boundaries, const ParameterBox& box, RandomStream& random) {
+  Eigen::VectorXd flow_kg_per_s(static_cast<Eigen::Index>(boundaries.circuits.size()));
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const bool rest = random.uniform(0.0, 1.0) < 1.0 / 6.0;
+    const double sign = random.uniform(0.0, 1.0) < 0.2 ? -1.0 : 1.0;
+    const double factor = random.log_uniform(box.flow_low, box.flow_high);
+    flow_kg_per_s[static_cast<Eigen::Index>(c)] = rest ? 0.0 : sign * factor * flow_scale_kg_per_s(boundaries, c);
+  }
+  return flow_kg_per_s;
+}
+
 Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const ParameterBox& box, bool corner,
                                     RandomStream& random) {
   double speed_rpm = random.uniform(0.0, box.speed_high_rpm);
@@ -46,6 +69,16 @@ Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const Par
     const rom::Conductance& item = boundaries.conductances[static_cast<std::size_t>(j)];
     conductances[j] *= item.nominal_W_per_m2K *
                        correction::evaluate_speed_law(item.law, speed_rpm, boundaries.reference_speed_rpm, load);
+  }
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    double factor = random.log_uniform(box.flow_low, box.flow_high);
+    if (corner) factor = random.uniform(0.0, 1.0) < 0.5 ? box.flow_low : box.flow_high;
+    const rom::CoolantCircuit& circuit = boundaries.circuits[c];
+    const double flow_W_per_K = factor * flow_scale_kg_per_s(boundaries, c) * circuit.heat_capacity_J_per_kgK;
+    for (const int segment : circuit.segments) {
+      conductances[segment] = correction::channel_W_per_m2K(
+          conductances[segment], boundaries.conductances[static_cast<std::size_t>(segment)].area_m2, flow_W_per_K);
+    }
   }
   return conductances;
 }

@@ -16,6 +16,9 @@ struct ParameterBox {
   double film_high = 5.0;
   double speed_high_rpm = 24000.0;
   double load_high = 1.0;
+  /// Coolant flow as a factor on flow_scale_kg_per_s; drive cycles also stop and reverse it.
+  double flow_low = 0.05;
+  double flow_high = 2.0;
 };
 
 /// What a random stream is for; streams of one seed never overlap.
@@ -37,7 +40,14 @@ class RandomStream {
 Eigen::VectorXd random_conductance_factors(const rom::Boundaries& boundaries, const ParameterBox& box, bool corner,
                                            RandomStream& random);
 
-/// Conductances [W/m²K] at a random speed and random factors; with `corner` at one end of every range.
+/// The description's flow of a circuit, or, where that is zero, the flow at which hA = ṁ c. > 0.
+double flow_scale_kg_per_s(const rom::Boundaries& boundaries, std::size_t circuit);
+
+/// A drive cycle's flow of every circuit: at rest one time in six, backwards one time in five, log-uniform in the box.
+/// Draws nothing where there is no circuit.
+Eigen::VectorXd random_flow_kg_per_s(const rom::Boundaries& boundaries, const ParameterBox& box, RandomStream& random);
+
+/// Conductances [W/m²K] at a random speed, coolant flow and random factors; with `corner` at one end of every range.
 Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const ParameterBox& box, bool corner,
                                     RandomStream& random);
 

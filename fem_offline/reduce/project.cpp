@@ -92,6 +92,10 @@ void project_outputs(const AffineModel& model, const NodalCoordinates& nodal, ro
   for (const FeDeformation& deformation : model.deformations) {
     network.deformations.push_back({deformation.name, interpolant.transpose() * deformation.row_m_per_K});
   }
+  for (const FeContactPressure& pressure : model.contact_pressures) {
+    network.contact_pressures.push_back(
+        {pressure.name, pressure.assembly_pressure_Pa, interpolant.transpose() * pressure.row_Pa_per_K});
+  }
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -27,7 +27,8 @@ void check_same_model(const rom::Network& network, const AffineModel& model) {
       network.deformations.size() != model.deformations.size() ||
       network.boundaries.conductances.size() != model.boundaries.conductances.size() ||
       network.boundaries.sources.size() != model.boundaries.sources.size() ||
-      network.boundaries.environments.size() != model.boundaries.environments.size()) {
+      network.boundaries.environments.size() != model.boundaries.environments.size() ||
+      network.boundaries.circuits.size() != model.boundaries.circuits.size()) {
     throw std::invalid_argument("network and FE model differ in key points, parts, deformations or boundaries");
   }
 }

@@ -25,9 +25,9 @@ struct VerifyCase {
 };
 
 /// Case `index` of `seed`, a function of these two alone: contacts log-uniform 0.1 to 10, films 0.2 to 5; 1 to 2 h in
-/// segments of 60 to 900 s, each with a new speed (a quarter of them at rest) and load; coolant steps of up to
-/// ±5 K at every third segment; ambient that drifts by up to ±6 K/h. Intervals are 1, 1, 2, 4, 8, 16 s long after every
-/// segment's start, then longest_interval_s.
+/// segments of 60 to 900 s, each with a new speed (a quarter of them at rest), load and coolant flow; coolant steps of
+/// up to ±5 K at every third segment; ambient that drifts by up to ±6 K/h. Intervals are 1, 1, 2, 4, 8, 16 s long after
+/// every segment's start, then longest_interval_s.
 VerifyCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std::uint32_t index,
                        const ParameterBox& box = {});
 

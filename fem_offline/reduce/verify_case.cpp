@@ -48,6 +48,7 @@ VerifyCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, st
       const bool coolant = boundaries.environments[static_cast<std::size_t>(i)].kind == rom::EnvironmentKind::coolant;
       if (coolant && coolant_step) start_K[i] = base_K[i] + step_K;
     }
+    state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
     // Powers of two throughout, so that few step lengths (and factors of the FE matrix) serve a segment.
     const double drawn_s = random.uniform(60.0, 900.0);
     const double segment_end_s = time_s + longest_interval_s * std::max(2.0, std::round(drawn_s / longest_interval_s));

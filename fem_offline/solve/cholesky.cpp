@@ -1,6 +1,7 @@
 #include "fem_offline/solve/cholesky.hpp"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 #include <omp.h>
 
 #include <stdexcept>
@@ -8,14 +9,29 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
+// Below it a supernodal factor costs more than a simplicial one.
+constexpr Eigen::Index least_supernodal_unknowns = 50000;
+
+/// Whether two threads may call the BLAS at once; if it is OpenBLAS, its own threads are switched off. OpenBLAS built
+/// without threads (Debian's libopenblas0-serial) is the one that may not: supernodal factors of a good matrix then
+/// fail at random.
+bool blas_serves_two_threads() {
+  static const bool serves = [] {
+    const auto parallel = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_parallel"));
+    const auto set_threads = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+    if (set_threads) set_threads(1);
+    return !parallel || parallel() != 0;
+  }();
+  return serves;
+}
+
 /// CHOLMOD's settings and workspace; kept alive by every factor that was made with it.
 struct Common {
   cholmod_common settings;
-  Common() {
+  explicit Common(Eigen::Index unknowns) {
     cholmod_start(&settings);
-    // Without BLAS: Debian's libopenblas0-serial 0.3.21 is not safe to call from two threads at once (supernodal
-    // factors of a good matrix then fail at random), and at this size the simplicial factor is as fast.
-    settings.supernodal = CHOLMOD_SIMPLICIAL;
+    const bool supernodal = blas_serves_two_threads() && unknowns >= least_supernodal_unknowns;
+    settings.supernodal = supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
     settings.final_ll = 1;
     settings.print = 0;
     settings.error_handler = nullptr;
@@ -47,6 +63,8 @@ cholmod_sparse view(const SparseMatrix& lower) {
 }  // namespace
 
 struct CholeskyFactor::Impl {
+  explicit Impl(Eigen::Index unknowns) : common(unknowns) {}
+
   Common common;
   cholmod_factor* factor = nullptr;
   cholmod_dense* solution = nullptr;
@@ -70,14 +88,14 @@ struct CholeskyFactor::Impl {
   }
 };
 
-CholeskyFactor::CholeskyFactor(const SparseMatrix& lower) : impl_(std::make_unique<Impl>()) {
+CholeskyFactor::CholeskyFactor(const SparseMatrix& lower) : impl_(std::make_unique<Impl>(lower.rows())) {
   cholmod_sparse matrix = view(lower);
   impl_->factor = cholmod_analyze(&matrix, &impl_->common.settings);
   impl_->factorise(lower);
 }
 
 CholeskyFactor::CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower)
-    : impl_(std::make_unique<Impl>()) {
+    : impl_(std::make_unique<Impl>(lower.rows())) {
   impl_->factor = cholmod_copy_factor(pattern.impl_->factor, &impl_->common.settings);
   impl_->factorise(lower);
 }

@@ -7,7 +7,8 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Factors of one sparse symmetric positive definite matrix, A = L Lᵀ (CHOLMOD, simplicial). The symbolic analysis can
+/// Factors of one sparse symmetric positive definite matrix, A = L Lᵀ (CHOLMOD; supernodal for large
+/// ones if the BLAS may be called by several threads). The symbolic analysis can
 /// be handed on to other matrices of the same pattern.
 class CholeskyFactor {
  public:

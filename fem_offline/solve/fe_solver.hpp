@@ -3,13 +3,15 @@
 #include <memory>
 
 #include "fem_offline/model/affine_model.hpp"
+#include "rom/integrate/coolant.hpp"
 
 namespace spindle_twin::fem_offline {
 
-/// K T = f with K = K₀ + Σ gⱼ Kⱼ. [K]
+/// K T = f with K = K₀ + Σ gⱼ Kⱼ, and the coolant circuits as channels (rom::CoolantCircuit). [K]
+/// A model with an imposed temperature gives that one back.
 Eigen::VectorXd solve_steady(const AffineModel& model, const rom::BoundaryValues& values);
 
-/// Sum of heat sources and net heat that leaves to the environments, Σⱼ gⱼ 1ᵀKⱼ(T − T_env). [W]
+/// Sum of heat sources and net heat that leaves to the environments, Σⱼ gⱼ 1ᵀKⱼ(T − T_env), and to the circuits. [W]
 struct HeatBalance {
   double heat_in_W = 0.0;
   double heat_out_W = 0.0;
@@ -17,10 +19,19 @@ struct HeatBalance {
 HeatBalance heat_balance(const AffineModel& model, const rom::BoundaryValues& values,
                          const Eigen::VectorXd& temperatures_K);
 
+/// Where a transient starts: every part at its own initial temperature if it has one, all else at `otherwise_K`. [K]
+Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_K);
+
+/// Outlet temperature of every coolant circuit and the heat it takes from the walls; empty without circuits.
+rom::CoolantOutlets coolant_outlets(const AffineModel& model, const rom::BoundaryValues& values,
+                                    const Eigen::VectorXd& temperatures_K);
+
 /// Transient FE solution, SDIRK2 (γ = 1 − 1/√2, L-stable, order 2) with a CHOLMOD factor kept per step length and set
-/// of conductances; symbolic analysis done once. Heats, conductances and environments are held over advance().
+/// of conductances; symbolic analysis done once; coolant circuits exactly, by the Woodbury identity per factor. Heats,
+/// conductances and environments are held over advance().
 class FeStepper {
  public:
+  /// Starts at initial_temperatures with the reference temperature elsewhere.
   explicit FeStepper(const AffineModel& model);
   ~FeStepper();
   FeStepper(FeStepper&&) noexcept;

@@ -1,20 +1,28 @@
-#include "fem_offline/solve/cholesky.hpp"
+#include <set>
+
+#include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
 
 namespace spindle_twin::fem_offline {
 
 Eigen::VectorXd solve_steady(const AffineModel& model, const rom::BoundaryValues& values) {
+  if (model.imposed_rises_K) return model.imposed_rises_K->array() + model.boundaries.reference_temperature_K;
   ThermalSystem system(model);
   system.set_conductances(values.conductance_W_per_m2K);
   // Counted from an environment's temperature: the rise is some ten kelvin, the absolute temperature three hundred.
   const double datum_K = values.environment_K.size() > 0 ? values.environment_K[0] : 0.0;
-  CholeskyFactor factor(system.conduction_lower());
-  const Eigen::VectorXd load_W = system.load_W(values, datum_K);
+  CoolantCoupling coupling(model);
+  coupling.hold(values);
+  CoupledFactor factor(CholeskyFactor(system.conduction_lower()), coupling, 1.0);
+  Eigen::VectorXd load_W = system.load_W(values, datum_K);
+  coupling.add_load(datum_K, load_W);
   Eigen::VectorXd rise_K, correction_K;
-  factor.solve(load_W, rise_K);
+  factor.solve(load_W, coupling, rise_K);
   // One step of refinement brings the heat balance from 1e-10 to rounding.
-  factor.solve(load_W - system.conduction_lower().selfadjointView<Eigen::Lower>() * rise_K, correction_K);
+  Eigen::VectorXd residual_W = load_W - system.conduction_lower().selfadjointView<Eigen::Lower>() * rise_K;
+  coupling.add_heat(rise_K, residual_W);
+  factor.solve(residual_W, coupling, correction_K);
   return (rise_K + correction_K).array() + datum_K;
 }
 
@@ -22,14 +30,27 @@ HeatBalance heat_balance(const AffineModel& model, const rom::BoundaryValues& va
                          const Eigen::VectorXd& temperatures_K) {
   HeatBalance balance;
   balance.heat_in_W = values.heat_W.sum();
+  const std::vector<int> segments = rom::coolant_segments(model.boundaries).conductance;
+  const std::set<int> of_a_circuit(segments.begin(), segments.end());
   for (std::size_t j = 0; j < model.conductance_terms_m2.size(); ++j) {
     const int environment = model.boundaries.conductances[j].environment;
-    if (environment < 0) continue;
+    if (environment < 0 || of_a_circuit.contains(static_cast<int>(j))) continue;
     const Eigen::VectorXd above_K = temperatures_K.array() - values.environment_K[environment];
     balance.heat_out_W +=
         values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * (model.conductance_terms_m2[j] * above_K).sum();
   }
+  balance.heat_out_W += coolant_outlets(model, values, temperatures_K).heat_W.sum();
   return balance;
+}
+
+rom::CoolantOutlets coolant_outlets(const AffineModel& model, const rom::BoundaryValues& values,
+                                    const Eigen::VectorXd& temperatures_K) {
+  const CoolantCoupling coupling(model);
+  rom::CoolantOutlets outlets;
+  outlets.outlet_K = outlets.heat_W =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.boundaries.circuits.size()));
+  if (!coupling.empty()) rom::march_coolant(coupling.segments(), values, coupling.walls_K(temperatures_K), outlets);
+  return outlets;
 }
 
 }  // namespace spindle_twin::fem_offline

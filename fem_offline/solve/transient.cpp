@@ -3,7 +3,7 @@
 #include <list>
 #include <numbers>
 
-#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
 
@@ -24,15 +24,26 @@ constexpr std::size_t most_factors = 16;
 struct KeptFactor {
   double step_s;
   Eigen::VectorXd conductance_W_per_m2K;
-  CholeskyFactor factor;
+  Eigen::VectorXd coolant_W_per_K;
+  CoupledFactor factor;
 };
 
 }  // namespace
 
+Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_K) {
+  Eigen::VectorXd temperatures_K = Eigen::VectorXd::Constant(model.capacity_J_per_K.rows(), otherwise_K);
+  for (const FePart& part : model.parts) {
+    if (!part.initial_K) continue;
+    for (const int dof : part.dofs) temperatures_K[dof] = *part.initial_K;
+  }
+  return temperatures_K;
+}
+
 struct FeStepper::Impl {
-  explicit Impl(const AffineModel& model) : system(model) {}
+  explicit Impl(const AffineModel& model) : system(model), coupling(model) {}
 
   ThermalSystem system;
+  CoolantCoupling coupling;
   rom::BoundaryValues held;
   double since_jump_s = 0.0;
   Eigen::VectorXd temperatures_K;
@@ -42,44 +53,52 @@ struct FeStepper::Impl {
   void take(const rom::BoundaryValues& values) {
     const bool is_first = held.heat_W.size() == 0;
     const bool new_conductances = is_first || held.conductance_W_per_m2K != values.conductance_W_per_m2K;
-    const bool jump = new_conductances || held.heat_W != values.heat_W ||
+    const bool jump = new_conductances || held.coolant_W_per_K != values.coolant_W_per_K ||
+                      held.heat_W != values.heat_W ||
                       (held.environment_K - values.environment_K).lpNorm<Eigen::Infinity>() > environment_jump_K;
     if (new_conductances) system.set_conductances(values.conductance_W_per_m2K);
     if (jump) since_jump_s = 0.0;
     held = values;
     load_W = system.load_W(values, 0.0);
+    coupling.hold(values);
+    coupling.add_load(0.0, load_W);
   }
 
-  CholeskyFactor& factor_for(double step_s) {
+  CoupledFactor& factor_for(double step_s) {
     const auto found = std::find_if(factors.begin(), factors.end(), [&](const KeptFactor& kept) {
-      return kept.step_s == step_s && kept.conductance_W_per_m2K == held.conductance_W_per_m2K;
+      return kept.step_s == step_s && kept.conductance_W_per_m2K == held.conductance_W_per_m2K &&
+             kept.coolant_W_per_K == held.coolant_W_per_K;
     });
     if (found != factors.end()) {
       factors.splice(factors.begin(), factors, found);
       return factors.front().factor;
     }
     const SparseMatrix matrix = system.combined_lower(gamma * step_s);
-    CholeskyFactor made = factors.empty() ? CholeskyFactor(matrix) : CholeskyFactor(factors.front().factor, matrix);
-    factors.push_front({step_s, held.conductance_W_per_m2K, std::move(made)});
+    CholeskyFactor made =
+        factors.empty() ? CholeskyFactor(matrix) : CholeskyFactor(factors.front().factor.symmetric(), matrix);
+    factors.push_front({step_s, held.conductance_W_per_m2K, held.coolant_W_per_K,
+                        CoupledFactor(std::move(made), coupling, gamma * step_s)});
     if (factors.size() > most_factors) factors.pop_back();
     return factors.front().factor;
   }
 
   /// (C + γ h K) kᵢ = f − K (T + h Σⱼ<ᵢ aᵢⱼ kⱼ); T += h ((1 − γ) k₁ + γ k₂), stiffly accurate.
   void step(double step_s) {
-    CholeskyFactor& factor = factor_for(step_s);
+    CoupledFactor& factor = factor_for(step_s);
     const auto conduction = system.conduction_lower().selfadjointView<Eigen::Lower>();
     residual_W.noalias() = load_W - conduction * temperatures_K;
-    factor.solve(residual_W, slope1_K_per_s);
+    coupling.add_heat(temperatures_K, residual_W);
+    factor.solve(residual_W, coupling, slope1_K_per_s);
     stage_K = temperatures_K + (1.0 - gamma) * step_s * slope1_K_per_s;
     residual_W.noalias() = load_W - conduction * stage_K;
-    factor.solve(residual_W, slope2_K_per_s);
+    coupling.add_heat(stage_K, residual_W);
+    factor.solve(residual_W, coupling, slope2_K_per_s);
     temperatures_K = stage_K + gamma * step_s * slope2_K_per_s;
   }
 };
 
 FeStepper::FeStepper(const AffineModel& model) : impl_(std::make_unique<Impl>(model)) {
-  set_uniform_temperature(model.boundaries.reference_temperature_K);
+  set_temperatures(initial_temperatures(model, model.boundaries.reference_temperature_K));
 }
 FeStepper::~FeStepper() = default;
 FeStepper::FeStepper(FeStepper&&) noexcept = default;

@@ -64,7 +64,7 @@ ConfiguredSignal read_signal(const TomlTable& signals, const SignalRules& rules,
   ConfiguredSignal signal;
   const TomlTable table = signals.table(rules.name);
   const std::string from = table.choice("source", {"device", "plc", "constant"});
-  double first = rules.first;
+  double first = 0.0;
   if (from == "constant") {
     signal.plan.source = SignalSource::constant;
     first = table.number("value", rom::between(rules.min, rules.max));

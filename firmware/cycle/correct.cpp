@@ -19,16 +19,19 @@ const rom::CorrectionFactors& correct(const SensedInputs& sensed, const Judgemen
                                       const rom::OperatingState& operating, double time_s, double advance_s,
                                       Model& model, Corrector& corrector) {
   if (!corrector.law) return corrector.none;
+  if (!corrector.enabled) {
+    corrector.law->stand_by(time_s, model.stepper->temperatures_K(), operating, advance_s);
+    return corrector.law->factors();
+  }
   for (Eigen::Index k = 0; k < corrector.measured_K.size(); ++k) {
     const auto sensor = static_cast<std::size_t>(k);
     corrector.measured_K[k] = sensed.sensors[sensor].value;
-    corrector.valid[k] = corrector.enabled && judgement.sensors[sensor] == SensorQuality::good;
+    corrector.valid[k] = judgement.sensors[sensor] == SensorQuality::good;
   }
   const correction::PaperStep step =
       corrector.law->step({time_s, corrector.measured_K, corrector.valid, model.outputs.key_points_K,
                            model.stepper->temperatures_K(), operating},
                           advance_s);
-  if (!corrector.enabled) return corrector.none;
   if (step.corrected) ++corrector.corrections;
   if (step.state_rescaled) model.stepper->set_temperatures(corrector.law->rescaled_nodes_K());
   return corrector.law->factors();

@@ -22,8 +22,9 @@ struct Corrector {
 Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
 
 /// Gives the law the measured and predicted key points of this instant; sets the model's state when the law rescales
-/// it, and returns the factors for the coming advance_s: the law's, or all 1 while the correction is off.
-/// Off, the law goes on without sensors, so that it takes up again from a state that fits the model.
+/// it, and returns the factors for the coming advance_s: the law's, all 1 while the correction is off.
+/// Neither switching moves a temperature. Off, the law stands by with the factors that the model runs with; on, it
+/// starts from these, all 1, and corrects first after a whole period.
 /// Runs in the cycle, no allocation.
 const rom::CorrectionFactors& correct(const SensedInputs& sensed, const Judgement& judgement,
                                       const rom::OperatingState& operating, double time_s, double advance_s,

@@ -14,6 +14,8 @@ void add_registers(CLI::App& app);
 void add_solve(CLI::App& app);
 void add_build(CLI::App& app);
 void add_verify(CLI::App& app);
+void add_verify_fem(CLI::App& app);
+void add_export(CLI::App& app);
 void add_plant(CLI::App& app);
 void add_report(CLI::App& app);
 #endif

@@ -8,6 +8,7 @@
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/time_constants.hpp"
 
 // spindle-twin inspect reference.rom
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kelvin_at_0_degC = 273.15;
 constexpr double micrometres_per_metre = 1e6;
+constexpr double megapascal_per_pascal = 1e-6;
 constexpr Eigen::Index shown_time_constants = 5;
 
 const char* kind_name(rom::ConductanceKind kind) {
@@ -78,6 +80,7 @@ struct Inspection {
   rom::Network network;
   rom::BoundaryValues values;  ///< at the operating state, nothing corrected
   Eigen::VectorXd time_constants_s;
+  rom::CoolantOutlets coolant;  ///< in the steady state at the operating state
   Checks checks;
 };
 
@@ -92,6 +95,11 @@ Inspection inspect(const std::string& path) {
       rom::time_constants_s(rom::NetworkOperator(result.network), result.values.conductance_W_per_m2K);
   result.time_constants_s = all_s.head(std::min(shown_time_constants, all_s.size()));
   result.checks = check(result.network);
+  if (!boundaries.circuits.empty()) {
+    const auto channels = std::make_shared<const rom::NetworkOperator>(result.network);
+    result.coolant =
+        rom::coolant_outlets(*channels, result.values, rom::steady_temperatures_K(channels, result.values));
+  }
   return result;
 }
 
@@ -117,6 +125,20 @@ void print_inputs(const Inspection& result) {
   }
 }
 
+void print_circuits(const Inspection& result) {
+  const rom::Boundaries& boundaries = result.network.boundaries;
+  if (boundaries.circuits.empty()) return;
+  std::printf("\n%-24s %8s %10s %12s %12s %12s\n", "coolant circuit", "segments", "kg/s", "J/kgK", "steady degC",
+              "steady W");
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const auto index = static_cast<Eigen::Index>(c);
+    std::printf("%-24s %8zu %10.4f %12.1f %12.2f %12.2f\n", boundaries.circuits[c].name.c_str(),
+                boundaries.circuits[c].segments.size(), boundaries.operating.flow_kg_per_s[index],
+                boundaries.circuits[c].heat_capacity_J_per_kgK, result.coolant.outlet_K[index] - kelvin_at_0_degC,
+                result.coolant.heat_W[index]);
+  }
+}
+
 void print_outputs(const Inspection& result) {
   const rom::Network& network = result.network;
   std::printf("\n%-24s %-24s %9s %9s\n", "key point", "part", "r mm", "z mm");
@@ -130,6 +152,12 @@ void print_outputs(const Inspection& result) {
   std::printf("\n%-24s %14s\n", "deformation", "um per K");
   for (const rom::DeformationOutput& output : network.deformations) {
     std::printf("%-24s %14.4f\n", output.name.c_str(), micrometres_per_metre * output.row_m_per_K.sum());
+  }
+  if (network.contact_pressures.empty()) return;
+  std::printf("\n%-24s %14s %14s\n", "contact pressure", "assembly MPa", "MPa per K");
+  for (const rom::ContactPressureOutput& output : network.contact_pressures) {
+    std::printf("%-24s %14.4f %14.4f\n", output.name.c_str(), megapascal_per_pascal * output.assembly_pressure_Pa,
+                megapascal_per_pascal * output.row_Pa_per_K.sum());
   }
 }
 
@@ -171,6 +199,7 @@ void print_table(const Inspection& result) {
               boundaries.operating.load, boundaries.reference_speed_rpm,
               boundaries.reference_temperature_K - kelvin_at_0_degC);
   print_inputs(result);
+  print_circuits(result);
   print_outputs(result);
   print_quality(result);
 }
@@ -232,6 +261,26 @@ void print_json(const Inspection& result) {
     json["deformations"].push_back(
         {{"name", output.name}, {"um_per_K", micrometres_per_metre * output.row_m_per_K.sum()}});
   }
+  json["contact_pressures"] = nlohmann::json::array();
+  for (const rom::ContactPressureOutput& output : network.contact_pressures) {
+    json["contact_pressures"].push_back({{"name", output.name},
+                                         {"assembly_MPa", megapascal_per_pascal * output.assembly_pressure_Pa},
+                                         {"MPa_per_K", megapascal_per_pascal * output.row_Pa_per_K.sum()}});
+  }
+  const rom::Boundaries& boundaries = network.boundaries;
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const auto index = static_cast<Eigen::Index>(c);
+    nlohmann::json segments = nlohmann::json::array();
+    for (const int segment : boundaries.circuits[c].segments) {
+      segments.push_back(boundaries.conductances[static_cast<std::size_t>(segment)].name);
+    }
+    json["coolant"][boundaries.circuits[c].name] = {
+        {"flow_kg_per_s", boundaries.operating.flow_kg_per_s[index]},
+        {"heat_capacity_J_per_kgK", boundaries.circuits[c].heat_capacity_J_per_kgK},
+        {"segments", segments},
+        {"outlet_degC", result.coolant.outlet_K[index] - kelvin_at_0_degC},
+        {"heat_W", result.coolant.heat_W[index]}};
+  }
   json["certificate"] = {{"cases", network.certificate.cases},
                          {"seed", network.certificate.seed},
                          {"worst", errors_json(network.certificate.worst)},
@@ -258,7 +307,7 @@ struct Options {
 void add_inspect(CLI::App& app) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a network file holds and check it");
   const auto options = std::make_shared<Options>();
-  command->add_option("network", options->network, "network file, .rom")->required()->check(CLI::ExistingFile);
+  command->add_option("network", options->network, "network file, .rom")->required();
   command->add_flag("--json", options->json, "as JSON");
   command->callback([options] {
     const Inspection result = inspect(options->network);

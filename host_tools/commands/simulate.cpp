@@ -6,9 +6,12 @@
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/boundaries/schedule.hpp"
+#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/finite_range.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
+#include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
@@ -41,7 +44,12 @@ std::string header(const rom::Network& network) {
   for (const rom::KeyPoint& point : network.key_points) add_name(text, point.name, "_degC");
   for (const rom::PartOutput& part : network.parts) add_name(text, part.name, "_max_degC");
   for (const rom::DeformationOutput& output : network.deformations) add_name(text, output.name, "_um");
+  for (const rom::ContactPressureOutput& output : network.contact_pressures) add_name(text, output.name, "_MPa");
   for (const rom::HeatSource& source : network.boundaries.sources) add_name(text, source.name, "_W");
+  for (const rom::CoolantCircuit& circuit : network.boundaries.circuits) {
+    add_name(text, circuit.name, "_outlet_degC");
+    add_name(text, circuit.name, "_heat_W");
+  }
   return text + "\n";
 }
 
@@ -51,12 +59,18 @@ void add_number(std::string& row, const char* format, double number) {
   row += text;
 }
 
-void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outputs, const Eigen::VectorXd& heat_W) {
+void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outputs, const Eigen::VectorXd& heat_W,
+             const rom::CoolantOutlets& coolant) {
   add_number(table, "%.10g", time_s);
   for (const double kelvin : outputs.key_points_K) add_number(table, ",%.5f", kelvin - kelvin_at_0_degC);
   for (const double kelvin : outputs.part_maximum_K) add_number(table, ",%.5f", kelvin - kelvin_at_0_degC);
   for (const double metre : outputs.deformations_m) add_number(table, ",%.5f", micrometres_per_metre * metre);
+  for (const double pressure_Pa : outputs.contact_pressures_Pa) add_number(table, ",%.5f", 1e-6 * pressure_Pa);
   for (const double watt : heat_W) add_number(table, ",%.5f", watt);
+  for (Eigen::Index c = 0; c < coolant.heat_W.size(); ++c) {
+    add_number(table, ",%.5f", coolant.outlet_K[c] - kelvin_at_0_degC);
+    add_number(table, ",%.5f", coolant.heat_W[c]);
+  }
   table += '\n';
 }
 
@@ -71,6 +85,7 @@ double rest_temperature_K(const rom::Boundaries& boundaries, const rom::Operatin
 }
 
 void simulate(const Options& options) {
+  check_output(options.output, "--output");
   const rom::Network network = rom::read_network(options.network);
   const rom::Boundaries& boundaries = network.boundaries;
   const correction::Schedule schedule = correction::read_schedule(options.schedule, boundaries);
@@ -79,6 +94,7 @@ void simulate(const Options& options) {
   rom::NetworkOutputs outputs = rom::make_network_outputs(network);
   rom::OperatingState state = boundaries.operating;
   const auto stepper = rom::make_runtime_stepper(network);
+  const rom::NetworkOperator channels(network);
 
   const auto hold = [&](double time_s) {
     correction::state_at(schedule, time_s, state);
@@ -89,7 +105,7 @@ void simulate(const Options& options) {
       Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), rest_temperature_K(boundaries, state)));
   std::string table = header(network);
   rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
-  add_row(table, 0.0, outputs, values.heat_W);
+  add_row(table, 0.0, outputs, values.heat_W, rom::coolant_outlets(channels, values, stepper->temperatures_K()));
 
   double time_s = 0.0;
   double due_s = options.every_s;
@@ -103,7 +119,7 @@ void simulate(const Options& options) {
     if (time_s < due_s - 1e-6 * options.period_s && time_s < schedule.end_s) continue;
     while (due_s <= time_s + 1e-6 * options.period_s) due_s += options.every_s;
     rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
-    add_row(table, time_s, outputs, values.heat_W);
+    add_row(table, time_s, outputs, values.heat_W, rom::coolant_outlets(channels, values, stepper->temperatures_K()));
   }
   rom::write_whole_file(options.output, table);
   if (stepper->fallbacks() > 0) {
@@ -118,16 +134,19 @@ void add_simulate(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("simulate", "Run a network along a schedule with the integrator of spindle-twind");
   const auto options = std::make_shared<Options>();
-  const CLI::Range positive(1e-3, 1e6, "1e-3 to 1e6 s");
-  command->add_option("network", options->network, "network file, .rom")->required()->check(CLI::ExistingFile);
-  command->add_option("--schedule", options->schedule, "CSV: time_s,speed_rpm,load and <environment>_degC columns")
-      ->required()
-      ->check(CLI::ExistingFile);
+  const CLI::Validator positive = finite_range(1e-3, 1e6, "1e-3 to 1e6 s");
+  command->add_option("network", options->network, "network file, .rom")->required();
+  command
+      ->add_option("--schedule", options->schedule,
+                   "CSV: time_s,speed_rpm,load <environment>_degC and <circuit>_kg_per_s columns")
+      ->required();
   command->add_option("-o,--output", options->output, "CSV to write")->required();
   command->add_option("--period", options->period_s, "cycle period in s; inputs are held for it")
       ->capture_default_str()
       ->check(positive);
-  command->add_option("--every", options->every_s, "seconds between two rows")->capture_default_str()->check(positive);
+  command->add_option("--every", options->every_s, "model time between two rows, s")
+      ->capture_default_str()
+      ->check(positive);
   command->callback([options] { simulate(*options); });
 }
 

@@ -1,5 +1,6 @@
 #include "host_tools/virtual_spindle/plant_server.hpp"
 
+#include <arpa/inet.h>
 #include <modbus/modbus.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -33,6 +34,10 @@ struct PlantServer::Client {
 
 PlantServer::PlantServer(const std::string& address, int port)
     : context_(modbus_new_tcp(address.c_str(), port), &modbus_free) {
+  in_addr parsed{};  // libmodbus takes what is no address for 255.255.255.255, and listens
+  if (::inet_pton(AF_INET, address.c_str(), &parsed) != 1) {
+    throw rom::InputError({}, "--address", "must be an IPv4 address such as 127.0.0.1, is '" + address + "'");
+  }
   const std::string place = address + ":" + std::to_string(port);
   if (!context_) throw rom::InputError({}, "--port", place + ": " + modbus_strerror(errno));
   listener_ = modbus_tcp_listen(context_.get(), 64);

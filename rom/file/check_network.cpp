@@ -155,6 +155,31 @@ void check_inputs(const Network& network, Eigen::Index nodes, const Checker& che
   }
 }
 
+void check_circuits(const Boundaries& boundaries, const Checker& check) {
+  const Eigen::VectorXd& flow_kg_per_s = boundaries.operating.flow_kg_per_s;
+  check.require(flow_kg_per_s.size() == static_cast<Eigen::Index>(boundaries.circuits.size()), "circuits",
+                "not one operating flow for each");
+  check.finite(flow_kg_per_s, "circuits operating flow");
+  check.names(boundaries.circuits, "circuit");
+  std::set<int> seen;
+  for (const CoolantCircuit& circuit : boundaries.circuits) {
+    const std::string field = "circuit " + circuit.name;
+    check.require(circuit.environment >= 0 && circuit.environment < static_cast<int>(boundaries.environments.size()),
+                  field + " environment", "names one that does not exist");
+    check.require(std::isfinite(circuit.heat_capacity_J_per_kgK) && circuit.heat_capacity_J_per_kgK > 0.0,
+                  field + " heat capacity", "must be finite and positive");
+    check.require(!circuit.segments.empty(), field, "has no segment");
+    for (const int segment : circuit.segments) {
+      check.require(segment >= 0 && segment < static_cast<int>(boundaries.conductances.size()), field + " segment",
+                    "names a conductance that does not exist");
+      const Conductance& film = boundaries.conductances[static_cast<std::size_t>(segment)];
+      check.require(seen.insert(segment).second, field + " segment", film.name + " is in a circuit twice");
+      check.require(film.environment == circuit.environment && film.area_m2 > 0.0, field + " segment",
+                    film.name + " must be a film with an area to the circuit's own environment");
+    }
+  }
+}
+
 void check_outputs(const Network& network, Eigen::Index nodes, const Checker& check) {
   for (const Node& node : network.nodes) {
     check.require(!node.name.empty(), "node", "one has no name");
@@ -189,6 +214,13 @@ void check_outputs(const Network& network, Eigen::Index nodes, const Checker& ch
     check.shape(output.row_m_per_K, nodes, 1, "deformation " + output.name + " row");
     check.finite(output.row_m_per_K, "deformation " + output.name + " row");
   }
+  check.names(network.contact_pressures, "contact pressure");
+  for (const ContactPressureOutput& output : network.contact_pressures) {
+    const std::string field = "contact pressure " + output.name;
+    check.finite(output.assembly_pressure_Pa, field + " assembly_pressure_Pa");
+    check.shape(output.row_Pa_per_K, nodes, 1, field + " row");
+    check.finite(output.row_Pa_per_K, field + " row");
+  }
   for (const CertificateErrors& errors : {network.certificate.worst, network.certificate.median}) {
     check.not_negative(errors.key_points_K, "certificate key_points_K");
     check.not_negative(errors.nose_um, "certificate nose_um");
@@ -205,6 +237,7 @@ void check_network(const Network& network, const std::string& file) {
   check_matrices(network, nodes, check);
   check_inputs(network, nodes, check);
   check_conductances(network, nodes, check);
+  check_circuits(network.boundaries, check);
   check_outputs(network, nodes, check);
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstring>
+#include <limits>
 
 #include "rom/file/payload.hpp"
 #include "rom/file/rom.pb.h"
@@ -144,6 +145,32 @@ bool decode_environment(pb_istream_t* stream, EnvironmentWithTemperature& item) 
   return true;
 }
 
+struct CircuitWithFlow {
+  CoolantCircuit circuit;
+  double operating_kg_per_s = 0.0;
+};
+
+bool decode_indices(pb_istream_t* stream, Field, void** arg) {
+  while (stream->bytes_left > 0) {
+    std::int64_t index = 0;
+    if (!pb_decode_svarint(stream, &index)) return false;
+    if (index < 0 || index > std::numeric_limits<int>::max()) PB_RETURN_ERROR(stream, "a segment out of range");
+    static_cast<std::vector<int>*>(*arg)->push_back(static_cast<int>(index));
+  }
+  return true;
+}
+
+bool decode_circuit(pb_istream_t* stream, CircuitWithFlow& item) {
+  spindle_twin_rom_CoolantCircuit message = spindle_twin_rom_CoolantCircuit_init_zero;
+  message.name = attach(item.circuit.name);
+  message.segments = attach(&item.circuit.segments, decode_indices);
+  if (!pb_decode(stream, spindle_twin_rom_CoolantCircuit_fields, &message)) return false;
+  item.circuit.environment = message.environment;
+  item.circuit.heat_capacity_J_per_kgK = message.heat_capacity_J_per_kgK;
+  item.operating_kg_per_s = message.operating_kg_per_s;
+  return true;
+}
+
 bool decode_node(pb_istream_t* stream, Node& item) {
   spindle_twin_rom_Node message = spindle_twin_rom_Node_init_zero;
   message.name = attach(item.name);
@@ -180,6 +207,15 @@ bool decode_deformation(pb_istream_t* stream, DeformationOutput& item) {
   return pb_decode(stream, spindle_twin_rom_DeformationOutput_fields, &message);
 }
 
+bool decode_contact_pressure(pb_istream_t* stream, ContactPressureOutput& item) {
+  spindle_twin_rom_ContactPressureOutput message = spindle_twin_rom_ContactPressureOutput_init_zero;
+  message.name = attach(item.name);
+  message.row_Pa_per_K = attach(item.row_Pa_per_K);
+  if (!pb_decode(stream, spindle_twin_rom_ContactPressureOutput_fields, &message)) return false;
+  item.assembly_pressure_Pa = message.assembly_pressure_Pa;
+  return true;
+}
+
 CertificateErrors take_errors(const spindle_twin_rom_CertificateErrors& message) {
   return {message.key_points_K, message.nose_um, message.part_max_K};
 }
@@ -208,6 +244,7 @@ struct Lists {
   std::vector<ConductanceWithFactor> conductances;
   std::vector<SourceWithDistribution> sources;
   std::vector<EnvironmentWithTemperature> environments;
+  std::vector<CircuitWithFlow> circuits;
 };
 
 void take_lists(Lists& lists, Network& network, const std::string& file) {
@@ -231,6 +268,12 @@ void take_lists(Lists& lists, Network& network, const std::string& file) {
     environment_K[static_cast<Eigen::Index>(i)] = lists.environments[i].operating_K;
     network.boundaries.environments.push_back(std::move(lists.environments[i].environment));
   }
+  Eigen::VectorXd& flow_kg_per_s = network.boundaries.operating.flow_kg_per_s;
+  flow_kg_per_s.resize(static_cast<Eigen::Index>(lists.circuits.size()));
+  for (std::size_t i = 0; i < lists.circuits.size(); ++i) {
+    flow_kg_per_s[static_cast<Eigen::Index>(i)] = lists.circuits[i].operating_kg_per_s;
+    network.boundaries.circuits.push_back(std::move(lists.circuits[i].circuit));
+  }
 }
 
 void shape_outputs(Network& network, const std::string& file) {
@@ -244,6 +287,9 @@ void shape_outputs(Network& network, const std::string& file) {
   }
   for (const DeformationOutput& output : network.deformations) {
     check_length(output.row_m_per_K, nodes, file, "deformation " + output.name + " row");
+  }
+  for (const ContactPressureOutput& output : network.contact_pressures) {
+    check_length(output.row_Pa_per_K, nodes, file, "contact pressure " + output.name + " row");
   }
 }
 
@@ -261,18 +307,24 @@ Network decode_payload(std::span<const std::uint8_t> payload, const std::string&
   message.conductances = attach_list<ConductanceWithFactor, decode_conductance>(lists.conductances);
   message.sources = attach_list<SourceWithDistribution, decode_source>(lists.sources);
   message.environments = attach_list<EnvironmentWithTemperature, decode_environment>(lists.environments);
+  message.circuits = attach_list<CircuitWithFlow, decode_circuit>(lists.circuits);
   message.key_points = attach_list<KeyPoint, decode_key_point>(network.key_points);
   message.parts = attach_list<PartOutput, decode_part>(network.parts);
   message.deformations = attach_list<DeformationOutput, decode_deformation>(network.deformations);
+  message.contact_pressures = attach_list<ContactPressureOutput, decode_contact_pressure>(network.contact_pressures);
 
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
   if (!pb_decode(&stream, spindle_twin_rom_Network_fields, &message)) {
     throw InputError({file, 0}, "payload", std::string("malformed: ") + PB_GET_ERROR(&stream));
   }
-  if (message.schema_version != payload_schema_version) {
+  if (message.schema_version != payload_schema_version && message.schema_version != payload_schema_version_circuits) {
     throw InputError({file, 0}, "schema_version",
                      std::to_string(message.schema_version) + " is unknown; this program reads " +
-                         std::to_string(payload_schema_version));
+                         std::to_string(payload_schema_version) + " and " +
+                         std::to_string(payload_schema_version_circuits));
+  }
+  if (message.schema_version == payload_schema_version && !lists.circuits.empty()) {
+    throw InputError({file, 0}, "schema_version", "1 with coolant circuits, which only version 2 has");
   }
   if (network.nodes.empty()) throw InputError({file, 0}, "nodes", "none; at least one is needed");
 

@@ -125,6 +125,24 @@ bool encode_environment(pb_ostream_t* stream, const NetworkList<Environment>& li
   return pb_encode_submessage(stream, spindle_twin_rom_Environment_fields, &message);
 }
 
+bool encode_indices(pb_ostream_t* stream, Field field, void* const* arg) {
+  for (const int index : *static_cast<const std::vector<int>*>(*arg)) {
+    if (!pb_encode_tag(stream, PB_WT_VARINT, field->tag) || !pb_encode_svarint(stream, index)) return false;
+  }
+  return true;
+}
+
+bool encode_circuit(pb_ostream_t* stream, const NetworkList<CoolantCircuit>& list, std::size_t i) {
+  const CoolantCircuit& item = (*list.items)[i];
+  spindle_twin_rom_CoolantCircuit message = spindle_twin_rom_CoolantCircuit_init_zero;
+  message.name = attach(item.name);
+  message.environment = item.environment;
+  message.heat_capacity_J_per_kgK = item.heat_capacity_J_per_kgK;
+  message.operating_kg_per_s = list.network->boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(i)];
+  message.segments = attach(&item.segments, encode_indices);
+  return pb_encode_submessage(stream, spindle_twin_rom_CoolantCircuit_fields, &message);
+}
+
 bool encode_node(pb_ostream_t* stream, const std::vector<Node>& list, std::size_t i) {
   spindle_twin_rom_Node message = spindle_twin_rom_Node_init_zero;
   message.name = attach(list[i].name);
@@ -159,6 +177,15 @@ bool encode_deformation(pb_ostream_t* stream, const std::vector<DeformationOutpu
   return pb_encode_submessage(stream, spindle_twin_rom_DeformationOutput_fields, &message);
 }
 
+using Pressures = std::vector<ContactPressureOutput>;
+bool encode_contact_pressure(pb_ostream_t* stream, const Pressures& list, std::size_t i) {
+  spindle_twin_rom_ContactPressureOutput message = spindle_twin_rom_ContactPressureOutput_init_zero;
+  message.name = attach(list[i].name);
+  message.assembly_pressure_Pa = list[i].assembly_pressure_Pa;
+  message.row_Pa_per_K = attach(list[i].row_Pa_per_K);
+  return pb_encode_submessage(stream, spindle_twin_rom_ContactPressureOutput_fields, &message);
+}
+
 spindle_twin_rom_CertificateErrors errors_message(const CertificateErrors& errors) {
   return {errors.key_points_K, errors.nose_um, errors.part_max_K};
 }
@@ -176,13 +203,16 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
           "not one column of the source distribution per source");
   require(boundaries.operating.environment_K.size() == static_cast<Eigen::Index>(boundaries.environments.size()),
           "not one operating temperature per environment");
+  require(boundaries.operating.flow_kg_per_s.size() == static_cast<Eigen::Index>(boundaries.circuits.size()),
+          "not one operating flow per coolant circuit");
 
   const NetworkList<Conductance> conductances{&network, &boundaries.conductances};
   const NetworkList<HeatSource> sources{&network, &boundaries.sources};
   const NetworkList<Environment> environments{&network, &boundaries.environments};
+  const NetworkList<CoolantCircuit> circuits{&network, &boundaries.circuits};
 
   spindle_twin_rom_Network message = spindle_twin_rom_Network_init_zero;
-  message.schema_version = payload_schema_version;
+  message.schema_version = boundaries.circuits.empty() ? payload_schema_version : payload_schema_version_circuits;
   message.spindle = attach(network.spindle);
   message.description_hash = attach(network.description_hash);
   message.nodes = attach_list<std::vector<Node>, encode_node>(network.nodes);
@@ -192,12 +222,14 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   message.conductances = attach_list<NetworkList<Conductance>, encode_conductance>(conductances);
   message.sources = attach_list<NetworkList<HeatSource>, encode_source>(sources);
   message.environments = attach_list<NetworkList<Environment>, encode_environment>(environments);
+  message.circuits = attach_list<NetworkList<CoolantCircuit>, encode_circuit>(circuits);
   message.operating_speed_rpm = boundaries.operating.speed_rpm;
   message.operating_load = boundaries.operating.load;
   message.reference_temperature_K = boundaries.reference_temperature_K;
   message.key_points = attach_list<std::vector<KeyPoint>, encode_key_point>(network.key_points);
   message.parts = attach_list<std::vector<PartOutput>, encode_part>(network.parts);
   message.deformations = attach_list<std::vector<DeformationOutput>, encode_deformation>(network.deformations);
+  message.contact_pressures = attach_list<Pressures, encode_contact_pressure>(network.contact_pressures);
   message.has_certificate = true;
   message.certificate.seed = network.certificate.seed;
   message.certificate.cases = network.certificate.cases;

@@ -11,7 +11,10 @@
 /// The payload of a .rom file, without header and checks of physics; used by rom_file.cpp only.
 namespace spindle_twin::rom {
 
+/// A network without coolant circuits is written as version 1, byte for byte as before circuits came. One with circuits
+/// is version 2, so that a program that knows none refuses it instead of taking its segments for plain films.
 inline constexpr std::uint32_t payload_schema_version = 1;
+inline constexpr std::uint32_t payload_schema_version_circuits = 2;
 
 /// The bytes of message spindle_twin.rom.Network. Throws std::invalid_argument if lists that belong together differ in
 /// length.

@@ -2,6 +2,7 @@
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
+#include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
 #include <algorithm>
@@ -27,6 +28,19 @@ int newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix matrix, booleantype, b
   const Eigen::MatrixXd& lower = static_cast<const RightHandSide*>(user_data)->lower();
   Eigen::Map<Eigen::MatrixXd> target(SUNDenseMatrix_Data(matrix), lower.rows(), lower.cols());
   target = gamma * lower;
+  target.diagonal().array() += 1.0;
+  *fresh = SUNTRUE;
+  return 0;
+}
+
+/// The same in full, with the circuits' coupling.
+int coupled_newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix matrix, booleantype, booleantype* fresh,
+                          realtype gamma, void* user_data, N_Vector, N_Vector, N_Vector) {
+  const auto& rhs = *static_cast<const RightHandSide*>(user_data);
+  const Eigen::Index n = rhs.network().nodes();
+  Eigen::Map<Eigen::MatrixXd> target(SUNDenseMatrix_Data(matrix), n, n);
+  rhs.full(target);
+  target *= gamma;
   target.diagonal().array() += 1.0;
   *fresh = SUNTRUE;
   return 0;
@@ -108,19 +122,24 @@ CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const C
   last.conductance_W_per_m2K = Eigen::VectorXd::Zero(op.conductances());
   last.heat_W = Eigen::VectorXd::Zero(op.sources());
   last.environment_K = Eigen::VectorXd::Zero(op.environments());
+  last.coolant_W_per_K = Eigen::VectorXd::Zero(op.circuits());
   rhs.hold(last);
 
   context = make_context();
   state = own(N_VMake_Serial(n, x.data(), context.get()));
   matrix = own(SUNDenseMatrix(n, n, context.get()));
-  solver = own(make_cholesky_solver(n, context.get()));
+  const bool coupled = op.segments().count() > 0;
+  // A coupled matrix is not symmetric. Leaving the coupling out of it would keep Cholesky, but the nearer the liquid
+  // comes to the walls' temperature the slower Newton would converge, in the end not at all.
+  solver =
+      own(coupled ? SUNLinSol_Dense(state.get(), matrix.get(), context.get()) : make_cholesky_solver(n, context.get()));
   cvode = own(CVodeCreate(CV_BDF, context.get()));
   check(CVodeSetErrHandlerFn(cvode.get(), say_nothing, nullptr), "its error handler");
   check(CVodeInit(cvode.get(), right_hand_side, time_s, state.get()), "its start");
   check(CVodeSStolerances(cvode.get(), 0.0, settings.tolerance_K * op.internal_per_kelvin()), "its tolerance");
   check(CVodeSetUserData(cvode.get(), &rhs), "its data");
   check(CVodeSetLinearSolver(cvode.get(), solver.get(), matrix.get()), "its linear solver");
-  check(CVodeSetLinSysFn(cvode.get(), newton_matrix), "its Newton matrix");
+  check(CVodeSetLinSysFn(cvode.get(), coupled ? coupled_newton_matrix : newton_matrix), "its Newton matrix");
   check(CVodeSetMaxNumSteps(cvode.get(), settings.max_internal_steps), "its bound on steps");
 }
 
@@ -143,6 +162,7 @@ bool CvodeStepper::Impl::restart() {
 bool CvodeStepper::Impl::inputs_jumped(const BoundaryValues& values) const {
   return !has_last || jumped(last.heat_W, values.heat_W, settings.jump_share) ||
          jumped(last.conductance_W_per_m2K, values.conductance_W_per_m2K, settings.jump_share) ||
+         jumped(last.coolant_W_per_K, values.coolant_W_per_K, settings.jump_share) ||
          (values.environment_K.size() > 0 &&
           (values.environment_K - last.environment_K).lpNorm<Eigen::Infinity>() > settings.jump_K);
 }
@@ -175,6 +195,7 @@ StepStatus CvodeStepper::advance(double period_s, const BoundaryValues& values) 
   m.last.conductance_W_per_m2K = values.conductance_W_per_m2K;
   m.last.heat_W = values.heat_W;
   m.last.environment_K = values.environment_K;
+  m.last.coolant_W_per_K = values.coolant_W_per_K;
   m.has_last = true;
 
   if (m.must_restart && !m.restart()) return m.fail(StepStatus::integrator_failed);

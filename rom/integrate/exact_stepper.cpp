@@ -1,6 +1,7 @@
 #include "rom/integrate/exact_stepper.hpp"
 
 #include <cmath>
+#include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 
 namespace spindle_twin::rom {
@@ -20,10 +21,21 @@ void ExactStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
 StepStatus ExactStepper::advance(double period_s, const BoundaryValues& values) {
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return StepStatus::integrator_failed;
   if (!all_finite(values) || !x_.allFinite()) return StepStatus::not_finite;
+  if (!(rhs_.coupled() ? advance_coupled(period_s, values) : advance_symmetric(period_s, values))) {
+    return StepStatus::integrator_failed;
+  }
+  rhs_.network().to_temperatures(x_new_, candidate_K_);
+  if (!candidate_K_.allFinite()) return StepStatus::not_finite;
+  x_.swap(x_new_);
+  temperatures_K_.swap(candidate_K_);
+  return StepStatus::ok;
+}
+
+bool ExactStepper::advance_symmetric(double period_s, const BoundaryValues& values) {
   if (rhs_.hold(values) || !decomposed_) {
     modes_.compute(rhs_.lower());
     decomposed_ = modes_.info() == Eigen::Success;
-    if (!decomposed_) return StepStatus::integrator_failed;
+    if (!decomposed_) return false;
   }
   modal_.noalias() = modes_.eigenvectors().transpose() * x_;
   modal_drive_.noalias() = modes_.eigenvectors().transpose() * rhs_.drive();
@@ -33,11 +45,23 @@ StepStatus ExactStepper::advance(double period_s, const BoundaryValues& values) 
     modal_[i] = std::exp(-z) * modal_[i] + phi * period_s * modal_drive_[i];
   }
   x_new_.noalias() = modes_.eigenvectors() * modal_;
-  rhs_.network().to_temperatures(x_new_, candidate_K_);
-  if (!candidate_K_.allFinite()) return StepStatus::not_finite;
-  x_.swap(x_new_);
-  temperatures_K_.swap(candidate_K_);
-  return StepStatus::ok;
+  return true;
+}
+
+bool ExactStepper::advance_coupled(double period_s, const BoundaryValues& values) {
+  if (rhs_.hold(values) || exponential_for_s_ != period_s) {
+    const Eigen::Index n = rhs_.network().nodes();
+    Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    rhs_.full(generator.topLeftCorner(n, n));
+    generator.topLeftCorner(n, n) *= -period_s;
+    generator.topRightCorner(n, n).diagonal().setConstant(period_s);
+    const Eigen::MatrixXd flow = generator.exp();
+    exponential_ = flow.topLeftCorner(n, n);
+    integral_ = flow.topRightCorner(n, n);
+    exponential_for_s_ = period_s;
+  }
+  x_new_.noalias() = exponential_ * x_ + integral_ * rhs_.drive();
+  return true;
 }
 
 }  // namespace spindle_twin::rom

@@ -23,7 +23,8 @@ Eigen::VectorXd packed_lower(const Eigen::MatrixXd& symmetric) {
 }  // namespace
 
 NetworkOperator::NetworkOperator(const Network& network)
-    : environments_(static_cast<Eigen::Index>(network.boundaries.environments.size())),
+    : segments_(coolant_segments(network.boundaries)),
+      environments_(static_cast<Eigen::Index>(network.boundaries.environments.size())),
       reference_K_(network.boundaries.reference_temperature_K) {
   const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
   const Eigen::Index n = capacity.rows();
@@ -62,6 +63,15 @@ NetworkOperator::NetworkOperator(const Network& network)
   }
   films_.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(film_environment_.size()));
 
+  walls_.resize(n, segments_.count());
+  for (Eigen::Index s = 0; s < segments_.count(); ++s) {
+    const auto j = static_cast<std::size_t>(segments_.conductance[static_cast<std::size_t>(s)]);
+    const Eigen::VectorXd column_sums = network.factors_m[j].colwise().sum().transpose();
+    segments_.area_m2[s] = column_sums.squaredNorm();
+    walls_.col(s) = network.factors_m[j] * column_sums;
+  }
+  root.solveInPlace(walls_);
+
   sources_ = network.source_distribution;
   root.solveInPlace(sources_);
 }
@@ -98,6 +108,18 @@ void NetworkOperator::drive(const BoundaryValues& values, Eigen::VectorXd& u) co
                           (values.environment_K[film_environment_[film]] - reference_K_);
     u += weight * films_.col(static_cast<Eigen::Index>(film));
   }
+}
+
+void NetworkOperator::couple(const BoundaryValues& values, Eigen::MatrixXd& coupling, Eigen::VectorXd& rises_K,
+                             Eigen::VectorXd& u) const {
+  coolant_upstream(segments_, values, coupling);
+  for (Eigen::Index s = 0; s < segments_.count(); ++s) {
+    const auto segment = static_cast<std::size_t>(s);
+    coupling.row(s) *= values.conductance_W_per_m2K[segments_.conductance[segment]];
+    rises_K[s] = values.environment_K[segments_.inlet[segment]] - reference_K_;
+  }
+  for (Eigen::Index s = 0; s < segments_.count(); ++s) u -= coupling.row(s).dot(rises_K) * walls_.col(s);
+  for (Eigen::Index s = 0; s < segments_.count(); ++s) coupling.col(s) /= segments_.area_m2[s];
 }
 
 }  // namespace spindle_twin::rom

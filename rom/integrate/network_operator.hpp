@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "rom/boundaries.hpp"
+#include "rom/integrate/coolant.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::rom {
@@ -11,6 +12,8 @@ namespace spindle_twin::rom {
 ///   x = Lᵀ (T − T_ref),   dx/dt = −K̃(g) x + u
 ///   K̃(g) = L⁻¹ (K₀ + Σⱼ gⱼ Fⱼ Fⱼᵀ) L⁻ᵀ                                     [1/s], symmetric, positive semidefinite
 ///   u     = Σⱼ gⱼ L⁻¹ Fⱼ Fⱼᵀ 1 (T_env(j) − T_ref) + L⁻¹ B q
+/// With coolant circuits the liquid brings every segment what those upstream gave it (integrate/coolant.hpp):
+///   dx/dt = −K̃ x + u + P X̃(Pᵀ x),   P = [L⁻¹ F_s F_sᵀ 1] (N x M),   X̃ = diag(g_s) U diag(1/A_s) (M x M, not symmetric)
 /// |x|² is the capacity-weighted square of the rise, so one scalar tolerance on x means the same at every node.
 /// N states, J conductances. Read-only after construction: several steppers may share one from several threads.
 class NetworkOperator {
@@ -22,6 +25,9 @@ class NetworkOperator {
   Eigen::Index conductances() const { return conductance_terms_.cols(); }
   Eigen::Index sources() const { return sources_.cols(); }
   Eigen::Index environments() const { return environments_; }
+  Eigen::Index circuits() const { return static_cast<Eigen::Index>(segments_.first.size()) - 1; }
+  const CoolantSegments& segments() const { return segments_; }
+  double reference_K() const { return reference_K_; }
 
   /// Square root of the mean node capacity, sqrt(1ᵀC1 / N) [sqrt(J/K)]: a capacity-weighted root mean square
   /// temperature error e [K] is a root mean square error e · internal_per_kelvin() in x.
@@ -37,8 +43,14 @@ class NetworkOperator {
   /// Lower triangle of K̃(g); the strict upper one is left as it is. Costs J N²/2 multiply-adds.
   void assemble(const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed, Eigen::MatrixXd& lower) const;
 
-  /// u for inputs that are held.
+  /// u for inputs that are held, without what the circuits' coupling adds.
   void drive(const BoundaryValues& values, Eigen::VectorXd& u) const;
+
+  /// P.
+  const Eigen::MatrixXd& walls() const { return walls_; }
+  /// X̃ (M x M), and in `u` −P diag(g_s) U (T_inlet − T_ref) besides; `rises_K` is scratch of length M. Cycle-safe.
+  void couple(const BoundaryValues& values, Eigen::MatrixXd& coupling, Eigen::VectorXd& rises_K,
+              Eigen::VectorXd& u) const;
 
  private:
   Eigen::MatrixXd capacity_root_;      // L
@@ -47,6 +59,8 @@ class NetworkOperator {
   Eigen::MatrixXd films_;              // L⁻¹ Fⱼ Fⱼᵀ 1 of those conductances that have an environment
   std::vector<Eigen::Index> film_conductance_;
   std::vector<Eigen::Index> film_environment_;
+  CoolantSegments segments_;
+  Eigen::MatrixXd walls_;    // P
   Eigen::MatrixXd sources_;  // L⁻¹ B
   Eigen::Index environments_ = 0;
   double reference_K_ = 0.0;

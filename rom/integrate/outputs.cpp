@@ -12,6 +12,7 @@ NetworkOutputs make_network_outputs(const Network& network) {
   outputs.key_points_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.key_points.size()));
   outputs.part_mean_K = outputs.part_maximum_K = outputs.part_minimum_K = Eigen::VectorXd::Zero(parts);
   outputs.deformations_m = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.deformations.size()));
+  outputs.contact_pressures_Pa = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.contact_pressures.size()));
   outputs.candidates_K = Eigen::VectorXd::Zero(candidates);
   return outputs;
 }
@@ -31,6 +32,11 @@ void evaluate_outputs(const Network& network, const Eigen::VectorXd& temperature
   for (Eigen::Index i = 0; i < outputs.deformations_m.size(); ++i) {
     const Eigen::VectorXd& row = network.deformations[static_cast<std::size_t>(i)].row_m_per_K;
     outputs.deformations_m[i] = row.dot(temperatures_K) - row.sum() * network.boundaries.reference_temperature_K;
+  }
+  for (Eigen::Index i = 0; i < outputs.contact_pressures_Pa.size(); ++i) {
+    const ContactPressureOutput& output = network.contact_pressures[static_cast<std::size_t>(i)];
+    outputs.contact_pressures_Pa[i] = output.assembly_pressure_Pa + output.row_Pa_per_K.dot(temperatures_K) -
+                                      output.row_Pa_per_K.sum() * network.boundaries.reference_temperature_K;
   }
 }
 

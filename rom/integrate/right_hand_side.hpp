@@ -8,7 +8,8 @@
 
 namespace spindle_twin::rom {
 
-/// f(x) = −K̃ x + u with the inputs of one cycle held; its Jacobian is −K̃. One per stepper, over a shared operator.
+/// f(x) = −K̃ x + u with the inputs of one cycle held; its Jacobian is −K̃. With coolant circuits f(x) = −K̃x + u + PX̃Pᵀx
+/// (NetworkOperator). One per stepper, over a shared operator.
 class RightHandSide {
  public:
   explicit RightHandSide(std::shared_ptr<const NetworkOperator> network);
@@ -16,11 +17,16 @@ class RightHandSide {
   const NetworkOperator& network() const { return *network_; }
 
   /// Takes over the inputs of the next period; assembles K̃ only if a conductance differs from the last ones.
-  /// Returns whether it did. Cycle-safe.
+  /// Returns whether the Jacobian changed. Cycle-safe.
   bool hold(const BoundaryValues& values);
 
   /// dx = f(x). Cycle-safe; x and dx hold N numbers each and do not overlap.
   void evaluate(const double* x, double* dx) const;
+
+  /// Whether a circuit makes the Jacobian −K̃ + PX̃Pᵀ, which is not symmetric.
+  bool coupled() const { return coupling_.size() > 0; }
+  /// target = K̃ − PX̃Pᵀ in full. Cycle-safe for `target` of N x N.
+  void full(Eigen::Ref<Eigen::MatrixXd> target) const;
 
   /// K̃, lower triangle valid.
   const Eigen::MatrixXd& lower() const { return lower_; }
@@ -33,6 +39,11 @@ class RightHandSide {
   Eigen::VectorXd packed_;
   Eigen::MatrixXd lower_;
   Eigen::VectorXd drive_;
+  Eigen::VectorXd held_coolant_W_per_K_;
+  Eigen::MatrixXd coupling_;                   // X̃
+  mutable Eigen::VectorXd walls_;              // Pᵀ x; scratch
+  mutable Eigen::VectorXd fed_;                // X̃ Pᵀ x; scratch
+  mutable Eigen::MatrixXd walls_by_coupling_;  // P X̃; scratch
 };
 
 /// Whether every input is a finite number. Cycle-safe.

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "rom/integrate/outputs.hpp"
 #include "tests/rom/heap_calls.hpp"
 #include "tests/rom/synthetic_network.hpp"
@@ -16,6 +18,17 @@ TEST(Outputs, a_uniform_rise_shows_everywhere_and_moves_the_nose_by_the_sum_of_i
   EXPECT_NEAR(outputs.deformations_m[0], network.deformations[0].row_m_per_K.sum(), 1e-18);
   evaluate_outputs(network, Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), 300.15), outputs);
   EXPECT_NEAR(outputs.deformations_m[0], 0.0, 1e-18);
+}
+
+TEST(Outputs, contact_pressure_is_that_of_the_assembly_plus_its_row_times_the_rises) {
+  Network network = make_synthetic_network({}, 1);
+  const Eigen::Index n = network.capacity_J_per_K.rows();
+  network.contact_pressures = {{"fit", 2e6, Eigen::VectorXd::LinSpaced(n, -1e5, 3e5)}};
+  NetworkOutputs outputs = make_network_outputs(network);
+  const double row_sum_Pa_per_K = network.contact_pressures[0].row_Pa_per_K.sum();
+  evaluate_outputs(network, Eigen::VectorXd::Constant(n, 303.15), outputs);
+  ASSERT_EQ(outputs.contact_pressures_Pa.size(), 1);
+  EXPECT_NEAR(outputs.contact_pressures_Pa[0], 2e6 + 3.0 * row_sum_Pa_per_K, 1e-9 * std::abs(row_sum_Pa_per_K));
 }
 
 TEST(Outputs, extremes_are_those_of_the_part_alone_and_nothing_is_allocated) {

@@ -68,6 +68,9 @@ TEST(RomFile, round_trip_is_bit_exact) {
   Network network = make_synthetic_network({}, 5);
   network.boundaries.operating.load = -0.0;
   network.certificate.seed = 0xfedcba9876543210u;
+  const Eigen::Index n = network.capacity_J_per_K.rows();
+  network.contact_pressures = {{"a/b", 1.5e6, Eigen::VectorXd::LinSpaced(n, -3e5, 2e5)},
+                               {"plain", 0.0, Eigen::VectorXd::Zero(n)}};
   write_network(network, folder.file("x.rom"));
   EXPECT_EQ(folder.files(), 1) << "a temporary file is left";
   const Network back = read_network(folder.file("x.rom"));
@@ -110,6 +113,11 @@ TEST(RomFile, round_trip_is_bit_exact) {
   EXPECT_EQ(back.key_points[1].row, network.key_points[1].row);
   EXPECT_EQ(back.parts[1].candidate_rows, network.parts[1].candidate_rows);
   EXPECT_EQ(back.deformations[0].row_m_per_K, network.deformations[0].row_m_per_K);
+  ASSERT_EQ(back.contact_pressures.size(), 2u);
+  EXPECT_EQ(back.contact_pressures[0].name, "a/b");
+  EXPECT_EQ(back.contact_pressures[0].assembly_pressure_Pa, 1.5e6);
+  EXPECT_EQ(back.contact_pressures[0].row_Pa_per_K, network.contact_pressures[0].row_Pa_per_K);
+  EXPECT_EQ(back.contact_pressures[1].row_Pa_per_K, network.contact_pressures[1].row_Pa_per_K);
   EXPECT_EQ(back.certificate.seed, network.certificate.seed);
   EXPECT_EQ(back.certificate.worst.nose_um, 0.06);
   EXPECT_EQ(back.certificate.median.part_max_K, 0.2);
@@ -224,6 +232,14 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
       {"deformation nose row: has a value that is not finite",
        [&](Network& n) { n.deformations[0].row_m_per_K[3] = nan; }},
       {"deformations: none; the first is the nose", [](Network& n) { n.deformations.clear(); }},
+      {"contact pressure fit row: has a value that is not finite",
+       [&](Network& n) {
+         n.contact_pressures = {{"fit", 1.0, Eigen::VectorXd::Constant(n.capacity_J_per_K.rows(), nan)}};
+       }},
+      {"contact pressure fit row: 2 numbers where one per node",
+       [](Network& n) {
+         n.contact_pressures = {{"fit", 1.0, Eigen::VectorXd::Ones(2)}};
+       }},
       {"certificate nose_um: must be finite and not negative", [&](Network& n) { n.certificate.worst.nose_um = nan; }},
   };
   const Folder folder;

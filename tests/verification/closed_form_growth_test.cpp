@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/verification/concentric_rings.hpp"
 #include "tests/verification/nominal.hpp"
@@ -96,6 +97,70 @@ TEST(HollowCylinder, logarithmic_rise_gives_timoshenko_growth) {
   EXPECT_NEAR(affine.deformations[0].row_m_per_K.dot(field_K), 3.2 * 4.656170e-6, 2e-10);
   EXPECT_NEAR(affine.deformations[1].row_m_per_K.dot(field_K), 0.9312340e-6, 2e-10);
   EXPECT_NEAR(affine.deformations[2].row_m_per_K.dot(field_K), 1.8624681e-6, 2e-10);
+}
+
+/// The same as generalised plane strain: one slice between two faces that stay plane, so that no end disturbs it.
+TEST(HollowCylinder, logarithmic_rise_gives_timoshenko_stresses_in_a_slice_that_stays_plane) {
+  constexpr double a_m = 0.02, b_m = 0.04, length_m = 0.1;
+  Spindle spindle = standing_cylinder(a_m, b_m, length_m, 1.2e-5);
+  spindle.mesh.element_size_m = 0.0005;
+  Support plane;
+  plane.face = {a_m, b_m, length_m, length_m};
+  plane.hold_z = Hold::plane;
+  spindle.supports.push_back(plane);
+  spindle.imposed_temperature = ImposedTemperature{"10 * ln(0.04 / r) / ln(2)", {}};
+  spindle.deformations = {output("tip", {a_m, b_m, length_m, length_m}, Direction::axial),
+                          output("bore", {a_m, a_m, 0.0, length_m}, Direction::radial),
+                          output("outside", {b_m, b_m, 0.0, length_m}, Direction::radial)};
+  spindle.stress_probes = {{"bore", 0, {a_m, 0.05}, {}}, {"outside", 0, {b_m, 0.05}, {}}};
+  const FeModel model(spindle, build_section(spindle));
+  const Eigen::VectorXd steady_K = solve_steady(model.affine(), nominal_values(model.affine()));
+  const Eigen::VectorXd rises_K = steady_K.array() - 293.15;
+  EXPECT_NEAR(model.affine().deformations[0].row_m_per_K.dot(rises_K), 4.656170e-6, 1e-6 * 4.656170e-6);
+  EXPECT_NEAR(model.affine().deformations[1].row_m_per_K.dot(rises_K), 0.9312340e-6, 1e-6 * 0.9312340e-6);
+  EXPECT_NEAR(model.affine().deformations[2].row_m_per_K.dot(rises_K), 1.8624681e-6, 1e-6 * 1.8624681e-6);
+  const auto probed = model.probed_stresses(steady_K);
+  EXPECT_NEAR(probed[0].stress.tt_Pa, -22.97570e6, 1e-3 * 22.97570e6);
+  EXPECT_NEAR(probed[0].stress.zz_Pa, -22.97570e6, 1e-3 * 22.97570e6);
+  EXPECT_NEAR(probed[0].stress.rr_Pa, 0.0, 1e-3 * 22.97570e6);
+  EXPECT_NEAR(von_mises_Pa(probed[0].stress), 22.97570e6, 1e-3 * 22.97570e6);
+  EXPECT_NEAR(probed[1].stress.tt_Pa, 14.56716e6, 1e-3 * 14.56716e6);
+  EXPECT_NEAR(probed[1].stress.zz_Pa, 14.56716e6, 1e-3 * 14.56716e6);
+}
+
+/// NAFEMS LE11: solid cylinder, taper and sphere, rise r + z in metres, both ends held along z.
+TEST(NafemsLe11, axial_stress_at_the_inner_corner_is_minus_105_MPa) {
+  Spindle spindle = standing_cylinder(0.7, 1.4, 1.79711, 2.3e-4);
+  spindle.materials[0].youngs_modulus_Pa = 210e9;
+  Polygon outline;
+  const auto add_arc = [&](double radius_m, double from, double to) {
+    constexpr int chords = 24;
+    for (int k = 0; k <= chords; ++k) {
+      const double angle = from + (to - from) * k / chords;
+      outline.push_back({radius_m * std::cos(angle), radius_m * std::sin(angle)});
+    }
+  };
+  add_arc(1.4, 0.0, std::atan2(0.7071, 1.2083));
+  outline.push_back({1.0, 1.39711});
+  outline.push_back({1.0, 1.79711});
+  outline.push_back({0.70711, 1.79711});
+  add_arc(1.0, std::numbers::pi / 4.0, 0.0);
+  spindle.parts[0].shapes = {outline};
+  spindle.films.clear();
+  Adiabatic all;
+  all.name = "all";
+  all.regions = {{0.0, 10.0, -10.0, 10.0}};
+  spindle.adiabatics = {all};
+  spindle.mesh.element_size_m = 0.05;
+  spindle.supports[0].face = {0.0, 2.0, 0.0, 0.0};
+  Support top = spindle.supports[0];
+  top.face = {0.0, 2.0, 1.79711, 1.79711};
+  spindle.supports.push_back(top);
+  spindle.imposed_temperature = ImposedTemperature{"r + z", {}};
+  spindle.stress_probes = {{"A", 0, {1.0, 0.0}, {}}};
+  const FeModel model(spindle, build_section(spindle));
+  const auto probed = model.probed_stresses(solve_steady(model.affine(), nominal_values(model.affine())));
+  EXPECT_NEAR(probed[0].stress.zz_Pa, -105e6, 0.015 * 105e6);
 }
 
 /// Fin: base heat Q, film h on the side, adiabatic tip. Whatever the length, all heat leaves through the side, so the

@@ -2,7 +2,6 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -10,6 +9,7 @@
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/reduce.hpp"
 #include "fem_offline/reduce/verify.hpp"
+#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/offline/certificate_json.hpp"
 #include "host_tools/commands/offline/progress.hpp"
@@ -62,10 +62,7 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
 }
 
 void run(const BuildArguments& arguments) {
-  const std::filesystem::path folder = std::filesystem::absolute(arguments.output_path).parent_path();
-  if (!std::filesystem::is_directory(folder)) {
-    throw rom::InputError({arguments.output_path, 0}, "--output", "the folder " + folder.string() + " does not exist");
-  }
+  check_output(arguments.output_path, "--output");
   ProgressDisplay display;
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };
   const auto timed = [](fem_offline::ReduceReport& report, const std::string& stage, const auto& work) {
@@ -76,6 +73,7 @@ void run(const BuildArguments& arguments) {
 
   fem_offline::ReduceReport before, report;
   std::unique_ptr<fem_offline::FeModel> model;
+  progress("FE model", 0.0);
   timed(before, "FE model",
         [&] { model = std::make_unique<fem_offline::FeModel>(fem_offline::build_fe_model(arguments.spindle_path)); });
   progress("FE model", 1.0);
@@ -106,20 +104,22 @@ void add_build(CLI::App& app) {
   auto arguments = std::make_shared<BuildArguments>();
   arguments->reduce.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   CLI::App* command = app.add_subcommand("build", "Build the nodal network of a spindle description");
-  command->add_option("spindle", arguments->spindle_path, "Spindle description (TOML)")->required();
-  command->add_option("-o,--output", arguments->output_path, "Network file to write (.rom)")->required();
-  command->add_option("--nodes", arguments->reduce.nodes, "Nodes of the network")
+  command->add_option("spindle", arguments->spindle_path, "spindle description, TOML")->required();
+  command->add_option("-o,--output", arguments->output_path, "network file to write, .rom")->required();
+  command->add_option("--nodes", arguments->reduce.nodes, "nodes of the network")
       ->check(CLI::Range(2, 400))
       ->capture_default_str();
-  command->add_option("--seed", arguments->reduce.seed, "Seed of the random parameter sets and certificate cases")
+  command->add_option("--seed", arguments->reduce.seed, "seed of the random parameter sets and certificate cases")
       ->capture_default_str();
   command
       ->add_option("--certificate-cases", arguments->certificate_cases,
-                   "Random cases behind the certificate in the file; 0 for none")
+                   "random cases behind the certificate in the file; 0 for none")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  command->add_option("--threads", arguments->reduce.threads, "Threads")->check(CLI::Range(1, 256));
-  command->add_flag("--json", arguments->json, "Print the result as JSON");
+  command->add_option("--threads", arguments->reduce.threads, "threads")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "as JSON");
   command->callback([arguments] { run(*arguments); });
 }
 

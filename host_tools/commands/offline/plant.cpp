@@ -81,6 +81,8 @@ void run(Options options) {
   if (!(options.rate > 0.0) || !std::isfinite(options.rate)) throw rom::InputError({}, "--rate", "must be above 0");
   if (!(options.step_s > 0.0)) throw rom::InputError({}, "--step-s", "must be above 0 s");
   if (!(options.element_size_mm > 0.0)) throw rom::InputError({}, "--element-size-mm", "must be above 0 mm");
+  if (!(options.duration_s >= 0.0)) throw rom::InputError({}, "--duration", "must be at least 0 s");
+  if (!(options.log_every_s > 0.0)) throw rom::InputError({}, "--log-every-s", "must be above 0 s");
   if (!(options.truth.noise_K >= 0.0)) throw rom::InputError({}, "--noise-K", "must be at least 0 K");
   options.truth.heat_factors = named(options.heat_factors, "--heat-factor");
   options.truth.contact_factors = named(options.contact_factors, "--contact-factor");
@@ -134,7 +136,7 @@ void add_plant(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("plant", "Run a simulated spindle (FE model) as a Modbus/TCP data-acquisition device");
   const auto options = std::make_shared<Options>();
-  command->add_option("spindle", options->spindle, "description, TOML")->required()->check(CLI::ExistingFile);
+  command->add_option("spindle", options->spindle, "spindle description, TOML")->required();
   command->add_option("--port", options->port, "TCP port")->required()->check(CLI::Range(1, 65535));
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
   command->add_option("--rate", options->rate, "model seconds per second")->capture_default_str();

@@ -1,11 +1,11 @@
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <memory>
 
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/offline/report/page.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -26,14 +26,13 @@ void run(const Options& options) {
   if (options.output.empty() && !options.table) {
     throw rom::InputError({}, "report", "nothing to do: give --output, --table or both");
   }
-  const RunData data = gather_run(rom::read_network(options.network), read_csv_table(options.history),
-                                  read_csv_table(options.plant), options.part, options.until_s);
+  const rom::Network network = rom::read_network(options.network);
+  const CsvTable history = read_csv_table(options.history);
+  const CsvTable plant = read_csv_table(options.plant);
+  const RunData data = gather_run(network, history, plant, options.part, options.until_s);
   if (options.table) std::fputs(run_table(data).c_str(), stdout);
   if (options.output.empty()) return;
-  const std::string page = run_page(data, options.dygraphs);
-  std::ofstream file(options.output, std::ios::binary);
-  file << page;
-  if (!file.flush()) throw rom::InputError({options.output, 0}, "--output", "cannot be written");
+  rom::write_whole_file(options.output, run_page(data, options.dygraphs));
 }
 
 }  // namespace
@@ -42,7 +41,7 @@ void add_report(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("report", "Compare a twin's history with its simulated plant: table and HTML page");
   const auto options = std::make_shared<Options>();
-  command->add_option("network", options->network, "the twin's network, .rom")->required()->check(CLI::ExistingFile);
+  command->add_option("network", options->network, "the twin's network, .rom")->required();
   command->add_option("--history", options->history, "CSV that spindle-twind wrote")->required();
   command->add_option("--plant", options->plant, "CSV that spindle-twin plant --log wrote")->required();
   command->add_option("-o,--output", options->output, "HTML page to write");

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -9,9 +10,13 @@
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/boundaries/schedule.hpp"
+#include "fem_offline/look/picture.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "fem_offline/solve/follow_schedule.hpp"
 #include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/finite_range.hpp"
+#include "host_tools/commands/offline/mesh_report.hpp"
 
 // spindle-twin solve fem_offline/spindles/reference.toml --steady
 namespace spindle_twin::host_tools {
@@ -21,6 +26,8 @@ using fem_offline::AffineModel;
 using fem_offline::FeModel;
 
 constexpr double micrometres_per_metre = 1e6;
+constexpr double megapascal_per_pascal = 1e-6;
+constexpr double kelvin_at_0_degC = 273.15;
 
 struct SolveOptions {
   std::string spindle_path;
@@ -30,7 +37,9 @@ struct SolveOptions {
   double max_step_s = 10.0;
   double output_period_s = 10.0;
   bool json = false;
+  bool mesh = false;
   std::string vtu_directory;
+  std::string png_directory;
 };
 
 struct PartRise {
@@ -44,7 +53,10 @@ struct Report {
   std::vector<PartRise> parts;
   std::vector<double> key_points_K;
   std::vector<double> deformation_um;
+  std::vector<double> contact_pressure_MPa;
+  std::vector<fem_offline::ProbedStress> stresses;
   fem_offline::HeatBalance heat;
+  rom::CoolantOutlets coolant;
 };
 
 /// The first ambient environment, where a spindle at rest ends; the first of all if none is ambient.
@@ -74,7 +86,12 @@ Report report_of(const AffineModel& model, const rom::BoundaryValues& values, co
   for (const auto& output : model.deformations) {
     report.deformation_um.push_back(micrometres_per_metre * output.row_m_per_K.dot(warmed_K));
   }
+  for (const auto& output : model.contact_pressures) {
+    report.contact_pressure_MPa.push_back(megapascal_per_pascal *
+                                          (output.assembly_pressure_Pa + output.row_Pa_per_K.dot(warmed_K)));
+  }
   report.heat = fem_offline::heat_balance(model, values, temperatures_K);
+  report.coolant = fem_offline::coolant_outlets(model, values, temperatures_K);
   return report;
 }
 
@@ -91,6 +108,24 @@ nlohmann::json as_json(const AffineModel& model, const Report& report) {
   for (std::size_t d = 0; d < model.deformations.size(); ++d) {
     json["deformation_um"][model.deformations[d].name] = report.deformation_um[d];
   }
+  for (std::size_t c = 0; c < model.contact_pressures.size(); ++c) {
+    json["contact_pressure_MPa"][model.contact_pressures[c].name] = report.contact_pressure_MPa[c];
+  }
+  for (const auto& [name, stress] : report.stresses) {
+    json["stress_MPa"][name] = {{"rr", megapascal_per_pascal * stress.rr_Pa},
+                                {"zz", megapascal_per_pascal * stress.zz_Pa},
+                                {"tt", megapascal_per_pascal * stress.tt_Pa},
+                                {"rz", megapascal_per_pascal * stress.rz_Pa},
+                                {"von_mises", megapascal_per_pascal * fem_offline::von_mises_Pa(stress)}};
+  }
+  for (const auto& conductance : model.boundaries.conductances) {
+    json["nominal_W_per_m2K"][conductance.name] = conductance.nominal_W_per_m2K;
+  }
+  for (std::size_t c = 0; c < model.boundaries.circuits.size(); ++c) {
+    const auto index = static_cast<Eigen::Index>(c);
+    json["coolant"][model.boundaries.circuits[c].name] = {
+        {"outlet_degC", report.coolant.outlet_K[index] - kelvin_at_0_degC}, {"heat_W", report.coolant.heat_W[index]}};
+  }
   json["heat_in_W"] = report.heat.heat_in_W;
   json["heat_out_W"] = report.heat.heat_out_W;
   return json;
@@ -98,7 +133,7 @@ nlohmann::json as_json(const AffineModel& model, const Report& report) {
 
 void print_table(const AffineModel& model, const Report& report) {
   std::printf("%s: %zu unknowns, rises above %.2f degC\n\n", model.spindle.c_str(), model.places.size(),
-              report.datum_K - 273.15);
+              report.datum_K - kelvin_at_0_degC);
   std::printf("%-24s %10s %10s\n", "part", "max K", "min K");
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     std::printf("%-24s %10.3f %10.3f\n", model.parts[p].name.c_str(), report.parts[p].max_K, report.parts[p].min_K);
@@ -109,6 +144,17 @@ void print_table(const AffineModel& model, const Report& report) {
   }
   for (std::size_t d = 0; d < model.deformations.size(); ++d) {
     std::printf("%-24s %10.3f um\n", model.deformations[d].name.c_str(), report.deformation_um[d]);
+  }
+  for (std::size_t c = 0; c < model.contact_pressures.size(); ++c) {
+    std::printf("%-24s %10.3f MPa\n", model.contact_pressures[c].name.c_str(), report.contact_pressure_MPa[c]);
+  }
+  for (const auto& [name, stress] : report.stresses) {
+    std::printf("%-24s %10.3f MPa von Mises\n", name.c_str(), megapascal_per_pascal * von_mises_Pa(stress));
+  }
+  for (std::size_t c = 0; c < model.boundaries.circuits.size(); ++c) {
+    const auto index = static_cast<Eigen::Index>(c);
+    std::printf("%-24s %10.3f W, outlet %.3f degC\n", model.boundaries.circuits[c].name.c_str(),
+                report.coolant.heat_W[index], report.coolant.outlet_K[index] - kelvin_at_0_degC);
   }
   std::printf("%-24s %10.3f W\n%-24s %10.3f W\n", "heat in", report.heat.heat_in_W, "heat out", report.heat.heat_out_W);
 }
@@ -122,6 +168,9 @@ class SeriesWriter {
     for (const auto& point : model.key_points) std::printf(",%s_K", point.name.c_str());
     for (const auto& part : model.parts) std::printf(",%s_max_K", part.name.c_str());
     for (const auto& output : model.deformations) std::printf(",%s_um", output.name.c_str());
+    for (const auto& circuit : model.boundaries.circuits) {
+      std::printf(",%s_outlet_degC,%s_heat_W", circuit.name.c_str(), circuit.name.c_str());
+    }
     std::printf("\n");
   }
 
@@ -135,12 +184,21 @@ class SeriesWriter {
       for (std::size_t d = 0; d < report.deformation_um.size(); ++d) {
         series_["deformation_um"][model_->deformations[d].name].push_back(report.deformation_um[d]);
       }
+      for (std::size_t c = 0; c < model_->boundaries.circuits.size(); ++c) {
+        const auto index = static_cast<Eigen::Index>(c);
+        auto& circuit = series_["coolant"][model_->boundaries.circuits[c].name];
+        circuit["outlet_degC"].push_back(report.coolant.outlet_K[index] - kelvin_at_0_degC);
+        circuit["heat_W"].push_back(report.coolant.heat_W[index]);
+      }
       return;
     }
     std::printf("%.3f", time_s);
     for (const double rise_K : report.key_points_K) std::printf(",%.4f", rise_K);
     for (const PartRise& rise : report.parts) std::printf(",%.4f", rise.max_K);
     for (const double moved_um : report.deformation_um) std::printf(",%.4f", moved_um);
+    for (Eigen::Index c = 0; c < report.coolant.heat_W.size(); ++c) {
+      std::printf(",%.4f,%.4f", report.coolant.outlet_K[c] - kelvin_at_0_degC, report.coolant.heat_W[c]);
+    }
     std::printf("\n");
   }
 
@@ -152,20 +210,48 @@ class SeriesWriter {
   nlohmann::json series_;
 };
 
-void write_fields(const FeModel& model, const SolveOptions& options, const Eigen::VectorXd& temperatures_K) {
-  if (options.vtu_directory.empty()) return;
+void make_folder(const std::string& directory, const char* option) {
   std::error_code failure;
-  std::filesystem::create_directories(options.vtu_directory, failure);
-  if (failure)
-    throw rom::InputError({options.vtu_directory, 0}, "--vtu", "no folder can be made: " + failure.message());
-  const std::string name = std::filesystem::path(options.spindle_path).stem().string();
-  model.write_vtu(options.vtu_directory, name, temperatures_K);
-  std::fprintf(stderr, "fields in %s/%s.vtu\n", options.vtu_directory.c_str(), name.c_str());
+  std::filesystem::create_directories(directory, failure);
+  if (failure) throw rom::InputError({directory, 0}, option, "no folder can be made: " + failure.message());
 }
 
-/// Starts everywhere at the schedule's first ambient temperature and reports rises above it.
+/// "6000 rpm, load 1, ambient 27.00 °C, coolant 27.00 °C".
+std::string printed(const rom::Boundaries& boundaries, const rom::OperatingState& state) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%g rpm, load %g", state.speed_rpm, state.load);
+  std::string words = text.data();
+  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
+    std::snprintf(text.data(), text.size(), " %.2f °C",
+                  state.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC);
+    words += ", " + boundaries.environments[i].name + text.data();
+  }
+  return words;
+}
+
+void write_fields(const FeModel& model, const SolveOptions& options, const Eigen::VectorXd& temperatures_K,
+                  const fem_offline::PictureState& shown) {
+  const std::string name = std::filesystem::path(options.spindle_path).stem().string();
+  if (!options.vtu_directory.empty()) {
+    model.write_vtu(options.vtu_directory, name, temperatures_K);
+    std::fprintf(stderr, "fields in %s/%s.vtu\n", options.vtu_directory.c_str(), name.c_str());
+  }
+  if (!options.png_directory.empty()) {
+    for (const std::string& path :
+         fem_offline::write_pictures(options.png_directory, name, model, temperatures_K, shown)) {
+      std::fprintf(stderr, "picture in %s\n", path.c_str());
+    }
+  }
+}
+
+/// Starts at the schedule's first ambient temperature, except parts with an initial temperature of their own, and
+/// reports rises above it.
 void run_schedule(const FeModel& model, const SolveOptions& options) {
   const AffineModel& affine = model.affine();
+  if (affine.imposed_rises_K) {
+    throw rom::InputError({options.spindle_path, 0}, "imposed_temperature",
+                          "the temperatures are given, so nothing changes along a schedule");
+  }
   const correction::Schedule schedule = correction::read_schedule(options.schedule_path, affine.boundaries);
   const rom::CorrectionFactors factors = correction::no_correction(affine.boundaries);
   rom::BoundaryValues values = correction::make_boundary_values(affine.boundaries);
@@ -175,32 +261,27 @@ void run_schedule(const FeModel& model, const SolveOptions& options) {
   const double start_K = ambient_K(affine.boundaries, state);
 
   fem_offline::FeStepper stepper(affine);
-  stepper.set_uniform_temperature(start_K);
+  stepper.set_temperatures(fem_offline::initial_temperatures(affine, start_K));
   SeriesWriter writer(affine, options.json);
   writer.add(0.0, report_of(affine, values, stepper.temperatures_K(), start_K));
   double time_s = 0.0;
-  std::size_t next_row = 1;
-  long next_output = 1;
-  while (time_s < schedule.end_s) {
-    // Inputs are held over a step at their value in its middle, and jump only between steps.
-    while (next_row < schedule.rows.size() && schedule.rows[next_row].time_s <= time_s) ++next_row;
-    const double row_s = next_row < schedule.rows.size() ? schedule.rows[next_row].time_s : schedule.end_s;
-    const double output_s = std::min(schedule.end_s, static_cast<double>(next_output) * options.output_period_s);
-    const double until_s = std::min(row_s, output_s);
-    correction::state_at(schedule, 0.5 * (time_s + until_s), state);
-    correction::evaluate_boundaries(affine.boundaries, state, factors, values);
-    stepper.advance(until_s - time_s, options.max_step_s, values);
+  for (long next_output = 1; time_s < schedule.end_s; ++next_output) {
+    const double until_s = std::min(schedule.end_s, static_cast<double>(next_output) * options.output_period_s);
+    fem_offline::follow_schedule(affine.boundaries, schedule, time_s, until_s, options.max_step_s, stepper, values);
     time_s = until_s;
-    if (time_s < output_s) continue;
-    ++next_output;
     writer.add(time_s, report_of(affine, values, stepper.temperatures_K(), start_K));
   }
   if (options.json) {
-    nlohmann::json json = as_json(affine, report_of(affine, values, stepper.temperatures_K(), start_K));
+    Report report = report_of(affine, values, stepper.temperatures_K(), start_K);
+    report.stresses = model.probed_stresses(stepper.temperatures_K());
+    nlohmann::json json = as_json(affine, report);
+    json["mesh"] = mesh_json(model.quality());
     json["series"] = writer.series();
     std::printf("%s\n", json.dump(2).c_str());
   }
-  write_fields(model, options, stepper.temperatures_K());
+  std::array<char, 32> after{};
+  std::snprintf(after.data(), after.size(), "after %g s: ", schedule.end_s);
+  write_fields(model, options, stepper.temperatures_K(), {after.data() + printed(affine.boundaries, state), start_K});
 }
 
 void run_field(const FeModel& model, const SolveOptions& options) {
@@ -214,19 +295,30 @@ void run_field(const FeModel& model, const SolveOptions& options) {
     datum_K = affine.boundaries.reference_temperature_K;
     temperatures_K =
         Eigen::VectorXd::Constant(static_cast<Eigen::Index>(affine.places.size()), datum_K + *options.uniform_rise_K);
-    // No heat flows to speak of: the field is given, not solved for.
-    values.heat_W.setZero();
-    values.conductance_W_per_m2K.setZero();
   } else {
     temperatures_K = fem_offline::solve_steady(affine, values);
   }
-  const Report report = report_of(affine, values, temperatures_K, datum_K);
+  if (affine.imposed_rises_K) datum_K = affine.boundaries.reference_temperature_K;
+  if (options.uniform_rise_K || affine.imposed_rises_K) {
+    // No heat flows to speak of: the field is given, not solved for.
+    values.heat_W.setZero();
+    values.conductance_W_per_m2K.setZero();
+  }
+  Report report = report_of(affine, values, temperatures_K, datum_K);
+  report.stresses = model.probed_stresses(temperatures_K);
   if (options.json) {
-    std::printf("%s\n", as_json(affine, report).dump(2).c_str());
+    nlohmann::json json = as_json(affine, report);
+    json["mesh"] = mesh_json(model.quality());
+    std::printf("%s\n", json.dump(2).c_str());
   } else {
+    if (options.mesh) print_mesh_table(model.quality());
     print_table(affine, report);
   }
-  write_fields(model, options, temperatures_K);
+  const std::string title = options.uniform_rise_K ? "uniform rise, no heat flows"
+                            : affine.imposed_rises_K
+                                ? "imposed temperatures"
+                                : "steady state: " + printed(affine.boundaries, affine.boundaries.operating);
+  write_fields(model, options, temperatures_K, {title, datum_K});
 }
 
 }  // namespace
@@ -234,21 +326,36 @@ void run_field(const FeModel& model, const SolveOptions& options) {
 void add_solve(CLI::App& app) {
   auto options = std::make_shared<SolveOptions>();
   CLI::App* command = app.add_subcommand("solve", "Solve the FE model: steady (default) or along a schedule");
-  command->add_option("spindle", options->spindle_path, "spindle description (TOML)")->required();
+  command->add_option("spindle", options->spindle_path, "spindle description, TOML")->required();
   auto* steady = command->add_flag("--steady", options->steady, "steady state at the description's operating state");
-  auto* schedule = command->add_option("--schedule", options->schedule_path,
-                                       "CSV time_s,speed_rpm,load[,<environment>_degC]; prints a time series");
-  auto* uniform = command->add_option("--uniform-rise-K", options->uniform_rise_K,
-                                      "deformation of a uniform rise above the reference temperature");
-  command->add_option("--max-step", options->max_step_s, "longest time step, s")->check(CLI::PositiveNumber);
+  auto* schedule =
+      command->add_option("--schedule", options->schedule_path,
+                          "CSV time_s,speed_rpm,load[,<environment>_degC][,<circuit>_kg_per_s]; prints a time series");
+  auto* uniform = command
+                      ->add_option("--uniform-rise-K", options->uniform_rise_K,
+                                   "deformation of a uniform rise above the reference temperature")
+                      ->check(finite_range(-1e3, 1e3, "-1000 to 1000 K"));
+  const CLI::Validator duration = finite_range(1e-3, 1e6, "1e-3 to 1e6 s");
+  command->add_option("--max-step", options->max_step_s, "longest time step along a schedule, s")
+      ->check(duration)
+      ->needs(schedule)
+      ->capture_default_str();
   command->add_option("--output-period", options->output_period_s, "period of the time series, s")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--json", options->json, "print JSON instead of a table");
+      ->check(duration)
+      ->needs(schedule)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "as JSON");
+  command->add_flag("--mesh", options->mesh, "table of the mesh's quality before the results (JSON always holds it)");
   command->add_option("--vtu", options->vtu_directory, "write the (last) field as VTU into this folder");
+  command->add_option("--png", options->png_directory,
+                      "draw parts, temperature rise, mesh and deformed shape of the (last) field into this folder");
   steady->excludes(schedule);
   uniform->excludes(steady)->excludes(schedule);
   command->callback([options] {
     const FeModel model = fem_offline::build_fe_model(options->spindle_path);
+    // Before the solution, so that a folder that cannot be made costs no time.
+    if (!options->vtu_directory.empty()) make_folder(options->vtu_directory, "--vtu");
+    if (!options->png_directory.empty()) make_folder(options->png_directory, "--png");
     if (options->schedule_path.empty()) {
       run_field(model, *options);
     } else {

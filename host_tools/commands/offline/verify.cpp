@@ -9,6 +9,7 @@
 
 #include "fem_offline/model/build_model.hpp"
 #include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/offline/certificate_json.hpp"
 #include "host_tools/commands/offline/progress.hpp"
 #include "rom/file/rom_file.hpp"
@@ -89,18 +90,21 @@ void add_verify(CLI::App& app) {
   auto arguments = std::make_shared<VerifyArguments>();
   arguments->options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   CLI::App* command = app.add_subcommand("verify", "Compare a network against the FE model on random cases");
-  command->add_option("network", arguments->network_path, "Network file (.rom)")->required();
-  command->add_option("spindle", arguments->spindle_path, "Spindle description (TOML) it was built from")->required();
-  command->add_option("--cases", arguments->options.cases, "Random cases")
+  command->add_option("network", arguments->network_path, "network file, .rom")->required();
+  command->add_option("spindle", arguments->spindle_path, "spindle description that it was built from, TOML")
+      ->required();
+  command->add_option("--cases", arguments->options.cases, "random cases")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "Seed; case k depends on seed and k alone")
+  command->add_option("--seed", arguments->options.seed, "seed; case k depends on seed and k alone")
       ->capture_default_str();
-  command->add_option("--threads", arguments->options.threads, "Threads")->check(CLI::Range(1, 256));
-  command->add_option("--fe-step", arguments->options.fe_step_s, "Longest time step of the FE solution, s")
-      ->check(CLI::Range(0.01, 32.0))
+  command->add_option("--threads", arguments->options.threads, "threads")
+      ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_flag("--json", arguments->json, "Print the result as JSON");
+  command->add_option("--fe-step", arguments->options.fe_step_s, "longest time step of the FE solution, s")
+      ->check(finite_range(0.01, 32.0, "0.01 to 32 s"))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "as JSON");
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -74,6 +74,22 @@ TEST(EvaluateBoundaries, factor_times_nominal_times_law) {
   EXPECT_NEAR(values.heat_W[0], 46.0, 1e-12);
 }
 
+TEST(Schedule, coolant_flow_holds_until_the_next_row_and_may_run_backwards) {
+  rom::Boundaries boundaries = make_boundaries();
+  boundaries.circuits = {{"jacket", 0, 4180.0, {1}}, {"seat", 0, 4180.0, {0}}};
+  boundaries.operating.flow_kg_per_s = Eigen::Vector2d(0.05, 0.01);
+  const ScheduleFile file("time_s,speed_rpm,load,jacket_kg_per_s\n0,0,0,0.02\n10,0,0,-0.04\n20,0,0,0\n30,0,0,0\n");
+  const Schedule schedule = read_schedule(file.path(), boundaries);
+  rom::OperatingState state = boundaries.operating;
+  state_at(schedule, 9.0, state);
+  EXPECT_EQ(state.flow_kg_per_s[0], 0.02);
+  EXPECT_EQ(state.flow_kg_per_s[1], 0.01) << "a circuit that is not in the file keeps the operating state's flow";
+  state_at(schedule, 10.0, state);
+  EXPECT_EQ(state.flow_kg_per_s[0], -0.04);
+  state_at(schedule, 25.0, state);
+  EXPECT_EQ(state.flow_kg_per_s[0], 0.0);
+}
+
 TEST(Schedule, speed_and_load_hold_and_environments_run_linearly) {
   const ScheduleFile file(
       "\xEF\xBB\xBFspeed_rpm, time_s ,load,coolant_degC\r\n6000,0,1,20\r\n\r\n12000,100,0.5,30\r\n0,200,0,30\r\n");

@@ -86,7 +86,8 @@ TEST(BadDescription, unknown_key) {
   EXPECT_EQ(message_of(sample_with("capacity_J_per_K = 0.2", "capacity_J_per_K = 0.2\ncolour = 3")),
             "s.toml:50: surrounding.pocket.colour: unknown key; allowed here: name, kind, capacity_J_per_K");
   EXPECT_EQ(message_of(sample_with("degree = 1", "degre = 1")),
-            "s.toml:9: mesh.degre: unknown key, did you mean \"degree\"?; allowed here: element_size_mm, degree");
+            "s.toml:9: mesh.degre: unknown key, did you mean \"degree\"?; allowed here: element_size_mm, degree, "
+            "cells_across, contact_element_size_mm, arc_sagitta_mm");
   EXPECT_EQ(message_of(sample_with("kind = \"coolant\"", "kind = \"coolant\"\ncapacity_J_per_K = 1")),
             "s.toml:46: surrounding.water.capacity_J_per_K: unknown key; allowed here: name, kind");
 }
@@ -166,7 +167,7 @@ TEST(BadDescription, name_that_could_not_be_a_key) {
 
 TEST(BadDescription, heat_without_clear_amount) {
   EXPECT_EQ(message_of(sample_with("heat_W = 10", "heat_W = 10\ndensity_W_per_m3 = 5")),
-            "s.toml:77: heat.friction.heat_W: a heat needs either heat_W or density_W_per_m3");
+            "s.toml:77: heat.friction.heat_W: a heat needs either heat_W or density_W_per_m3 or flux_W_per_m2");
   EXPECT_EQ(message_of(sample_with("weight = 0.75", "weight = 0.5")),
             "s.toml:78: heat.friction.shares: the weights must add up to 1, they make 0.75");
   EXPECT_EQ(message_of(sample_with("heat_W = 10", "density_W_per_m3 = 10")),

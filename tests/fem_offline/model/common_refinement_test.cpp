@@ -111,14 +111,13 @@ double growth_m(const Discretisation<2>& discretisation, double tie_factor) {
   const Section section = build_section(spindle);
   const SurfaceRules rules = make_surface_rules(discretisation, spindle, section);
   const ElasticTerms terms = elastic_terms<2>(discretisation, spindle);
-  const ElasticBody body = bond_and_support(spindle, section, rules, discretisation.places, terms.stiffness_N_per_m,
-                                            terms.thermal_load_N_per_K, tie_factor);
+  const ElasticSolver solver(bond_and_support(spindle, section, rules, discretisation.places, terms, tie_factor));
   Eigen::VectorXd rise_K(static_cast<Eigen::Index>(discretisation.places.size()));
   for (Eigen::Index i = 0; i < rise_K.size(); ++i) {
     const DofPlace& place = discretisation.places[static_cast<std::size_t>(i)];
     rise_K[i] = place.part == 0 ? 10.0 + 200.0 * place.z_m : 2.0;
   }
-  return deformation_rows(spindle, section, rules, body)[0].row_m_per_K.dot(rise_K);
+  return deformation_rows(spindle, section, rules, discretisation, solver)[0].row_m_per_K.dot(rise_K);
 }
 
 std::vector<double> divided(int cells) {

@@ -54,7 +54,7 @@ class GridModelBuilder {
   void place_cells() {
     cells_.assign(static_cast<std::size_t>(columns * rows), -1);
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-      model_.parts.push_back({blocks[b].name, {}, {}});
+      model_.parts.push_back({blocks[b].name, {}, {}, {}});
       for (int i = blocks[b].i0; i < blocks[b].i1; ++i) {
         for (int j = blocks[b].j0; j < blocks[b].j1; ++j) {
           const int unknown = static_cast<int>(model_.places.size());

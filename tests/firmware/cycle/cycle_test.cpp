@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -145,6 +146,52 @@ TEST(Cycle, correction_off_runs_open_loop) {
   EXPECT_FALSE(last.correction_enabled);
   EXPECT_NE(last.quality & bits(Quality::correction_off), 0);
   EXPECT_EQ(last.state, State::running);
+}
+
+/// With a joint law, so that conductances differ from the described ones too when the correction goes off.
+TEST(Cycle, switching_the_correction_off_and_on_moves_no_temperature_and_corrects_no_error_twice) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = corrected();
+  plan.paper->guards.reading_uncertainty_K = 0.001;
+  plan.paper->guards.minimum_rise_K = 0.05;
+  Cycle cycle(network, plan, runtime);
+  Machine machine(network, 0.5);
+  PlcCommand command;
+  int n = 0;
+  Snapshot last;
+  double largest_step_K = 0.0;
+  const auto step = [&] {
+    const Snapshot before = last;
+    last = cycle.step(machine.frame(at_s(n)), command, at_s(n), 0);
+    machine.advance(1.0);
+    if (n++ > 0) largest_step_K = std::max(largest_step_K, std::abs(last.predicted_K[0] - before.predicted_K[0]));
+  };
+  while (n < 1800) step();
+  ASSERT_NEAR(last.heat_factor[0], 0.5, 0.02);
+  ASSERT_GT(std::abs(last.conductance_factor[1] - 1.0), 0.01);
+
+  largest_step_K = 0.0;
+  command.correction = CorrectionOrder::off;
+  while (n < 2400) step();
+  EXPECT_EQ(last.heat_factor[0], 1.0);
+  EXPECT_EQ(last.conductance_factor[1], 1.0);
+  command.correction = CorrectionOrder::on;
+  const std::uint16_t corrections = last.correction_count;
+  for (int period = 0; period < 79; ++period) step();
+  EXPECT_EQ(last.heat_factor[0], 1.0);
+  EXPECT_EQ(last.correction_count, corrections);
+  // 100 W on the network's 3300 J/K would move all of it by 0.03 K in a cycle, and the bearing's neighbour by no more.
+  EXPECT_LT(largest_step_K, 0.03);
+
+  double smallest = 1.0;
+  while (n < 4800) {
+    step();
+    smallest = std::min(smallest, last.heat_factor[0]);
+  }
+  EXPECT_GT(last.correction_count, corrections);
+  EXPECT_GT(smallest, 0.47);
+  EXPECT_NEAR(last.heat_factor[0], 0.5, 0.02);
+  EXPECT_NEAR(last.predicted_K[0], machine.model.outputs.key_points_K[0], 0.03);
 }
 
 TEST(Cycle, no_heap_call_after_warm_up_with_corrections_and_orders) {

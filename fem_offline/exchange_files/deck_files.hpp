@@ -1,0 +1,34 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "fem_offline/exchange_files/deck_model.hpp"
+
+namespace spindle_twin::fem_offline {
+
+inline constexpr double kelvin_at_0_degC = 273.15;
+
+/// Makes the folder. Throws rom::InputError if that is not possible.
+void make_deck_folder(const std::string& directory);
+
+/// A text file of a deck, numbers with 12 digits. Throws rom::InputError if it cannot be opened, or on close() if
+/// something was not written.
+class DeckFile {
+ public:
+  DeckFile(const std::string& directory, const std::string& name);
+  void close();
+
+  template <typename Item>
+  DeckFile& operator<<(const Item& item) {
+    stream_ << item;
+    return *this;
+  }
+
+ private:
+  std::string path_;
+  std::ofstream stream_;
+};
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,44 @@
+#include "fem_offline/look/picture.hpp"
+
+#include "fem_offline/look/picture_frame.hpp"
+
+namespace spindle_twin::fem_offline {
+
+std::vector<std::string> write_pictures(const std::string& directory, const std::string& name,
+                                        const SectionPicture& picture) {
+  const auto path = [&](const char* kind) { return directory + "/" + name + "_" + kind + ".png"; };
+  std::vector<std::string> written{path("parts"), path("rise"), path("mesh")};
+  draw_parts_picture(picture, written[0]);
+  draw_rise_picture(picture, written[1]);
+  draw_mesh_picture(picture, written[2]);
+  if (picture.displacements_m.size() > 0) {
+    written.push_back(path("deformed"));
+    draw_deformed_picture(picture, written.back());
+  }
+  return written;
+}
+
+std::vector<std::string> write_pictures(const std::string& directory, const std::string& name, const FeModel& model,
+                                        const Eigen::VectorXd& temperatures_K, const PictureState& state) {
+  constexpr double micrometres_per_metre = 1e6;
+  const AffineModel& affine = model.affine();
+  const Lattice lattice = model.lattice();
+  const auto nodes = static_cast<Eigen::Index>(lattice.nodes.size());
+  SectionPicture picture{model.description(), model.section(), lattice, state, {}, {}, {}, {}, {}};
+  picture.rises_K = temperatures_K.head(nodes).array() - state.datum_K;
+  if (!affine.deformations.empty()) picture.displacements_m = model.displacements_m(temperatures_K);
+  const Eigen::VectorXd warmed_K = temperatures_K.array() - affine.boundaries.reference_temperature_K;
+  for (const FeDeformation& output : affine.deformations) {
+    picture.deformation_um.push_back(micrometres_per_metre * output.row_m_per_K.dot(warmed_K));
+  }
+  for (std::size_t i = 0; i < affine.air_names.size(); ++i) {
+    picture.air_rises_K.push_back(
+        {affine.air_names[i], temperatures_K[nodes + static_cast<Eigen::Index>(i)] - state.datum_K});
+  }
+  for (const rom::HeatSource& source : affine.boundaries.sources) {
+    picture.heats_W.push_back({source.name, source.nominal_W});
+  }
+  return write_pictures(directory, name, picture);
+}
+
+}  // namespace spindle_twin::fem_offline

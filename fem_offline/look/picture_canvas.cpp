@@ -1,0 +1,209 @@
+#include "fem_offline/look/picture_canvas.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "fem_offline/look/picture_lattice.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+constexpr double millimetres_per_metre = 1e3;
+constexpr Colour axis_colour{0.25, 0.25, 0.28, 1.0};
+constexpr Colour white{1.0, 1.0, 1.0, 1.0};
+
+}  // namespace
+
+Canvas::Canvas(int width_px, int height_px)
+    : width_px_(width_px),
+      height_px_(height_px),
+      surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width_px, height_px)),
+      pen_(cairo_create(surface_)) {
+  set_colour(white);
+  cairo_paint(pen_);
+  cairo_set_line_join(pen_, CAIRO_LINE_JOIN_ROUND);
+}
+
+Canvas::~Canvas() {
+  cairo_destroy(pen_);
+  cairo_surface_destroy(surface_);
+}
+
+void Canvas::set_colour(const Colour& colour) {
+  cairo_set_source_rgba(pen_, colour.red, colour.green, colour.blue, colour.opacity);
+}
+
+void Canvas::line(const Pixel& from, const Pixel& to, double width_px, const Colour& colour,
+                  const std::vector<double>& dashes_px) {
+  cairo_set_dash(pen_, dashes_px.data(), static_cast<int>(dashes_px.size()), 0.0);
+  cairo_set_line_width(pen_, width_px);
+  cairo_move_to(pen_, from.x, from.y);
+  cairo_line_to(pen_, to.x, to.y);
+  set_colour(colour);
+  cairo_stroke(pen_);
+  cairo_set_dash(pen_, nullptr, 0, 0.0);
+}
+
+void Canvas::fill_box(const PixelBox& box, const Colour& colour) {
+  cairo_rectangle(pen_, box.x0, box.y0, box.x1 - box.x0, box.y1 - box.y0);
+  set_colour(colour);
+  cairo_fill(pen_);
+}
+
+void Canvas::frame_box(const PixelBox& box, double width_px, const Colour& colour) {
+  cairo_rectangle(pen_, box.x0, box.y0, box.x1 - box.x0, box.y1 - box.y0);
+  cairo_set_line_width(pen_, width_px);
+  set_colour(colour);
+  cairo_stroke(pen_);
+}
+
+void Canvas::disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim) {
+  cairo_new_path(pen_);
+  cairo_arc(pen_, at.x, at.y, radius_px, 0.0, 2.0 * std::numbers::pi);
+  set_colour(fill);
+  cairo_fill_preserve(pen_);
+  cairo_set_line_width(pen_, 2.0);
+  set_colour(rim);
+  cairo_stroke(pen_);
+}
+
+void Canvas::arrow(const Pixel& from, const Pixel& to, const Colour& colour) {
+  constexpr double head_px = 13.0, half_width_px = 6.0;
+  const double length_px = std::hypot(to.x - from.x, to.y - from.y);
+  if (length_px <= 0.0) return;
+  const double ux = (to.x - from.x) / length_px, uy = (to.y - from.y) / length_px;
+  const Pixel neck{to.x - head_px * ux, to.y - head_px * uy};
+  line(from, neck, 3.0, colour);
+  cairo_move_to(pen_, to.x, to.y);
+  cairo_line_to(pen_, neck.x - half_width_px * uy, neck.y + half_width_px * ux);
+  cairo_line_to(pen_, neck.x + half_width_px * uy, neck.y - half_width_px * ux);
+  cairo_close_path(pen_);
+  set_colour(colour);
+  cairo_fill(pen_);
+}
+
+void Canvas::set_font(const TextStyle& style) {
+  cairo_select_font_face(pen_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(pen_, style.size_px);
+}
+
+double Canvas::text_width_px(const std::string& words, const TextStyle& style) {
+  set_font(style);
+  cairo_text_extents_t extents;
+  cairo_text_extents(pen_, words.c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Canvas::text(const Pixel& at, const std::string& words, const TextStyle& style) {
+  const double width_px = text_width_px(words, style);
+  const double shift = style.align == Align::left ? 0.0 : style.align == Align::centre ? 0.5 : 1.0;
+  const Pixel start{at.x - shift * width_px, at.y + 0.36 * style.size_px};
+  if (style.halo) {
+    cairo_move_to(pen_, start.x, start.y);
+    cairo_text_path(pen_, words.c_str());
+    cairo_set_line_width(pen_, 0.28 * style.size_px);
+    set_colour({1.0, 1.0, 1.0, 0.85});
+    cairo_stroke(pen_);
+  }
+  cairo_move_to(pen_, start.x, start.y);
+  set_colour(style.colour);
+  cairo_show_text(pen_, words.c_str());
+}
+
+void Canvas::save(const std::string& path) {
+  cairo_surface_flush(surface_);
+  const cairo_status_t status = cairo_surface_write_to_png(surface_, path.c_str());
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw rom::InputError({path, 0}, "--png", std::string("cannot be written: ") + cairo_status_to_string(status));
+  }
+}
+
+void draw_axes(Canvas& canvas, const View& view) {
+  const PixelBox& frame = view.frame;
+  canvas.line({frame.x0, frame.y1 + 8}, {frame.x1, frame.y1 + 8}, 1.5, axis_colour);
+  canvas.line({frame.x0 - 8, frame.y0}, {frame.x0 - 8, frame.y1}, 1.5, axis_colour);
+  const auto ticks = [](double from_m, double to_m, double px_per_m, auto draw) {
+    constexpr double least_distance_px = 60.0;
+    const double span_mm = millimetres_per_metre * (to_m - from_m);
+    const int count = std::max(1, static_cast<int>((to_m - from_m) * px_per_m / least_distance_px));
+    double step_mm = nice_step(span_mm, count);
+    if (span_mm / step_mm > 2.0 * count) step_mm *= 2.0;
+    const double from_mm = millimetres_per_metre * from_m;
+    for (double k = std::ceil(from_mm / step_mm - 1e-9); k * step_mm <= from_mm + span_mm * (1.0 + 1e-9); k += 1.0) {
+      const int digits = step_mm >= 1.0 ? 0 : static_cast<int>(std::ceil(-std::log10(step_mm)));
+      draw(k * step_mm / millimetres_per_metre, fixed(k * step_mm, digits));
+    }
+  };
+  const double right_m = view.z0_m + (frame.x1 - frame.x0) / view.px_per_m;
+  const double top_m = view.r0_m + (frame.y1 - frame.y0) / view.px_per_m;
+  ticks(view.z0_m, right_m, view.px_per_m, [&](double z_m, const std::string& words) {
+    canvas.line({view.x(z_m), frame.y1 + 8}, {view.x(z_m), frame.y1 + 15}, 1.5, axis_colour);
+    canvas.text({view.x(z_m), frame.y1 + 27}, words, {15.0, false, Align::centre, axis_colour});
+  });
+  ticks(view.r0_m, top_m, view.px_per_m, [&](double r_m, const std::string& words) {
+    canvas.line({frame.x0 - 8, view.y(r_m)}, {frame.x0 - 15, view.y(r_m)}, 1.5, axis_colour);
+    canvas.text({frame.x0 - 20, view.y(r_m)}, words, {15.0, false, Align::right, axis_colour});
+  });
+  canvas.text({0.5 * (frame.x0 + frame.x1), frame.y1 + 50}, "z in mm", {16.0, false, Align::centre, axis_colour});
+  canvas.text({frame.x0 - 20, frame.y0 - 22}, "r in mm", {16.0, false, Align::centre, axis_colour});
+  if (view.r0_m <= 0.0) {
+    canvas.line({frame.x0, view.y(0.0)}, {frame.x1, view.y(0.0)}, 1.2, axis_colour, {24, 5, 4, 5});
+  }
+}
+
+bool LabelBoard::is_free(const PixelBox& box) const {
+  if (box.x0 < bounds_.x0 || box.x1 > bounds_.x1 || box.y0 < bounds_.y0 || box.y1 > bounds_.y1) return false;
+  return std::none_of(taken_.begin(), taken_.end(), [&](const PixelBox& other) {
+    return box.x0 < other.x1 && other.x0 < box.x1 && box.y0 < other.y1 && other.y0 < box.y1;
+  });
+}
+
+void LabelBoard::add(const Pixel& anchor, const std::string& words, const TextStyle& style) {
+  const double half_width_px = 0.5 * canvas_->text_width_px(words, style) + 4.0;
+  const double half_height_px = 0.62 * style.size_px;
+  constexpr int directions = 16;
+  for (double gap_px = 8.0; gap_px < 400.0; gap_px += 14.0) {
+    for (int k = 0; k < directions; ++k) {
+      // Alternating left and right of straight up.
+      const double turn = (k % 2 == 0 ? 1.0 : -1.0) * ((k + 1) / 2) * 2.0 * std::numbers::pi / directions;
+      const double ux = std::sin(turn), uy = -std::cos(turn);
+      const Pixel centre{anchor.x + ux * (gap_px + half_width_px), anchor.y + uy * (gap_px + half_height_px)};
+      const PixelBox box{centre.x - half_width_px, centre.y - half_height_px, centre.x + half_width_px,
+                         centre.y + half_height_px};
+      if (!is_free(box)) continue;
+      taken_.push_back(box);
+      labels_.push_back({anchor, box, words, style});
+      return;
+    }
+  }
+}
+
+void LabelBoard::draw() {
+  constexpr double beside_px = 16.0;
+  for (const Label& label : labels_) {
+    const Pixel end{std::clamp(label.anchor.x, label.box.x0, label.box.x1),
+                    std::clamp(label.anchor.y, label.box.y0, label.box.y1)};
+    if (std::hypot(end.x - label.anchor.x, end.y - label.anchor.y) < beside_px) continue;
+    canvas_->line(label.anchor, end, 3.0, {1.0, 1.0, 1.0, 0.7});
+    canvas_->line(label.anchor, end, 1.2, label.style.colour);
+  }
+  for (const Label& label : labels_) {
+    TextStyle centred = label.style;
+    centred.align = Align::centre;
+    canvas_->text({0.5 * (label.box.x0 + label.box.x1), 0.5 * (label.box.y0 + label.box.y1)}, label.words, centred);
+  }
+  labels_.clear();
+}
+
+std::string fixed(double value, int digits) {
+  std::array<char, 64> buffer{};
+  const double unit = std::pow(10.0, -digits);
+  std::snprintf(buffer.data(), buffer.size(), "%.*f", digits, std::abs(value) < 0.5 * unit ? 0.0 : value);
+  return buffer.data();
+}
+
+}  // namespace spindle_twin::fem_offline

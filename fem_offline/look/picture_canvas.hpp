@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cairo.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem_offline/description/spindle.hpp"
+#include "fem_offline/look/picture_colours.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// A place on the picture in pixels, y downwards.
+struct Pixel {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+struct PixelBox {
+  double x0 = 0.0, y0 = 0.0, x1 = 0.0, y1 = 0.0;
+};
+
+enum class Align { left, centre, right };
+
+struct TextStyle {
+  double size_px = 17.0;
+  bool bold = false;
+  Align align = Align::left;
+  Colour colour{0.1, 0.1, 0.12, 1.0};
+  bool halo = false;  ///< white rim, for text on a field
+};
+
+/// A PNG in the making. Text stands vertically centred on its place.
+class Canvas {
+ public:
+  Canvas(int width_px, int height_px);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  cairo_t* pen() { return pen_; }
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
+
+  void set_colour(const Colour& colour);
+  void line(const Pixel& from, const Pixel& to, double width_px, const Colour& colour,
+            const std::vector<double>& dashes_px = {});
+  void fill_box(const PixelBox& box, const Colour& colour);
+  void frame_box(const PixelBox& box, double width_px, const Colour& colour);
+  void disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim);
+  /// Head at `to`.
+  void arrow(const Pixel& from, const Pixel& to, const Colour& colour);
+  void text(const Pixel& at, const std::string& words, const TextStyle& style = {});
+  double text_width_px(const std::string& words, const TextStyle& style = {});
+
+  /// Throws rom::InputError if the file cannot be written.
+  void save(const std::string& path);
+
+ private:
+  void set_font(const TextStyle& style);
+
+  int width_px_;
+  int height_px_;
+  cairo_surface_t* surface_;
+  cairo_t* pen_;
+};
+
+/// Where the section lies on the picture: z to the right, r upwards.
+struct View {
+  PixelBox frame;
+  double px_per_m = 1.0;
+  double z0_m = 0.0;
+  double r0_m = 0.0;
+
+  double x(double z_m) const { return frame.x0 + px_per_m * (z_m - z0_m); }
+  double y(double r_m) const { return frame.y1 - px_per_m * (r_m - r0_m); }
+  Pixel at(const Point& point) const { return {x(point.z_m), y(point.r_m)}; }
+};
+
+/// Axes in mm, and the axis of rotation as a chain line if it is in view.
+void draw_axes(Canvas& canvas, const View& view);
+
+/// Labels that avoid each other: every new one takes the free place nearest to its anchor, with a leader line if that
+/// is not beside it.
+class LabelBoard {
+ public:
+  LabelBoard(Canvas& canvas, const PixelBox& bounds) : canvas_(&canvas), bounds_(bounds) {}
+  void keep_free(const PixelBox& box) { taken_.push_back(box); }
+  void add(const Pixel& anchor, const std::string& words, const TextStyle& style);
+  bool is_free(const PixelBox& box) const;
+  /// Puts all labels on the canvas, leader lines below the words.
+  void draw();
+
+ private:
+  struct Label {
+    Pixel anchor;
+    PixelBox box;
+    std::string words;
+    TextStyle style;
+  };
+
+  Canvas* canvas_;
+  PixelBox bounds_;
+  std::vector<PixelBox> taken_;
+  std::vector<Label> labels_;
+};
+
+/// A number with `digits` behind the point, without a minus before zero.
+std::string fixed(double value, int digits);
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,85 @@
+#include <array>
+#include <cstdio>
+#include <memory>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "fem_offline/reduce/reduce.hpp"
+#include "fem_offline/solve/fe_solver.hpp"
+#include "rom/integrate/cvode_stepper.hpp"
+#include "tests/bench/rows.hpp"
+
+namespace spindle_twin::bench {
+namespace {
+
+constexpr int seconds_per_hour = 3600;
+constexpr int held_s = 120;
+
+/// A part program: another speed and load every two minutes.
+void at_second(int second, rom::OperatingState& state) {
+  constexpr std::array<double, 6> speed_rpm{6000, 9000, 3000, 12000, 0, 7500};
+  constexpr std::array<double, 5> load{1.0, 0.4, 0.7, 0.0, 0.9};
+  const auto block = static_cast<std::size_t>(second / held_s);
+  state.speed_rpm = speed_rpm[block % speed_rpm.size()];
+  state.load = load[block % load.size()];
+}
+
+/// Runs `advance(values, period_s)` over an hour in steps of `period_s`.
+template <class Advance>
+void drive_an_hour(const rom::Boundaries& boundaries, int period_s, const Advance& advance) {
+  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
+  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::OperatingState state = boundaries.operating;
+  for (int second = 0; second < seconds_per_hour; second += period_s) {
+    at_second(second, state);
+    correction::evaluate_boundaries(boundaries, state, factors, values);
+    advance(values, static_cast<double>(period_s));
+  }
+}
+
+}  // namespace
+
+void print_network_rows() {
+  constexpr double element_size_mm = 4.0, longest_step_s = 10.0;
+  std::unique_ptr<fem_offline::FeModel> model;
+  const double model_s =
+      process_seconds([&] { model = std::make_unique<fem_offline::FeModel>(reference_model(element_size_mm, false)); });
+  const fem_offline::AffineModel& affine = model->affine();
+  rom::BoundaryValues operating = correction::make_boundary_values(affine.boundaries);
+  correction::evaluate_boundaries(affine.boundaries, affine.boundaries.operating,
+                                  correction::no_correction(affine.boundaries), operating);
+  const double steady_s = thread_seconds(3, [&] { fem_offline::solve_steady(affine, operating); });
+  rom::Network network;
+  const double reduce_s = process_seconds([&] { network = fem_offline::reduce_model(affine, {}); });
+
+  const auto shared = std::make_shared<const rom::NetworkOperator>(network);
+  rom::CvodeStepper fast(shared);
+  const double network_s = thread_seconds(1, [&] {
+    drive_an_hour(network.boundaries, 1,
+                  [&](const rom::BoundaryValues& values, double period_s) { fast.advance(period_s, values); });
+  });
+  fem_offline::FeStepper full(affine);
+  const double full_s = thread_seconds(1, [&] {
+    drive_an_hour(affine.boundaries, held_s, [&](const rom::BoundaryValues& values, double period_s) {
+      full.advance(period_s, longest_step_s, values);
+    });
+  });
+  const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
+  const Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(nodes, nodes) * 0.5;
+  Eigen::VectorXd vector = Eigen::VectorXd::Ones(nodes), product(nodes);
+  const double products_s = thread_seconds(3, [&] {
+    for (int i = 0; i < seconds_per_hour; ++i) {
+      product.noalias() = dense * vector;
+      vector.swap(product);
+    }
+  });
+
+  std::printf("network of %ld nodes from %zu unknowns (element size %g mm)\n", static_cast<long>(nodes),
+              affine.places.size(), element_size_mm);
+  print_row("one steady FE solve (sum, analysis, factorisation, 2 solves)", steady_s, "s");
+  print_row("network from the description / steady FE solves", (model_s + reduce_s) / steady_s, "x");
+  print_row("drive cycle of one hour: network, cycles of 1 s", network_s, "s");
+  print_row("FE transient, steps up to 10 s / network", full_s / network_s, "x");
+  print_row("network / 3600 bare matrix-vector products of its size", network_s / products_s, "x");
+}
+
+}  // namespace spindle_twin::bench

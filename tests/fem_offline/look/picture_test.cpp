@@ -1,0 +1,181 @@
+#include "fem_offline/look/picture.hpp"
+
+#include <cairo.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "fem_offline/look/picture_frame.hpp"
+#include "fem_offline/model/build_model.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+const std::string spindles = SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/";
+
+const FeModel& reference() {
+  static const FeModel model = build_fe_model(spindles + "reference.toml");
+  return model;
+}
+
+double area_of(const Polygon& ring) {
+  double twice_m2 = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    twice_m2 += a.r_m * b.z_m - b.r_m * a.z_m;
+  }
+  return 0.5 * std::abs(twice_m2);
+}
+
+double perimeter_of(const Polygon& ring) {
+  double length_m = 0.0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    length_m += std::hypot(b.r_m - a.r_m, b.z_m - a.z_m);
+  }
+  return length_m;
+}
+
+std::filesystem::path fresh_folder(const std::string& name) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("spindle_twin_" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+struct Image {
+  explicit Image(const std::string& path)
+      : surface(cairo_image_surface_create_from_png(path.c_str()), cairo_surface_destroy) {}
+  int width() const { return cairo_image_surface_get_width(surface.get()); }
+  int height() const { return cairo_image_surface_get_height(surface.get()); }
+  Colour at(const Pixel& place) const {
+    const unsigned char* row = cairo_image_surface_get_data(surface.get()) +
+                               static_cast<std::ptrdiff_t>(place.y) * cairo_image_surface_get_stride(surface.get());
+    const auto value = reinterpret_cast<const std::uint32_t*>(row)[static_cast<std::size_t>(place.x)];
+    const auto share = [&](int shift) { return static_cast<double>(value >> shift & 0xffU) / 255.0; };
+    return {share(16), share(8), share(0), 1.0};
+  }
+  std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface;
+};
+
+TEST(Lattice, triangles_cover_the_section_once) {
+  const Lattice lattice = reference().lattice();
+  double drawn_m2 = 0.0;
+  for (const auto& [a, b, c] : triangles_of(lattice)) {
+    drawn_m2 += area_of({lattice.nodes[a], lattice.nodes[b], lattice.nodes[c]});
+  }
+  double outline_m2 = 0.0;
+  for (const PartOutline& outline : reference().section().outlines) {
+    for (const OutlineFace& face : outline.faces) {
+      outline_m2 += area_of(face.outer);
+      for (const Polygon& hole : face.holes) outline_m2 -= area_of(hole);
+    }
+  }
+  EXPECT_NEAR(drawn_m2, outline_m2, 1e-10 * outline_m2);
+}
+
+TEST(Lattice, rim_is_the_outline_of_every_part) {
+  const Lattice lattice = reference().lattice();
+  double rim_m = 0.0;
+  std::map<int, int> meeting;
+  for (const auto& [a, b] : edges_of(lattice, true)) {
+    rim_m += perimeter_of({lattice.nodes[a], lattice.nodes[b]}) / 2.0;
+    ++meeting[a];
+    ++meeting[b];
+  }
+  double outline_m = 0.0;
+  for (const PartOutline& outline : reference().section().outlines) {
+    for (const OutlineFace& face : outline.faces) {
+      outline_m += perimeter_of(face.outer);
+      for (const Polygon& hole : face.holes) outline_m += perimeter_of(hole);
+    }
+  }
+  EXPECT_NEAR(rim_m, outline_m, 1e-9 * outline_m);
+  for (const auto& [node, edges] : meeting) EXPECT_EQ(edges % 2, 0) << "node " << node;
+}
+
+TEST(Isoline, of_a_linear_field_lies_on_its_line) {
+  const Lattice lattice = reference().lattice();
+  Eigen::VectorXd field(static_cast<Eigen::Index>(lattice.nodes.size()));
+  for (std::size_t i = 0; i < lattice.nodes.size(); ++i) {
+    field[static_cast<Eigen::Index>(i)] = 3.0 * lattice.nodes[i].r_m - 2.0 * lattice.nodes[i].z_m;
+  }
+  const auto pieces = isoline(lattice, triangles_of(lattice), field, -0.1);
+  ASSERT_GT(pieces.size(), 10U);
+  for (const IsolinePiece& piece : pieces) {
+    for (const Point& at : {piece.start, piece.end}) EXPECT_NEAR(3.0 * at.r_m - 2.0 * at.z_m, -0.1, 1e-12);
+  }
+}
+
+TEST(NiceStep, is_one_two_or_five_and_gives_enough_of_them) {
+  for (double span = 1.3e-5; span < 1e6; span *= 1.37) {
+    const double step = nice_step(span, 8);
+    const double leading = step / std::pow(10.0, std::floor(std::log10(step) + 1e-9));
+    EXPECT_TRUE(std::abs(leading - 1.0) < 1e-6 || std::abs(leading - 2.0) < 1e-6 || std::abs(leading - 5.0) < 1e-6)
+        << step;
+    EXPECT_GE(span / step, 8.0 * (1.0 - 1e-9));
+    EXPECT_LE(span / step, 20.0 * (1.0 + 1e-9));
+  }
+}
+
+TEST(FieldColour, lightness_is_linear_in_the_share) {
+  const double dark = lightness_of(field_colour(0.0)), light = lightness_of(field_colour(1.0));
+  EXPECT_GT(light - dark, 0.6);
+  for (int i = 0; i <= 100; ++i) {
+    EXPECT_NEAR(lightness_of(field_colour(0.01 * i)), dark + 0.01 * i * (light - dark), 2e-3);
+  }
+  EXPECT_EQ(field_colour(-1.0).blue, field_colour(0.0).blue);
+  EXPECT_EQ(field_colour(2.0).red, field_colour(1.0).red);
+}
+
+TEST(Picture, colour_at_a_place_is_that_of_the_field_there) {
+  const Lattice lattice = reference().lattice();
+  const View view = make_view(lattice);
+  Eigen::VectorXd field(static_cast<Eigen::Index>(lattice.nodes.size()));
+  for (std::size_t i = 0; i < lattice.nodes.size(); ++i) field[static_cast<Eigen::Index>(i)] = lattice.nodes[i].z_m;
+  Canvas canvas(picture_width_px, static_cast<int>(view.frame.y1) + 10);
+  fill_field(canvas, view, lattice.nodes, triangles_of(lattice), field, make_scale(0.0, 0.410));
+  const auto folder = fresh_folder("field");
+  canvas.save(folder / "field.png");
+  const Image image(folder / "field.png");
+  // The shaft is solid at r = 20 mm from end to end.
+  for (const double z_m : {0.01, 0.1, 0.2, 0.3, 0.4}) {
+    const Colour seen = image.at(view.at({0.020, z_m})), wanted = field_colour(z_m / 0.410);
+    EXPECT_NEAR(seen.red, wanted.red, 0.02);
+    EXPECT_NEAR(seen.green, wanted.green, 0.02);
+    EXPECT_NEAR(seen.blue, wanted.blue, 0.02);
+  }
+  // The bore is empty.
+  EXPECT_EQ(image.at(view.at({0.007, 0.2})).red, 1.0);
+}
+
+TEST(Picture, every_kind_is_written) {
+  const auto folder = fresh_folder("pictures");
+  const AffineModel& affine = reference().affine();
+  const Eigen::VectorXd warm_K = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(affine.places.size()), 301.15);
+  const auto written = write_pictures(folder, "warm", reference(), warm_K, {"uniform rise", 300.15});
+  ASSERT_EQ(written.size(), 4U);
+  for (const std::string& path : written) {
+    const Image image(path);
+    EXPECT_EQ(image.width(), picture_width_px) << path;
+    EXPECT_GT(image.height(), 500) << path;
+  }
+}
+
+TEST(Picture, unwritable_folder_is_an_error_that_names_the_file) {
+  const Eigen::VectorXd warm_K =
+      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(reference().affine().places.size()), 301.15);
+  try {
+    write_pictures("/nowhere/at/all", "warm", reference(), warm_K, {"", 300.15});
+    FAIL() << "no error";
+  } catch (const rom::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("/nowhere/at/all/warm_parts.png"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace spindle_twin::fem_offline

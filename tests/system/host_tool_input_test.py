@@ -1,0 +1,121 @@
+"""The command line of spindle-twin, its help and register map; and every kind of bad description and option is one line.
+
+host_tool_input_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest options]
+"""
+import csv
+import re
+import socket
+import unittest
+
+from host_tool_case import REFERENCE, SMALL, Case, free_port
+
+COMMANDS = ["solve", "build", "verify", "inspect", "simulate", "registers", "plant", "report"]
+
+
+class Registers(Case):
+    def test_all_forms_show_the_same_map(self):
+        entries = self.json_of("registers")["registers"]
+        table = self.good("registers").stdout
+        markdown = self.good("registers", "--markdown").stdout
+        rows = list(csv.DictReader(self.good("registers", "--csv").stdout.splitlines()))
+        self.assertGreater(len(entries), 20)
+        for entry in entries:
+            self.assertRegex(table, rf"(?m)^{entry['offset']}\b.* {entry['name']} ")
+            self.assertRegex(markdown, rf"(?m)^\| {entry['offset']}[ -].* \| {entry['name']} \|")
+        self.assertEqual(len(rows), sum(entry["slots"] for entry in entries))
+        self.assertIn("excludes", self.error_of("registers", "--csv", "--json"))
+
+
+class Usage(Case):
+    def test_every_command_explains_itself(self):
+        overview = self.good("--help").stdout
+        for command in COMMANDS:
+            self.assertRegex(overview, rf"(?m)^  {command} +[A-Z]")
+            text = self.good(command, "--help").stdout
+            options = re.split(r"(?m)^(?=  -)", text.split("Options:\n")[1])[1:]
+            self.assertGreater(len(options), 1)
+            for option in options:
+                # Two columns or two lines: the option, then what it is for.
+                self.assertRegex(" ".join(option.split()), r"^-\S+ .*[a-z]{2}", command)
+        self.assertRegex(self.good("--version").stdout, r"^\d+\.\d+\.\d+\n$")
+
+    def test_a_wrong_command_line_is_one_line_that_points_to_the_help(self):
+        for arguments in ([], ["paint"], ["solve"], ["build", REFERENCE], ["solve", REFERENCE, "--bogus"],
+                          ["build", REFERENCE, "-o", self.folder / "x.rom", "--nodes", "0"],
+                          ["build", REFERENCE, "-o", self.folder / "x.rom", "--nodes", "many"],
+                          ["verify", "a", "b", "--cases", "-3"], ["solve", REFERENCE, "--steady", "--schedule", "x"],
+                          ["solve", REFERENCE, "--max-step", "5"], ["simulate", "x", "--schedule", "y", "-o", "z", "--period", "nan"],
+                          ["solve", REFERENCE, "--uniform-rise-K", "nan"], ["verify", "a", "b", "--fe-step", "nan"],
+                          ["plant", REFERENCE], ["plant", REFERENCE, "--port", "70000"]):
+            with self.subTest(str(arguments)):
+                self.assertRegex(self.error_of(*arguments), r"; see spindle-twin( [a-z]+)? --help$")
+
+
+class BadDescription(Case):
+    """Each kind of mistake in a description, with the line it is on."""
+
+    def spoilt(self, old, new):
+        text = REFERENCE.read_text()
+        self.assertEqual(text.count(old), 1, old)
+        return self.text("spoilt.toml", text.replace(old, new))
+
+    def test_each_kind_is_one_line_with_file_line_and_names(self):
+        contact = '[[contact]]\nbetween = ["shaft", "nut"]\nconductance_W_per_m2K = 4000\n'
+        for kind, old, new, marked, names in (
+                ("unknown key", "load = 1.0", "load = 1.0\nlaod = 1", "laod", ["laod"]),
+                ("missing material", 'name = "labyrinth"\nmaterial = "steel_45"', 'name = "labyrinth"\nmaterial = "brass"',
+                 None, ["labyrinth", "brass"]),
+                ("contact not declared", contact, "", None, ["shaft", "nut"]),
+                ("contact that does not touch", contact, contact + contact.replace("shaft", "labyrinth"), None,
+                 ["labyrinth", "nut"]),
+                ("overlap", "rectangles = [[25, 31, 378, 398]]", "rectangles = [[24, 31, 378, 398]]", None, ["shaft", "nut"]),
+                ("film on no face", "regions = [[0, 14, 0, 410]]", "regions = [[0, 10, 0, 410]]", None, ["shaft_bore"]),
+                ("outer face with no film", "[80, 200, 18, 40], [88, 200, 40, 400]", "[80, 200, 18, 40]", None, ["housing"]),
+                ("negative", "coefficient_W_per_m2K = 235", "coefficient_W_per_m2K = -235", "= -235", ["-235"]),
+                ("not finite", "coefficient_W_per_m2K = 235", "coefficient_W_per_m2K = nan", "= nan", ["shaft_bore"]),
+                ("not TOML", "load = 1.0", "load = = 1.0", "load = =", ["TOML"])):
+            path = self.spoilt(old, new)
+            output = self.folder / "x.rom"
+            for command in (["solve", path], ["build", path, "-o", output], ["plant", path, "--port", free_port()]):
+                with self.subTest(kind, command=command[0]):
+                    message = self.error_of(*command)
+                    found = re.match(rf"spindle-twin: {re.escape(str(path))}:(\d+): ", message)
+                    self.assertTrue(found, message)
+                    if marked:
+                        self.assertIn(marked, path.read_text().splitlines()[int(found[1]) - 1])
+                    for name in names:
+                        self.assertIn(name, message)
+
+    def test_a_missing_file(self):
+        path = self.folder / "none.toml"
+        for command in (["solve", path], ["build", path, "-o", self.folder / "x.rom"], ["plant", path, "--port", free_port()]):
+            self.assertEqual(self.error_of(*command), f"spindle-twin: {path}: cannot be read as a file")
+
+
+class Plant(Case):
+    def test_a_busy_port(self):
+        with socket.socket() as other:
+            other.bind(("127.0.0.1", 0))
+            other.listen()
+            port = other.getsockname()[1]
+            self.assertEqual(self.error_of("plant", SMALL, "--port", port),
+                             f"spindle-twin: --port: cannot listen on 127.0.0.1:{port}: Address already in use")
+
+    def test_an_unknown_name_lists_those_that_exist(self):
+        for option, known in (("--heat-factor", "rotor"), ("--contact-factor", "shaft"), ("--film-factor", "shaft_bore"),
+                              ("--offset-K", "inner")):
+            message = self.error_of("plant", REFERENCE, "--port", free_port(), option, "roter=2")
+            self.assertRegex(message, rf"^spindle-twin: {option}: 'roter' does not exist; allowed: all, .*{known}")
+
+    def test_values_out_of_range(self):
+        for option, value in (("--heat-factor", "rotor"), ("--heat-factor", "rotor=-1"), ("--contact-spread", "2"),
+                              ("--rate", "0"), ("--rate", "nan"), ("--noise-K", "-1"), ("--step-s", "0"),
+                              ("--duration", "-1"), ("--log-every-s", "0"), ("--log", self.folder / "none" / "x.csv"),
+                              ("--address", "nowhere"), ("--schedule", self.folder / "none.csv")):
+            with self.subTest(option, value=value):
+                self.assertIn(str(option if option not in ("--log", "--schedule", "--address") else value),
+                              self.error_of("plant", SMALL, "--port", free_port(), f"{option}={value}"))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
