@@ -70,10 +70,10 @@ NetworkOperator::NetworkOperator(const Network& network)
     segments_.area_m2[s] = column_sums.squaredNorm();
     walls_.col(s) = network.factors_m[j] * column_sums;
   }
-  root.solveInPlace(walls_);
+  if (walls_.cols() > 0) root.solveInPlace(walls_);  // Eigen takes the address of a right-hand side that may be empty
 
   sources_ = network.source_distribution;
-  root.solveInPlace(sources_);
+  if (sources_.cols() > 0) root.solveInPlace(sources_);
 }
 
 void NetworkOperator::to_internal(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& x) const {
