@@ -51,11 +51,37 @@ struct CertificateErrors {
   double part_max_K = 0.0;
 };
 
+/// Largest |network − FE model| of one output over a case: worst and median over the cases; and what a finer FE mesh
+/// changes in that output at the operating state. In the output's own unit: K, m or Pa.
+struct OutputError {
+  double worst = 0.0;
+  double median = 0.0;
+  double mesh = 0.0;
+};
+
+/// The box of factors and states that the cases were drawn from.
+struct CertificateBox {
+  double contact_low = 0.0;
+  double contact_high = 0.0;
+  double film_low = 0.0;
+  double film_high = 0.0;
+  double speed_high_rpm = 0.0;
+};
+
 struct Certificate {
   std::uint64_t seed = 0;
   std::uint32_t cases = 0;  ///< 0: no certificate was measured
   CertificateErrors worst;
   CertificateErrors median;
+  CertificateBox box;
+  double mesh_size_m = 0.0;  ///< largest FE element wanted; 0 where there is no FE model
+  std::uint32_t fe_unknowns = 0;
+  /// Per output, in the order of the network's own lists; empty in files of before there were any.
+  std::vector<OutputError> key_points_K;
+  std::vector<OutputError> part_means_K;
+  std::vector<OutputError> part_maxima_K;
+  std::vector<OutputError> deformations_m;
+  std::vector<OutputError> contact_pressures_Pa;
 };
 
 /// The nodal RC network:
