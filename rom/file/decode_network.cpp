@@ -337,8 +337,10 @@ Network decode_payload(std::span<const std::uint8_t> payload, const std::string&
   network.boundaries.operating.speed_rpm = message.operating_speed_rpm;
   network.boundaries.operating.load = message.operating_load;
   network.boundaries.reference_temperature_K = message.reference_temperature_K;
-  network.certificate = {message.certificate.seed, message.certificate.cases, take_errors(message.certificate.worst),
-                         take_errors(message.certificate.median)};
+  network.certificate.seed = message.certificate.seed;
+  network.certificate.cases = message.certificate.cases;
+  network.certificate.worst = take_errors(message.certificate.worst);
+  network.certificate.median = take_errors(message.certificate.median);
   return network;
 }
 

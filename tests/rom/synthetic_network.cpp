@@ -142,7 +142,10 @@ Network make_synthetic_network(const SyntheticShape& shape, std::uint64_t seed) 
   DeformationOutput nose{"nose", Eigen::VectorXd::Zero(n)};
   for (Eigen::Index i = 0; i < air; ++i) nose.row_m_per_K[i] = uniform(random, -1e-8, 8e-8);
   network.deformations.push_back(nose);
-  network.certificate = {42, 20, {0.11, 0.06, 0.7}, {0.02, 0.01, 0.2}};
+  network.certificate.seed = 42;
+  network.certificate.cases = 20;
+  network.certificate.worst = {0.11, 0.06, 0.7};
+  network.certificate.median = {0.02, 0.01, 0.2};
   return network;
 }
 

@@ -1,0 +1,82 @@
+#include "host_tools/commands/inspection.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <memory>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/integrate/time_constants.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr Eigen::Index shown_time_constants = 5;
+
+double asymmetry(const Eigen::MatrixXd& matrix) {
+  const double largest = matrix.cwiseAbs().maxCoeff();
+  return largest > 0.0 ? (matrix - matrix.transpose()).cwiseAbs().maxCoeff() / largest : 0.0;
+}
+
+Checks check(const rom::Network& network) {
+  Checks checks;
+  checks.capacity_asymmetry = asymmetry(network.capacity_J_per_K);
+  checks.conduction_asymmetry = asymmetry(network.conduction_W_per_K);
+  const double largest = network.conduction_W_per_K.cwiseAbs().maxCoeff();
+  if (largest > 0.0) {
+    checks.row_sum = network.conduction_W_per_K.rowwise().sum().cwiseAbs().maxCoeff() / largest;
+  }
+  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
+    if (network.boundaries.conductances[j].environment >= 0) continue;
+    const Eigen::MatrixXd& factor = network.factors_m[j];
+    checks.exchange_column_sum = std::max(checks.exchange_column_sum,
+                                          factor.colwise().sum().cwiseAbs().maxCoeff() / factor.cwiseAbs().maxCoeff());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> capacity(network.capacity_J_per_K, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> conduction(network.conduction_W_per_K, Eigen::EigenvaluesOnly);
+  checks.smallest_capacity_J_per_K = capacity.eigenvalues()[0];
+  checks.capacity_condition = capacity.eigenvalues().tail(1)[0] / capacity.eigenvalues()[0];
+  checks.smallest_conduction_W_per_K = conduction.eigenvalues()[0];
+  return checks;
+}
+
+}  // namespace
+
+const char* kind_name(rom::ConductanceKind kind) {
+  switch (kind) {
+    case rom::ConductanceKind::contact:
+      return "contact";
+    case rom::ConductanceKind::gap_film:
+      return "gap film";
+    case rom::ConductanceKind::air_film:
+      return "air film";
+    case rom::ConductanceKind::environment_film:
+      return "environment film";
+  }
+  return "unknown";
+}
+
+const char* kind_name(rom::EnvironmentKind kind) {
+  return kind == rom::EnvironmentKind::coolant ? "coolant" : "ambient";
+}
+
+Inspection inspect(const std::string& path) {
+  Inspection result;
+  result.network = rom::read_network(path);
+  const rom::Boundaries& boundaries = result.network.boundaries;
+  result.values = correction::make_boundary_values(boundaries);
+  correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries),
+                                  result.values);
+  const Eigen::VectorXd all_s =
+      rom::time_constants_s(rom::NetworkOperator(result.network), result.values.conductance_W_per_m2K);
+  result.time_constants_s = all_s.head(std::min(shown_time_constants, all_s.size()));
+  result.checks = check(result.network);
+  if (!boundaries.circuits.empty()) {
+    const auto channels = std::make_shared<const rom::NetworkOperator>(result.network);
+    result.coolant =
+        rom::coolant_outlets(*channels, result.values, rom::steady_temperatures_K(channels, result.values));
+  }
+  return result;
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "rom/boundaries.hpp"
+#include "rom/integrate/coolant_outputs.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::host_tools {
+
+inline constexpr double kelvin_at_0_degC = 273.15;
+inline constexpr double micrometres_per_metre = 1e6;
+inline constexpr double megapascal_per_pascal = 1e-6;
+
+const char* kind_name(rom::ConductanceKind kind);
+const char* kind_name(rom::EnvironmentKind kind);
+
+/// What reading has already required, as numbers.
+struct Checks {
+  double capacity_asymmetry = 0.0;    ///< of the largest entry
+  double conduction_asymmetry = 0.0;  ///< of the largest entry
+  double row_sum = 0.0;               ///< largest |K₀ 1|, of the largest entry
+  double exchange_column_sum = 0.0;   ///< largest column sum of an exchange's factor, of its largest entry
+  double smallest_capacity_J_per_K = 0.0;
+  double capacity_condition = 0.0;
+  double smallest_conduction_W_per_K = 0.0;
+};
+
+/// A network file and what follows from it; what every form of `spindle-twin inspect` shows.
+struct Inspection {
+  rom::Network network;
+  rom::BoundaryValues values;  ///< at the operating state, nothing corrected
+  Eigen::VectorXd time_constants_s;
+  rom::CoolantOutlets coolant;  ///< in the steady state at the operating state
+  Checks checks;
+};
+
+/// Reads and checks. Throws rom::InputError.
+Inspection inspect(const std::string& path);
+
+/// On stdout, for people and for programs.
+void print_table(const Inspection& result);
+void print_json(const Inspection& result);
+
+}  // namespace spindle_twin::host_tools

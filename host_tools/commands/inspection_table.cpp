@@ -1,0 +1,111 @@
+#include <cstdio>
+
+#include "host_tools/commands/inspection.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+void print_inputs(const Inspection& result) {
+  const rom::Boundaries& boundaries = result.network.boundaries;
+  std::printf("\n%-24s %12s %12s\n", "heat source", "nominal W", "operating W");
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    std::printf("%-24s %12.2f %12.2f\n", boundaries.sources[i].name.c_str(), boundaries.sources[i].nominal_W,
+                result.values.heat_W[static_cast<Eigen::Index>(i)]);
+  }
+  std::printf("\n%-24s %-10s %12s\n", "environment", "kind", "degC");
+  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
+    std::printf("%-24s %-10s %12.2f\n", boundaries.environments[i].name.c_str(),
+                kind_name(boundaries.environments[i].kind),
+                boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC);
+  }
+  std::printf("\n%-44s %-17s %12s %12s %5s\n", "conductance", "kind", "W/m2K", "area mm2", "rank");
+  for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
+    const rom::Conductance& conductance = boundaries.conductances[j];
+    std::printf("%-44s %-17s %12.1f %12.1f %5ld\n", conductance.name.c_str(), kind_name(conductance.kind),
+                conductance.nominal_W_per_m2K, 1e6 * conductance.area_m2,
+                static_cast<long>(result.network.factors_m[j].cols()));
+  }
+}
+
+void print_circuits(const Inspection& result) {
+  const rom::Boundaries& boundaries = result.network.boundaries;
+  if (boundaries.circuits.empty()) return;
+  std::printf("\n%-24s %8s %10s %12s %12s %12s\n", "coolant circuit", "segments", "kg/s", "J/kgK", "steady degC",
+              "steady W");
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const auto index = static_cast<Eigen::Index>(c);
+    std::printf("%-24s %8zu %10.4f %12.1f %12.2f %12.2f\n", boundaries.circuits[c].name.c_str(),
+                boundaries.circuits[c].segments.size(), boundaries.operating.flow_kg_per_s[index],
+                boundaries.circuits[c].heat_capacity_J_per_kgK, result.coolant.outlet_K[index] - kelvin_at_0_degC,
+                result.coolant.heat_W[index]);
+  }
+}
+
+void print_outputs(const Inspection& result) {
+  const rom::Network& network = result.network;
+  std::printf("\n%-24s %-24s %9s %9s\n", "key point", "part", "r mm", "z mm");
+  for (const rom::KeyPoint& point : network.key_points) {
+    std::printf("%-24s %-24s %9.2f %9.2f\n", point.name.c_str(), point.part.c_str(), 1e3 * point.r_m, 1e3 * point.z_m);
+  }
+  std::printf("\n%-24s %11s\n", "part", "candidates");
+  for (const rom::PartOutput& part : network.parts) {
+    std::printf("%-24s %11ld\n", part.name.c_str(), static_cast<long>(part.candidate_rows.rows()));
+  }
+  std::printf("\n%-24s %14s\n", "deformation", "um per K");
+  for (const rom::DeformationOutput& output : network.deformations) {
+    std::printf("%-24s %14.4f\n", output.name.c_str(), micrometres_per_metre * output.row_m_per_K.sum());
+  }
+  if (network.contact_pressures.empty()) return;
+  std::printf("\n%-24s %14s %14s\n", "contact pressure", "assembly MPa", "MPa per K");
+  for (const rom::ContactPressureOutput& output : network.contact_pressures) {
+    std::printf("%-24s %14.4f %14.4f\n", output.name.c_str(), megapascal_per_pascal * output.assembly_pressure_Pa,
+                megapascal_per_pascal * output.row_Pa_per_K.sum());
+  }
+}
+
+void print_quality(const Inspection& result) {
+  const rom::Certificate& certificate = result.network.certificate;
+  if (certificate.cases == 0) {
+    std::printf("\nNo certificate: this network was not compared with its FE model.\n");
+  } else {
+    std::printf("\nCertificate: %u random cases, seed %llu, network minus FE model\n", certificate.cases,
+                static_cast<unsigned long long>(certificate.seed));
+    std::printf("%-10s %14s %10s %16s\n", "", "key points K", "nose um", "part maxima K");
+    std::printf("%-10s %14.4f %10.4f %16.4f\n", "worst", certificate.worst.key_points_K, certificate.worst.nose_um,
+                certificate.worst.part_max_K);
+    std::printf("%-10s %14.4f %10.4f %16.4f\n", "median", certificate.median.key_points_K, certificate.median.nose_um,
+                certificate.median.part_max_K);
+  }
+  std::printf("\nSlowest time constants at the operating state, s:");
+  for (const double constant_s : result.time_constants_s) std::printf(" %.1f", constant_s);
+  const Checks& checks = result.checks;
+  std::printf("\n\nChecks\n");
+  std::printf("  C asymmetry, of its largest entry             %10.1e\n", checks.capacity_asymmetry);
+  std::printf("  K0 asymmetry, of its largest entry            %10.1e\n", checks.conduction_asymmetry);
+  std::printf("  K0 row sums, of its largest entry             %10.1e\n", checks.row_sum);
+  std::printf("  column sums of exchanges, of largest entry    %10.1e\n", checks.exchange_column_sum);
+  std::printf("  smallest eigenvalue of C, J/K                 %10.2e (condition %.1e)\n",
+              checks.smallest_capacity_J_per_K, checks.capacity_condition);
+  std::printf("  smallest eigenvalue of K0, W/K                %10.1e\n", checks.smallest_conduction_W_per_K);
+}
+
+}  // namespace
+
+void print_table(const Inspection& result) {
+  const rom::Network& network = result.network;
+  const rom::Boundaries& boundaries = network.boundaries;
+  std::printf("spindle      %s\n", network.spindle.c_str());
+  std::printf("description  SHA-256 %s\n", network.description_hash.c_str());
+  std::printf("network      %zu nodes, %zu conductances, %zu heat sources, %zu parts, %.0f J/K\n", network.nodes.size(),
+              boundaries.conductances.size(), boundaries.sources.size(), network.parts.size(),
+              network.capacity_J_per_K.sum());
+  std::printf("operating    %.0f rpm, load %.2f; reference %.0f rpm, %.2f degC\n", boundaries.operating.speed_rpm,
+              boundaries.operating.load, boundaries.reference_speed_rpm,
+              boundaries.reference_temperature_K - kelvin_at_0_degC);
+  print_inputs(result);
+  print_circuits(result);
+  print_outputs(result);
+  print_quality(result);
+}
+
+}  // namespace spindle_twin::host_tools
