@@ -44,6 +44,13 @@ struct ContactPressureOutput {
   Eigen::VectorXd row_Pa_per_K;  ///< N
 };
 
+/// A closed ring of a part's outline on the meridian section, for pictures: outer rings counter-clockwise (r to the
+/// right, z up), holes clockwise.
+struct OutlineRing {
+  std::string part;
+  Eigen::MatrixXd points_m;  ///< 2 x M: r, z
+};
+
 /// One column of a certificate: errors of network minus FE model over random cases, on key points, nose, part maxima.
 struct CertificateErrors {
   double key_points_K = 0.0;
@@ -102,6 +109,7 @@ struct Network {
   std::vector<DeformationOutput> deformations;  ///< the first is the nose
   std::vector<ContactPressureOutput> contact_pressures;
   Certificate certificate;
+  std::vector<OutlineRing> outlines;  ///< none where nobody drew the section
 };
 
 }  // namespace spindle_twin::rom

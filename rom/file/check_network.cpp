@@ -221,6 +221,11 @@ void check_outputs(const Network& network, Eigen::Index nodes, const Checker& ch
     check.shape(output.row_Pa_per_K, nodes, 1, field + " row");
     check.finite(output.row_Pa_per_K, field + " row");
   }
+  for (const OutlineRing& ring : network.outlines) {
+    check.require(ring.points_m.rows() == 2 && ring.points_m.cols() >= 3, "outline of " + ring.part,
+                  "must have r and z of at least three points");
+    check.finite(ring.points_m, "outline of " + ring.part);
+  }
   for (const CertificateErrors& errors : {network.certificate.worst, network.certificate.median}) {
     check.not_negative(errors.key_points_K, "certificate key_points_K");
     check.not_negative(errors.nose_um, "certificate nose_um");

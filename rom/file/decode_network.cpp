@@ -216,6 +216,13 @@ bool decode_contact_pressure(pb_istream_t* stream, ContactPressureOutput& item) 
   return true;
 }
 
+bool decode_outline(pb_istream_t* stream, OutlineRing& item) {
+  spindle_twin_rom_OutlineRing message = spindle_twin_rom_OutlineRing_init_zero;
+  message.part = attach(item.part);
+  message.points_m = attach(item.points_m);
+  return pb_decode(stream, spindle_twin_rom_OutlineRing_fields, &message);
+}
+
 CertificateErrors take_errors(const spindle_twin_rom_CertificateErrors& message) {
   return {message.key_points_K, message.nose_um, message.part_max_K};
 }
@@ -291,6 +298,9 @@ void shape_outputs(Network& network, const std::string& file) {
   for (const ContactPressureOutput& output : network.contact_pressures) {
     check_length(output.row_Pa_per_K, nodes, file, "contact pressure " + output.name + " row");
   }
+  for (OutlineRing& ring : network.outlines) {
+    shape(ring.points_m, 2, ring.points_m.size() / 2, file, "outline of " + ring.part);
+  }
 }
 
 }  // namespace
@@ -312,6 +322,7 @@ Network decode_payload(std::span<const std::uint8_t> payload, const std::string&
   message.parts = attach_list<PartOutput, decode_part>(network.parts);
   message.deformations = attach_list<DeformationOutput, decode_deformation>(network.deformations);
   message.contact_pressures = attach_list<ContactPressureOutput, decode_contact_pressure>(network.contact_pressures);
+  message.outlines = attach_list<OutlineRing, decode_outline>(network.outlines);
 
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
   if (!pb_decode(&stream, spindle_twin_rom_Network_fields, &message)) {

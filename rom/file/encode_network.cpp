@@ -186,6 +186,13 @@ bool encode_contact_pressure(pb_ostream_t* stream, const Pressures& list, std::s
   return pb_encode_submessage(stream, spindle_twin_rom_ContactPressureOutput_fields, &message);
 }
 
+bool encode_outline(pb_ostream_t* stream, const std::vector<OutlineRing>& list, std::size_t i) {
+  spindle_twin_rom_OutlineRing message = spindle_twin_rom_OutlineRing_init_zero;
+  message.part = attach(list[i].part);
+  message.points_m = attach(list[i].points_m);
+  return pb_encode_submessage(stream, spindle_twin_rom_OutlineRing_fields, &message);
+}
+
 spindle_twin_rom_CertificateErrors errors_message(const CertificateErrors& errors) {
   return {errors.key_points_K, errors.nose_um, errors.part_max_K};
 }
@@ -230,6 +237,7 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   message.parts = attach_list<std::vector<PartOutput>, encode_part>(network.parts);
   message.deformations = attach_list<std::vector<DeformationOutput>, encode_deformation>(network.deformations);
   message.contact_pressures = attach_list<Pressures, encode_contact_pressure>(network.contact_pressures);
+  message.outlines = attach_list<std::vector<OutlineRing>, encode_outline>(network.outlines);
   message.has_certificate = true;
   message.certificate.seed = network.certificate.seed;
   message.certificate.cases = network.certificate.cases;

@@ -69,6 +69,7 @@ TEST(RomFile, round_trip_is_bit_exact) {
   network.boundaries.operating.load = -0.0;
   network.certificate.seed = 0xfedcba9876543210u;
   const Eigen::Index n = network.capacity_J_per_K.rows();
+  network.outlines = {{"shaft", (Eigen::MatrixXd(2, 3) << 0.0, 0.02, 0.02, 0.0, 0.0, 0.1).finished()}};
   network.contact_pressures = {{"a/b", 1.5e6, Eigen::VectorXd::LinSpaced(n, -3e5, 2e5)},
                                {"plain", 0.0, Eigen::VectorXd::Zero(n)}};
   write_network(network, folder.file("x.rom"));
@@ -113,6 +114,9 @@ TEST(RomFile, round_trip_is_bit_exact) {
   EXPECT_EQ(back.key_points[1].row, network.key_points[1].row);
   EXPECT_EQ(back.parts[1].candidate_rows, network.parts[1].candidate_rows);
   EXPECT_EQ(back.deformations[0].row_m_per_K, network.deformations[0].row_m_per_K);
+  ASSERT_EQ(back.outlines.size(), 1u);
+  EXPECT_EQ(back.outlines[0].part, "shaft");
+  EXPECT_EQ(back.outlines[0].points_m, network.outlines[0].points_m);
   ASSERT_EQ(back.contact_pressures.size(), 2u);
   EXPECT_EQ(back.contact_pressures[0].name, "a/b");
   EXPECT_EQ(back.contact_pressures[0].assembly_pressure_Pa, 1.5e6);

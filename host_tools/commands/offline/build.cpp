@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "fem_offline/look/section_outlines.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/reduce.hpp"
 #include "fem_offline/reduce/verify.hpp"
@@ -94,6 +95,7 @@ void run(const BuildArguments& arguments) {
     });
     progress("verification", 1.0);
   }
+  network.outlines = fem_offline::section_outlines(model->description(), model->section());
   rom::write_network(network, arguments.output_path);
   arguments.json ? print_json(arguments, network, report) : print_table(arguments, network, report);
 }
