@@ -36,6 +36,7 @@ void check_network(const Config& config, const rom::Network& network) {
   check_room(config, "heat sources", network.boundaries.sources.size(), slots::sources);
   check_room(config, "contacts and films", network.boundaries.conductances.size(), slots::conductances);
   check_room(config, "deformation outputs", network.deformations.size(), slots::deformations);
+  check_room(config, "coolant circuits", network.boundaries.circuits.size(), slots::circuits);
   if (network.deformations.empty()) {
     throw rom::InputError(config.network_where, "network", "has no deformation output, so there is no nose elongation");
   }
@@ -45,6 +46,28 @@ Channel sensor_channel(const ConfiguredSensor& sensor, std::size_t key_point) {
   Channel channel{Channel::Kind::sensor, key_point, sensor.source};
   channel.source.offset += zero_degC_K;
   return channel;
+}
+
+void bind_signal(const ConfiguredSignal& configured, std::size_t signal, DaemonPlan& plan) {
+  plan.cycle.signals[signal] = configured.plan;
+  if (configured.source) plan.device.channels.push_back({Channel::Kind::signal, signal, *configured.source});
+}
+
+void bind_flows(const Config& config, const rom::Network& network, DaemonPlan& plan) {
+  const auto& circuits = network.boundaries.circuits;
+  const Eigen::VectorXd& operating_kg_per_s = network.boundaries.operating.flow_kg_per_s;
+  for (std::size_t c = 0; c < circuits.size(); ++c) {
+    const double flow_kg_per_s = operating_kg_per_s[static_cast<Eigen::Index>(c)];
+    plan.cycle.signals[first_flow_signal + c] = {SignalSource::constant, flow_kg_per_s, flow_kg_per_s, flow_kg_per_s,
+                                                 0.0};
+  }
+  for (const ConfiguredFlow& flow : config.flows) {
+    if (circuits.empty()) throw rom::InputError(flow.where, flow.field, "the network has no coolant circuit");
+    const std::size_t c = find_by_name(circuits, flow.circuit, "coolant circuit", flow.where, flow.field);
+    ConfiguredSignal signal = flow.signal;
+    if (!flow.has_first) signal.plan.value = operating_kg_per_s[static_cast<Eigen::Index>(c)];
+    bind_signal(signal, first_flow_signal + c, plan);
+  }
 }
 
 }  // namespace
@@ -61,12 +84,8 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
     slot = {true, sensor.min_degC + zero_degC_K, sensor.max_degC + zero_degC_K, sensor.stale_after_s};
     plan.device.channels.push_back(sensor_channel(sensor, k));
   }
-  for (std::size_t s = 0; s < signal_count; ++s) {
-    plan.cycle.signals[s] = config.signals[s].plan;
-    if (config.signals[s].source) {
-      plan.device.channels.push_back({Channel::Kind::signal, s, *config.signals[s].source});
-    }
-  }
+  for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, plan);
+  bind_flows(config, network, plan);
   if (!plan.cycle.paper) return plan;
   for (const ConfiguredGroup& configured : config.groups) {
     correction::HeatGroup group{configured.name, {}, {}};

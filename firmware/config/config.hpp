@@ -32,7 +32,16 @@ struct ConfiguredSensor {
 
 struct ConfiguredSignal {
   SignalPlan plan;                       ///< in K, rpm, fraction
-  std::optional<RegisterSource> source;  ///< of a device signal, to degC, rpm, fraction
+  std::optional<RegisterSource> source;  ///< of a device signal, to K, rpm, fraction, kg/s
+};
+
+/// The flow of one coolant circuit.
+struct ConfiguredFlow {
+  std::string circuit;
+  rom::SourceLine where;
+  std::string field;
+  ConfiguredSignal signal;
+  bool has_first = false;  ///< else the network's operating flow is used until the first good reading
 };
 
 struct ConfiguredGroup {
@@ -55,7 +64,8 @@ struct Config {
   DevicePlan device;  ///< without channels
   CyclePlan cycle;    ///< without sensors and signals that need the network
   std::vector<ConfiguredSensor> sensors;
-  std::array<ConfiguredSignal, signal_count> signals;
+  std::array<ConfiguredSignal, first_flow_signal> signals;
+  std::vector<ConfiguredFlow> flows;
   std::vector<ConfiguredGroup> groups;
 };
 
@@ -70,8 +80,9 @@ struct DaemonPlan {
   ServePlan serve;
 };
 
-/// Finds the configuration's names in the network. Throws rom::InputError for a sensor or source that the network does
-/// not have (its message lists those it has) and for a network with more outputs than the register map has room for.
+/// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating
+/// flow for ever. Throws rom::InputError for a sensor, source or circuit that the network does not have (its message
+/// lists those it has) and for a network with more outputs than the register map has room for.
 DaemonPlan bind_config(const Config& config, const rom::Network& network);
 
 }  // namespace spindle_twin::firmware

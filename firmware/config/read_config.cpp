@@ -53,16 +53,14 @@ RegisterSource to_si(RegisterSource source, Unit unit) {
 }
 
 struct SignalRules {
-  const char* name;
   double first;  ///< used until the first good reading, in the configuration's unit
   double min;
   double max;
   Unit unit;
 };
 
-ConfiguredSignal read_signal(const TomlTable& signals, const SignalRules& rules, bool has_device) {
+ConfiguredSignal read_signal(const TomlTable& table, const SignalRules& rules, bool has_device) {
   ConfiguredSignal signal;
-  const TomlTable table = signals.table(rules.name);
   const std::string from = table.choice("source", {"device", "plc", "constant"});
   double first = 0.0;
   if (from == "constant") {
@@ -82,6 +80,20 @@ ConfiguredSignal read_signal(const TomlTable& signals, const SignalRules& rules,
   signal.plan.min = si(rules.min);
   signal.plan.max = si(rules.max);
   return signal;
+}
+
+/// One table per coolant circuit, by its name.
+std::vector<ConfiguredFlow> read_flows(const TomlTable& table, bool has_device) {
+  constexpr double most_kg_per_s = 10.0;
+  std::vector<ConfiguredFlow> flows;
+  for (const std::string& circuit : table.free_keys()) {
+    constexpr SignalRules rules{0.0, -most_kg_per_s, most_kg_per_s, {}};
+    const TomlTable entry = table.table(circuit);
+    const bool has_first = entry.has("first") || entry.has("value");
+    flows.push_back(
+        {circuit, table.where(circuit), table.path(circuit), read_signal(entry, rules, has_device), has_first});
+  }
+  return flows;
 }
 
 ServePlan read_serve(const TomlTable& table) {
@@ -152,11 +164,18 @@ Config read_root(const TomlTable& root, const std::string& path) {
 
   const TomlTable signals = root.table("signals");
   const Unit celsius{1.0, zero_degC_K};
-  const std::array<SignalRules, signal_count> rules{{{"speed", 0.0, -200000.0, 200000.0, {}},
-                                                     {"load", 0.0, -10.0, 10.0, {}},
-                                                     {"coolant", 20.0, coldest_degC, hottest_degC, celsius},
-                                                     {"ambient", 20.0, coldest_degC, hottest_degC, celsius}}};
-  for (std::size_t s = 0; s < signal_count; ++s) config.signals[s] = read_signal(signals, rules[s], config.has_device);
+  struct NamedRules {
+    const char* name;
+    SignalRules rules;
+  };
+  const std::array<NamedRules, first_flow_signal> named{{{"speed", {0.0, -200000.0, 200000.0, {}}},
+                                                         {"load", {0.0, -10.0, 10.0, {}}},
+                                                         {"coolant", {20.0, coldest_degC, hottest_degC, celsius}},
+                                                         {"ambient", {20.0, coldest_degC, hottest_degC, celsius}}}};
+  for (std::size_t s = 0; s < named.size(); ++s) {
+    config.signals[s] = read_signal(signals.table(named[s].name), named[s].rules, config.has_device);
+  }
+  if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
 
   if (const auto correction = root.optional_table("correction")) read_correction(*correction, config);
 

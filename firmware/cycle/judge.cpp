@@ -80,6 +80,9 @@ void set_operating(const rom::Network& network, const Judgement& judgement, rom:
     operating.environment_K[static_cast<Eigen::Index>(e)] =
         signal(environments[e].kind == rom::EnvironmentKind::coolant ? Signal::coolant : Signal::ambient);
   }
+  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
+    operating.flow_kg_per_s[c] = judgement.signals[first_flow_signal + static_cast<std::size_t>(c)];
+  }
 }
 
 }  // namespace spindle_twin::firmware

@@ -32,7 +32,7 @@ struct CyclePlan {
   double clock_rate = 1.0;  ///< model seconds per second of the clock
   bool compare_uncorrected = true;
   std::array<SensorPlan, slots::key_points> sensors;
-  std::array<SignalPlan, signal_count> signals;
+  std::array<SignalPlan, signal_count> signals;   ///< flows that no circuit has are constants of 0
   bool correction_enabled = true;                 ///< until the PLC says otherwise
   std::optional<correction::PaperOptions> paper;  ///< empty: no correction law
   std::optional<double> start_temperature_K;      ///< empty: mean of the first good readings

@@ -19,6 +19,7 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.sources = network.boundaries.sources.size();
   snapshot.conductances = network.boundaries.conductances.size();
   snapshot.deformations = network.deformations.size();
+  snapshot.circuits = network.boundaries.circuits.size();
   snapshot.signals.fill(not_a_value);
   snapshot.measured_K.fill(not_a_value);
   snapshot.sensor_quality.fill(SensorQuality::not_configured);

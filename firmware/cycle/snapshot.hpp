@@ -17,11 +17,13 @@ constexpr std::uint16_t bits(Code code) {
   return static_cast<std::uint16_t>(code);
 }
 
-/// What the machine tells besides the sensors.
+/// What the machine tells besides the sensors; behind these the flow of each coolant circuit.
 enum class Signal : std::size_t { speed, load, coolant, ambient };
-inline constexpr std::size_t signal_count = 4;
+inline constexpr std::size_t first_flow_signal = 4;
+inline constexpr std::size_t signal_count = first_flow_signal + slots::circuits;
 
-/// One reading; sensors, coolant and ambient in K, speed in rpm, load as a fraction of the rated load.
+/// One reading; sensors, coolant and ambient in K, speed in rpm, load as a fraction of the rated load, flows in kg/s,
+/// negative when the coolant runs from the last segment to the first.
 struct Reading {
   double value = not_a_value;
   std::int64_t time_ns = 0;  ///< monotonic; 0: never read
@@ -67,8 +69,9 @@ struct Snapshot {
   std::size_t sources = 0;
   std::size_t conductances = 0;
   std::size_t deformations = 0;
+  std::size_t circuits = 0;
 
-  std::array<double, signal_count> signals{};  ///< in use
+  std::array<double, signal_count> signals{};  ///< in use; flows that have no circuit are 0
   std::array<double, slots::key_points> measured_K{};
   std::array<SensorQuality, slots::key_points> sensor_quality{};
   std::array<double, slots::key_points> predicted_K{};

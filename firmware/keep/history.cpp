@@ -40,6 +40,7 @@ std::string history_header(const rom::Network& network) {
   std::string header =
       "time_s,sequence,state,quality,fault,overruns,correction_enabled,correction_count,correction_freeze,data_age_s,"
       "speed_rpm,load,coolant_degC,ambient_degC,nose_um,nose_uncorrected_um,tare_um";
+  add_names(header, "flow.", network.boundaries.circuits, "_kg_per_s");
   add_names(header, "measured.", network.key_points, "_degC");
   add_names(header, "predicted.", network.key_points, "_degC");
   add_names(header, "uncorrected.", network.key_points, "_degC");
@@ -64,6 +65,7 @@ std::string history_row(const Snapshot& snapshot) {
   add(row, um_per_m * snapshot.nose_m);
   add(row, um_per_m * snapshot.nose_uncorrected_m);
   add(row, um_per_m * snapshot.tare_m);
+  for (std::size_t c = 0; c < snapshot.circuits; ++c) add(row, snapshot.signals[first_flow_signal + c]);
   add_values(row, snapshot.measured_K, snapshot.key_points, -zero_degC_K, 1.0);
   add_values(row, snapshot.predicted_K, snapshot.key_points, -zero_degC_K, 1.0);
   add_values(row, snapshot.uncorrected_K, snapshot.key_points, -zero_degC_K, 1.0);

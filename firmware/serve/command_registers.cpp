@@ -7,9 +7,10 @@
 namespace spindle_twin::firmware {
 namespace {
 
-bool touches(WriteRange written, Register which) {
+bool touches(WriteRange written, Register which, int slot = 0) {
   const RegisterEntry& entry = entry_of(which);
-  return written.address < entry.address + words_of(entry.type) && entry.address < written.address + written.count;
+  const int first = entry.address + slot * words_of(entry.type);
+  return written.address < first + words_of(entry.type) && first < written.address + written.count;
 }
 
 CorrectionOrder correction_order(double value) {
@@ -26,6 +27,7 @@ void clear_commands(RegisterImage& image) {
                                Register::command_ambient, Register::command_correction}) {
     put_not_present(image, which);
   }
+  for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) put_not_present(image, Register::command_flow, c);
   put(image, Register::command_tare, 0.0);
 }
 
@@ -36,13 +38,19 @@ void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image
     double scale;
     double shift;
   };
-  constexpr std::array<Way, signal_count> ways{{{Register::command_speed, Signal::speed, 1.0, 0.0},
-                                                {Register::command_load, Signal::load, 0.01, 0.0},
-                                                {Register::command_coolant, Signal::coolant, 1.0, zero_degC_K},
-                                                {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K}}};
+  constexpr std::array<Way, first_flow_signal> ways{{{Register::command_speed, Signal::speed, 1.0, 0.0},
+                                                     {Register::command_load, Signal::load, 0.01, 0.0},
+                                                     {Register::command_coolant, Signal::coolant, 1.0, zero_degC_K},
+                                                     {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K}}};
   for (const Way& way : ways) {
     if (!touches(written, way.from)) continue;
     command.signals[static_cast<std::size_t>(way.to)] = {get(image, way.from) * way.scale + way.shift, now_ns};
+  }
+  constexpr double kg_per_gram = 1e-3;
+  for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) {
+    if (!touches(written, Register::command_flow, c)) continue;
+    command.signals[first_flow_signal + static_cast<std::size_t>(c)] = {
+        kg_per_gram * get(image, Register::command_flow, c), now_ns};
   }
   if (touches(written, Register::command_correction)) {
     command.correction = correction_order(get(image, Register::command_correction));

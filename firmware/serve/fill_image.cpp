@@ -24,6 +24,7 @@ struct Filler {
 };
 
 constexpr double um_per_m = 1e6;
+constexpr double grams_per_kg = 1e3;
 
 void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::known_uint16, 0x1234);
@@ -62,6 +63,11 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::load, 100.0 * signal(Signal::load));
   fill.value(Register::coolant_temperature, signal(Signal::coolant) - zero_degC_K);
   fill.value(Register::ambient_temperature, signal(Signal::ambient) - zero_degC_K);
+  fill.value(Register::circuit_count, static_cast<double>(snapshot.circuits));
+  for (std::size_t c = 0; c < slots::circuits; ++c) {
+    const double flow_kg_per_s = c < snapshot.circuits ? snapshot.signals[first_flow_signal + c] : not_a_value;
+    fill.value(Register::coolant_flow, grams_per_kg * flow_kg_per_s, static_cast<int>(c));
+  }
 }
 
 void fill_nose(const Snapshot& snapshot, Filler& fill) {

@@ -11,6 +11,7 @@ namespace {
 constexpr double kelvin_at_0_degC = 273.15;
 constexpr std::uint16_t not_fitted = 0x8000;
 constexpr std::size_t channels = 16;
+constexpr std::size_t circuits = 4;
 
 std::uint16_t as_int16(double value) {
   return static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(std::clamp(value, -32767.0, 32767.0))));
@@ -52,6 +53,11 @@ PlantRegisters encode_plant(const rom::Boundaries& boundaries, const PlantSnapsh
   registers[7] = as_int16(100.0 * ambient_degC);
   for (std::size_t c = 0; c < channels; ++c) {
     registers[8 + c] = c < snapshot.measured_degC.size() ? as_int16(100.0 * snapshot.measured_degC[c]) : not_fitted;
+  }
+  const Eigen::VectorXd& flow_kg_per_s = snapshot.operating.flow_kg_per_s;
+  for (std::size_t c = 0; c < circuits; ++c) {
+    const auto circuit = static_cast<Eigen::Index>(c);
+    registers[24 + c] = circuit < flow_kg_per_s.size() ? as_int16(1e4 * flow_kg_per_s[circuit]) : not_fitted;
   }
   put_float(registers, 30, snapshot.time_s);
   put_float(registers, 32, speed_rpm);

@@ -41,6 +41,10 @@ void operating_of_row(const CsvTable& history, std::size_t row, const rom::Bound
     state.environment_K[static_cast<Eigen::Index>(e)] =
         history.column(coolant ? "coolant_degC" : "ambient_degC")[row] + kelvin_at_0_degC;
   }
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    state.flow_kg_per_s[static_cast<Eigen::Index>(c)] =
+        history.column("flow." + boundaries.circuits[c].name + "_kg_per_s")[row];
+  }
 }
 
 void run_uncorrected(const rom::Network& network, const CsvTable& history, std::size_t part, RunData& run) {
