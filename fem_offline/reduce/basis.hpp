@@ -13,6 +13,8 @@ namespace spindle_twin::fem_offline {
 struct RichBasis {
   Eigen::MatrixXd columns;  ///< unknowns x states
   int snapshots = 0;
+  /// The first `bodies` columns span the functions that are 1 on one part or air volume and 0 elsewhere.
+  int bodies = 1;
 };
 
 /// FE solutions (K + sC)⁻¹ [heats, environments, output rows] at random parameter sets, two in five at corners of the
@@ -27,6 +29,7 @@ struct RichModel {
   Eigen::MatrixXd conduction;
   std::vector<Eigen::MatrixXd> conductance_terms;
   Loads loads;
+  int bodies = 1;  ///< as in RichBasis
 
   Eigen::MatrixXd assemble(const Eigen::VectorXd& conductance_W_per_m2K) const;
 };

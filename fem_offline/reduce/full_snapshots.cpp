@@ -1,4 +1,5 @@
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -117,6 +118,28 @@ std::vector<int> most_independent(Eigen::MatrixXd gram, Eigen::Index most) {
   return pivots;
 }
 
+/// Orthonormal columns that, with the constant vector, span the functions that are 1 on one part or air volume and 0
+/// elsewhere; none where that would take all nodes.
+Eigen::MatrixXd body_columns(const AffineModel& model, int nodes) {
+  const Eigen::Index unknowns = model.capacity_J_per_K.rows();
+  const auto air = static_cast<Eigen::Index>(model.air_names.size());
+  const auto bodies = static_cast<Eigen::Index>(model.parts.size()) + air;
+  if (bodies >= nodes) return Eigen::MatrixXd(unknowns, 0);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(unknowns, bodies);
+  for (std::size_t part = 0; part < model.parts.size(); ++part) {
+    for (const int dof : model.parts[part].dofs) columns(dof, static_cast<Eigen::Index>(part)) = 1.0;
+  }
+  columns.bottomRightCorner(air, air).setIdentity();
+  // The smallest body goes: the others and the constant give it back.
+  Eigen::Index smallest = 0;
+  columns.colwise().sum().minCoeff(&smallest);
+  columns.col(smallest).swap(columns.col(bodies - 1));
+  Eigen::MatrixXd others = columns.leftCols(bodies - 1);
+  remove_constant(others);
+  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(others);
+  return factor.householderQ() * Eigen::MatrixXd::Identity(unknowns, bodies - 1);
+}
+
 }  // namespace
 
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
@@ -144,9 +167,12 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
     if (index == 0 && progress) progress("FE snapshots", static_cast<double>(set + 1) / options.full_sets);
   });
   workers.clear();
+  const Eigen::MatrixXd bodies = body_columns(model, options.nodes);
+  for (int pass = 0; pass < 2; ++pass) snapshots -= bodies * (bodies.transpose() * snapshots).eval();
 
-  const std::vector<int> chosen = most_independent(gram_matrix(snapshots, options.threads),
-                                                   std::min<Eigen::Index>(options.rich_states, unknowns) - 1);
+  const std::vector<int> chosen =
+      most_independent(gram_matrix(snapshots, options.threads),
+                       std::min<Eigen::Index>(options.rich_states, unknowns) - 1 - bodies.cols());
   const Eigen::Index count = static_cast<Eigen::Index>(chosen.size());
 
   RichBasis basis;
@@ -155,7 +181,9 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   snapshots.resize(0, 0);
   kept.colwise().normalize();
   orthonormalise(kept, options.threads);
-  basis.columns.resize(unknowns, count + 1);
+  basis.columns.resize(unknowns, count + 1 + bodies.cols());
+  basis.columns.middleCols(1, bodies.cols()) = bodies;
+  basis.bodies = static_cast<int>(bodies.cols()) + 1;
   basis.columns.col(0).setConstant(1.0 / std::sqrt(static_cast<double>(unknowns)));
   basis.columns.rightCols(count) = kept;
   return basis;

@@ -44,11 +44,11 @@ void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, 
 
   network.capacity_J_per_K = symmetric(inverse.transpose() * orthonormal(rich.capacity) * inverse);
 
-  // Coordinate 0 of the orthonormal basis is the constant vector, on which exchange within and between bodies does
-  // nothing: what stands there is rounding of the projection.
+  // On the bodies' own columns conduction does nothing, and exchange between bodies nothing on the constant vector,
+  // coordinate 0: what stands there is rounding of the projection.
   Eigen::MatrixXd conduction = orthonormal(rich.conduction);
-  conduction.row(0).setZero();
-  conduction.col(0).setZero();
+  conduction.topRows(rich.bodies).setZero();
+  conduction.leftCols(rich.bodies).setZero();
   network.conduction_W_per_K = symmetric(inverse.transpose() * conduction * inverse);
   for (int pass = 0; pass < 2; ++pass) {
     network.conduction_W_per_K.diagonal() -= network.conduction_W_per_K.rowwise().sum().eval();

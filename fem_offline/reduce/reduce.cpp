@@ -59,7 +59,8 @@ rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options
   out.rich_states = static_cast<int>(full.columns.cols());
   finish("FE snapshots");
 
-  const RichModel rich = project_model(model, loads, full.columns, options.threads);
+  RichModel rich = project_model(model, loads, full.columns, options.threads);
+  rich.bodies = full.bodies;
   finish("projection");
 
   const Eigen::MatrixXd coordinates = rich_snapshot_basis(rich, model.boundaries, options, progress);

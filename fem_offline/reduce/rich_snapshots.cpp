@@ -103,16 +103,16 @@ Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries
   Eigen::MatrixXd moments = Eigen::MatrixXd::Zero(states, states);
   for (const Eigen::MatrixXd& sum : sums) moments += sum;
 
-  // Row and column 0 belong to the constant vector, which is in the basis whatever the snapshots say.
-  const Eigen::Index others = states - 1;
+  // The first rows and columns belong to the bodies' own columns, which are in the basis whatever the snapshots say.
+  const Eigen::Index fixed = rich.bodies, others = states - fixed;
   const Eigen::MatrixXd rest =
       Eigen::MatrixXd(moments.selfadjointView<Eigen::Lower>()).bottomRightCorner(others, others);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(rest);
   if (modes.info() != Eigen::Success) throw std::runtime_error("the snapshots' moments have no eigenvectors");
-  const Eigen::Index wanted = std::min<Eigen::Index>(options.nodes - 1, others);
-  Eigen::MatrixXd coordinates = Eigen::MatrixXd::Zero(states, wanted + 1);
-  coordinates(0, 0) = 1.0;
-  coordinates.block(1, 1, others, wanted) = modes.eigenvectors().rightCols(wanted).rowwise().reverse();
+  const Eigen::Index wanted = std::min<Eigen::Index>(std::max(options.nodes - fixed, Eigen::Index(0)), others);
+  Eigen::MatrixXd coordinates = Eigen::MatrixXd::Zero(states, wanted + fixed);
+  coordinates.topLeftCorner(fixed, fixed).setIdentity();
+  coordinates.block(fixed, fixed, others, wanted) = modes.eigenvectors().rightCols(wanted).rowwise().reverse();
   return coordinates;
 }
 
