@@ -14,6 +14,8 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
   if (picture.displacements_m.size() > 0) {
     written.push_back(path("deformed"));
     draw_deformed_picture(picture, written.back());
+    written.push_back(path("stress"));
+    draw_stress_picture(picture, written.back());
   }
   return written;
 }
@@ -24,9 +26,18 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
   const AffineModel& affine = model.affine();
   const Lattice lattice = model.lattice();
   const auto nodes = static_cast<Eigen::Index>(lattice.nodes.size());
-  SectionPicture picture{model.description(), model.section(), lattice, state, {}, {}, {}, {}, {}};
+  SectionPicture picture{model.description(), model.section(), lattice, state, {}, {}, {}, {}, {}, {}, {},
+                         model.quality()};
   picture.rises_K = temperatures_K.head(nodes).array() - state.datum_K;
-  if (!affine.deformations.empty()) picture.displacements_m = model.displacements_m(temperatures_K);
+  const Eigen::MatrixXd stresses_Pa = model.stresses_Pa(temperatures_K);
+  if (stresses_Pa.rows() > 0) {
+    picture.displacements_m = model.displacements_m(temperatures_K);
+    picture.von_mises_Pa.resize(nodes);
+    for (Eigen::Index i = 0; i < nodes; ++i) picture.von_mises_Pa[i] = von_mises_Pa(stress_from(stresses_Pa.row(i)));
+  }
+  for (const FeKeyPoint& point : affine.key_points) {
+    picture.key_point_rises_K.push_back({point.name, point.row.dot(temperatures_K) - state.datum_K});
+  }
   const Eigen::VectorXd warmed_K = temperatures_K.array() - affine.boundaries.reference_temperature_K;
   for (const FeDeformation& output : affine.deformations) {
     picture.deformation_um.push_back(micrometres_per_metre * output.row_m_per_K.dot(warmed_K));

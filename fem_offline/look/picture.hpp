@@ -29,15 +29,18 @@ struct SectionPicture {
   const Lattice& lattice;
   PictureState state;
   Eigen::VectorXd rises_K;
-  Eigen::VectorXd displacements_m;  ///< empty if the description asks for no deformation
+  Eigen::VectorXd displacements_m;  ///< empty if the description asks for no mechanics
+  Eigen::VectorXd von_mises_Pa;     ///< empty likewise
   std::vector<double> deformation_um;
   std::vector<NamedValue> air_rises_K;
   std::vector<NamedValue> heats_W;  ///< of every source at the reference state
+  std::vector<NamedValue> key_point_rises_K;
+  std::vector<PartQuality> quality;
 };
 
 /// Draws the meridian section (z to the right, nose on the left, r upwards, mm) without a display, as PNG files
-/// DIR/<name>_parts.png, _rise.png, _mesh.png and, if the description asks for deformations, _deformed.png. Returns
-/// their paths. Throws rom::InputError if a file cannot be written.
+/// DIR/<name>_parts.png, _rise.png, _mesh.png and, if the description asks for mechanics, _deformed.png and
+/// _stress.png. Returns their paths. Throws rom::InputError if a file cannot be written.
 std::vector<std::string> write_pictures(const std::string& directory, const std::string& name,
                                         const SectionPicture& picture);
 

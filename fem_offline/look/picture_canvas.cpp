@@ -85,6 +85,17 @@ void Canvas::arrow(const Pixel& from, const Pixel& to, const Colour& colour) {
   cairo_fill(pen_);
 }
 
+void Canvas::polygon(const std::vector<Pixel>& corners, const Colour& fill, const Colour& rim) {
+  cairo_new_path(pen_);
+  for (const Pixel& corner : corners) cairo_line_to(pen_, corner.x, corner.y);
+  cairo_close_path(pen_);
+  set_colour(fill);
+  cairo_fill_preserve(pen_);
+  cairo_set_line_width(pen_, 2.0);
+  set_colour(rim);
+  cairo_stroke(pen_);
+}
+
 void Canvas::set_font(const TextStyle& style) {
   cairo_select_font_face(pen_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                          style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
@@ -126,31 +137,36 @@ void draw_axes(Canvas& canvas, const View& view) {
   const PixelBox& frame = view.frame;
   canvas.line({frame.x0, frame.y1 + 8}, {frame.x1, frame.y1 + 8}, 1.5, axis_colour);
   canvas.line({frame.x0 - 8, frame.y0}, {frame.x0 - 8, frame.y1}, 1.5, axis_colour);
-  const auto ticks = [](double from_m, double to_m, double px_per_m, auto draw) {
-    constexpr double least_distance_px = 60.0;
-    const double span_mm = millimetres_per_metre * (to_m - from_m);
-    const int count = std::max(1, static_cast<int>((to_m - from_m) * px_per_m / least_distance_px));
-    double step_mm = nice_step(span_mm, count);
-    if (span_mm / step_mm > 2.0 * count) step_mm *= 2.0;
-    const double from_mm = millimetres_per_metre * from_m;
-    for (double k = std::ceil(from_mm / step_mm - 1e-9); k * step_mm <= from_mm + span_mm * (1.0 + 1e-9); k += 1.0) {
-      const int digits = step_mm >= 1.0 ? 0 : static_cast<int>(std::ceil(-std::log10(step_mm)));
+  const auto ticks = [&](double from_m, double to_m, double least_distance_px, auto draw) {
+    const double from_mm = millimetres_per_metre * from_m, to_mm = millimetres_per_metre * to_m;
+    const double px_per_mm = view.px_per_m / millimetres_per_metre;
+    double step_mm = std::pow(10.0, std::floor(std::log10(least_distance_px / px_per_mm)));
+    for (const double factor : {2.0, 2.5, 2.0}) {
+      if (step_mm * px_per_mm < least_distance_px) step_mm *= factor;
+    }
+    const int digits = step_mm >= 1.0 ? 0 : static_cast<int>(std::ceil(-std::log10(step_mm) - 1e-9));
+    for (double k = std::ceil(from_mm / step_mm - 1e-9); k * step_mm <= to_mm + 1e-9 * step_mm; k += 1.0) {
       draw(k * step_mm / millimetres_per_metre, fixed(k * step_mm, digits));
     }
   };
   const double right_m = view.z0_m + (frame.x1 - frame.x0) / view.px_per_m;
   const double top_m = view.r0_m + (frame.y1 - frame.y0) / view.px_per_m;
-  ticks(view.z0_m, right_m, view.px_per_m, [&](double z_m, const std::string& words) {
+  const TextStyle tick_style{15.0, false, Align::centre, axis_colour};
+  const double widest_px = std::max(canvas.text_width_px(fixed(millimetres_per_metre * view.z0_m, 0), tick_style),
+                                    canvas.text_width_px(fixed(millimetres_per_metre * right_m, 0), tick_style));
+  ticks(view.z0_m, right_m, std::max(50.0, widest_px + 22.0), [&](double z_m, const std::string& words) {
     canvas.line({view.x(z_m), frame.y1 + 8}, {view.x(z_m), frame.y1 + 15}, 1.5, axis_colour);
-    canvas.text({view.x(z_m), frame.y1 + 27}, words, {15.0, false, Align::centre, axis_colour});
+    canvas.text({view.x(z_m), frame.y1 + 27}, words, tick_style);
   });
-  ticks(view.r0_m, top_m, view.px_per_m, [&](double r_m, const std::string& words) {
+  ticks(view.r0_m, top_m, 32.0, [&](double r_m, const std::string& words) {
     canvas.line({frame.x0 - 8, view.y(r_m)}, {frame.x0 - 15, view.y(r_m)}, 1.5, axis_colour);
     canvas.text({frame.x0 - 20, view.y(r_m)}, words, {15.0, false, Align::right, axis_colour});
   });
-  canvas.text({0.5 * (frame.x0 + frame.x1), frame.y1 + 50}, "z in mm", {16.0, false, Align::centre, axis_colour});
-  canvas.text({frame.x0 - 20, frame.y0 - 22}, "r in mm", {16.0, false, Align::centre, axis_colour});
-  if (view.r0_m <= 0.0) {
+  canvas.text({0.5 * (frame.x0 + frame.x1), frame.y1 + 50}, std::string(1, view.name_right()) + " in mm",
+              {16.0, false, Align::centre, axis_colour});
+  canvas.text({frame.x0 - 20, frame.y0 - 22}, std::string(1, view.name_up()) + " in mm",
+              {16.0, false, Align::centre, axis_colour});
+  if (view.geometry == Geometry::axisymmetric && view.r0_m <= 0.0) {
     canvas.line({frame.x0, view.y(0.0)}, {frame.x1, view.y(0.0)}, 1.2, axis_colour, {24, 5, 4, 5});
   }
 }
@@ -197,6 +213,14 @@ void LabelBoard::draw() {
     canvas_->text({0.5 * (label.box.x0 + label.box.x1), 0.5 * (label.box.y0 + label.box.y1)}, label.words, centred);
   }
   labels_.clear();
+}
+
+std::string compact(double value) {
+  std::array<char, 32> buffer{};
+  // Whole numbers in full up to a million.
+  std::snprintf(buffer.data(), buffer.size(), std::abs(value) >= 1000.0 && std::abs(value) < 1e6 ? "%.0f" : "%.3g",
+                value);
+  return buffer.data();
 }
 
 std::string fixed(double value, int digits) {

@@ -51,6 +51,7 @@ class Canvas {
   void disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim);
   /// Head at `to`.
   void arrow(const Pixel& from, const Pixel& to, const Colour& colour);
+  void polygon(const std::vector<Pixel>& corners, const Colour& fill, const Colour& rim);
   void text(const Pixel& at, const std::string& words, const TextStyle& style = {});
   double text_width_px(const std::string& words, const TextStyle& style = {});
 
@@ -66,8 +67,9 @@ class Canvas {
   cairo_t* pen_;
 };
 
-/// Where the section lies on the picture: z to the right, r upwards.
+/// Where the section lies on the picture: z to the right, r upwards; y and x of a planar one.
 struct View {
+  Geometry geometry = Geometry::axisymmetric;
   PixelBox frame;
   double px_per_m = 1.0;
   double z0_m = 0.0;
@@ -76,9 +78,12 @@ struct View {
   double x(double z_m) const { return frame.x0 + px_per_m * (z_m - z0_m); }
   double y(double r_m) const { return frame.y1 - px_per_m * (r_m - r0_m); }
   Pixel at(const Point& point) const { return {x(point.z_m), y(point.r_m)}; }
+  /// Of the axis that runs upwards and the one that runs to the right.
+  char name_up() const { return geometry == Geometry::planar ? 'x' : 'r'; }
+  char name_right() const { return geometry == Geometry::planar ? 'y' : 'z'; }
 };
 
-/// Axes in mm, and the axis of rotation as a chain line if it is in view.
+/// Axes in mm, and the axis of rotation as a chain line if there is one and it is in view.
 void draw_axes(Canvas& canvas, const View& view);
 
 /// Labels that avoid each other: every new one takes the free place nearest to its anchor, with a leader line if that
@@ -105,6 +110,9 @@ class LabelBoard {
   std::vector<PixelBox> taken_;
   std::vector<Label> labels_;
 };
+
+/// A number with three significant digits, as short as it goes: 5.2e+10, 0.03, 1500.
+std::string compact(double value);
 
 /// A number with `digits` behind the point, without a minus before zero.
 std::string fixed(double value, int digits);

@@ -6,9 +6,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double micrometres_per_metre = 1e6;
-constexpr Colour rim_colour{0.1, 0.1, 0.12, 0.85};
-
 /// Least and greatest value of every part and where they are.
 struct Extremes {
   int least_node = -1;
@@ -27,11 +24,12 @@ std::vector<Extremes> extremes_of(const SectionPicture& picture, const Eigen::Ve
   return extremes;
 }
 
-void draw_isolines(Canvas& canvas, const View& view, const SectionPicture& picture,
-                   const std::vector<LatticeTriangle>& triangles, const FieldScale& scale, LabelBoard& board) {
+void draw_isolines(Canvas& canvas, const View& view, const Lattice& lattice,
+                   const std::vector<LatticeTriangle>& triangles, const Eigen::VectorXd& field, const FieldScale& scale,
+                   LabelBoard& board) {
   constexpr double apart_px = 330.0;
   for (const double level : scale.levels()) {
-    const std::vector<IsolinePiece> pieces = isoline(picture.lattice, triangles, picture.rises_K, level);
+    const std::vector<IsolinePiece> pieces = isoline(lattice, triangles, field, level);
     for (const IsolinePiece& piece : pieces) {
       const Pixel from = view.at(piece.start), to = view.at(piece.end);
       cairo_move_to(canvas.pen(), from.x, from.y);
@@ -66,151 +64,116 @@ void mark_extreme(Canvas& canvas, const Pixel& at) {
   }
 }
 
-PixelBox bar_box(const View& view) { return {480, view.frame.y1 + 78, picture_width_px - 100, view.frame.y1 + 100}; }
-constexpr double below_section_px = 150.0;
+/// A field over the section with what is said of it.
+struct FieldFigure {
+  std::string title;
+  std::string subtitle;
+  std::string bar_title;
+  std::string parts_title;
+  std::string unit;
+  std::vector<std::size_t> marked;  ///< parts whose greatest value gets a cross and the part's number
+  bool key_points = false;
+};
 
-}  // namespace
-
-void draw_rise_picture(const SectionPicture& picture, const std::string& path) {
-  const View view = make_view(picture.lattice);
-  const std::vector<Extremes> extremes = extremes_of(picture, picture.rises_K);
-  std::vector<LegendGroup> groups{{"Rise in K: least to greatest of every part", {}}};
+/// Part numbers are those of the picture of the parts.
+LegendGroup extremes_legend(const SectionPicture& picture, const Eigen::VectorXd& field,
+                            const std::vector<Extremes>& extremes, const std::string& title) {
+  LegendGroup group{title, {}};
   for (std::size_t part = 0; part < extremes.size(); ++part) {
-    groups[0].lines.push_back({{},
-                               picture.spindle.parts[part].name,
-                               fixed(picture.rises_K[extremes[part].least_node], 2) + " to " +
-                                   fixed(picture.rises_K[extremes[part].most_node], 2)});
+    group.lines.push_back(
+        {[part](Canvas& canvas, const PixelBox& box) {
+           canvas.text({box.x1, 0.5 * (box.y0 + box.y1)}, std::to_string(part + 1), {16.0, true, Align::right, ink});
+         },
+         picture.spindle.parts[part].name,
+         fixed(field[extremes[part].least_node], 2) + " to " + fixed(field[extremes[part].most_node], 2)});
   }
-  if (!picture.air_rises_K.empty()) {
-    groups.push_back({"Rise of enclosed air in K", {}});
-    for (const NamedValue& air : picture.air_rises_K) groups[1].lines.push_back({{}, air.name, fixed(air.value, 2)});
-  }
+  return group;
+}
+
+void draw_field_figure(const SectionPicture& picture, const Eigen::VectorXd& field, const FieldFigure& figure,
+                       const std::vector<LegendGroup>& more_groups, const std::string& path) {
+  const View view = make_view(picture.lattice.nodes, picture.spindle.geometry);
+  const std::vector<Extremes> extremes = extremes_of(picture, field);
+  std::vector<LegendGroup> groups{extremes_legend(picture, field, extremes, figure.parts_title)};
+  groups.insert(groups.end(), more_groups.begin(), more_groups.end());
   const double legend_top = view.frame.y1 + below_section_px;
   Canvas canvas(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, 4));
-  draw_title(canvas, picture.spindle.name + ": temperature rise", picture.state.title);
+  draw_title(canvas, picture.spindle.name + figure.title, figure.subtitle);
 
   const std::vector<LatticeTriangle> triangles = triangles_of(picture.lattice);
-  const FieldScale scale = make_scale(picture.rises_K.minCoeff(), picture.rises_K.maxCoeff());
-  fill_field(canvas, view, picture.lattice.nodes, triangles, picture.rises_K, scale);
+  const FieldScale scale = make_scale(field.minCoeff(), field.maxCoeff());
+  fill_field(canvas, view, picture.lattice.nodes, triangles, field, scale);
   stroke_edges(canvas, view, picture.lattice.nodes, edges_of(picture.lattice, true), 1.3, rim_colour);
   draw_axes(canvas, view);
 
-  // The hottest place of every part that carries a source, the hottest of all first so that it gets the best place.
   LabelBoard board(canvas, {view.frame.x0, 95, view.frame.x1, view.frame.y1});
-  std::vector<std::size_t> heated;
-  for (const HeatSource& heat : picture.spindle.heats) {
-    for (const HeatShare& share : heat.shares) heated.push_back(share.part);
-  }
-  const auto most = [&](std::size_t part) { return picture.rises_K[extremes[part].most_node]; };
+  if (figure.key_points) draw_key_points(canvas, view, picture.spindle, board);
+  const auto most = [&](std::size_t part) { return field[extremes[part].most_node]; };
+  // The greatest of all first, so that it gets the best place; it is told in full.
+  std::vector<std::size_t> marked = figure.marked;
   for (std::size_t part = 0; part < extremes.size(); ++part) {
-    if (most(part) == scale.high) heated.push_back(part);
+    if (most(part) == field.maxCoeff()) marked.push_back(part);
   }
-  std::sort(heated.begin(), heated.end());
-  heated.erase(std::unique(heated.begin(), heated.end()), heated.end());
-  std::sort(heated.begin(), heated.end(), [&](std::size_t a, std::size_t b) { return most(a) > most(b); });
+  std::sort(marked.begin(), marked.end());
+  marked.erase(std::unique(marked.begin(), marked.end()), marked.end());
+  std::sort(marked.begin(), marked.end(), [&](std::size_t a, std::size_t b) { return most(a) > most(b); });
   const auto place_of = [&](std::size_t part) { return view.at(picture.lattice.nodes[extremes[part].most_node]); };
-  for (const std::size_t part : heated) {
+  for (const std::size_t part : marked) {
     const Pixel at = place_of(part);
     mark_extreme(canvas, at);
     board.keep_free({at.x - 7, at.y - 7, at.x + 7, at.y + 7});
   }
-  for (std::size_t i = 0; i < heated.size(); ++i) {
-    board.add(place_of(heated[i]), picture.spindle.parts[heated[i]].name + " " + fixed(most(heated[i]), 2) + " K",
-              {i == 0 ? 19.0 : 15.0, i == 0, Align::centre, ink, true});
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    const std::string number = std::to_string(marked[i] + 1);
+    const std::string whole = number + " " + picture.spindle.parts[marked[i]].name + " " + fixed(most(marked[i]), 2);
+    board.add(place_of(marked[i]), i == 0 ? whole + " " + figure.unit : number,
+              {i == 0 ? 19.0 : 15.0, true, Align::centre, ink, true});
   }
-  draw_isolines(canvas, view, picture, triangles, scale, board);
+  draw_isolines(canvas, view, picture.lattice, triangles, field, scale, board);
   board.draw();
-  draw_colour_bar(canvas, bar_box(view), scale, "rise in K above " + fixed(picture.state.datum_K - 273.15, 2) + " °C");
+  draw_colour_bar(canvas, bar_box(view), scale, figure.bar_title);
   draw_legend(canvas, legend_top, groups, 4);
   canvas.save(path);
 }
 
-void draw_deformed_picture(const SectionPicture& picture, const std::string& path) {
-  const View view = make_view(picture.lattice);
-  const auto count = static_cast<Eigen::Index>(picture.lattice.nodes.size());
-  const auto by_node = picture.displacements_m.reshaped(2, count);
-  const Eigen::VectorXd length_um = micrometres_per_metre * by_node.colwise().norm().transpose();
-  // The longest displacement is drawn about as long as a twentieth of the section's height.
-  const double most_m = std::max(length_um.maxCoeff() / micrometres_per_metre, 1e-15);
-  const double drawn_m = 0.055 * (view.frame.y1 - view.frame.y0) / view.px_per_m;
-  const double exaggeration = nice_step(drawn_m / most_m, 1);
-  std::vector<Point> moved = picture.lattice.nodes;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    moved[static_cast<std::size_t>(i)].r_m += exaggeration * by_node(0, i);
-    moved[static_cast<std::size_t>(i)].z_m += exaggeration * by_node(1, i);
-  }
+}  // namespace
 
-  std::vector<LegendGroup> groups{{"Deformation in µm", {}}};
-  for (std::size_t i = 0; i < picture.deformation_um.size(); ++i) {
-    groups[0].lines.push_back({{}, picture.spindle.deformations[i].name, fixed(picture.deformation_um[i], 3)});
+void draw_rise_picture(const SectionPicture& picture, const std::string& path) {
+  FieldFigure figure{": temperature rise",
+                     picture.state.title,
+                     "rise in K above " + fixed(picture.state.datum_K - 273.15, 2) + " °C",
+                     "Rise in K: least to greatest of every part (cross: hottest place of a part with a heat source)",
+                     "K",
+                     {},
+                     true};
+  for (const HeatSource& heat : picture.spindle.heats) {
+    for (const HeatShare& share : heat.shares) figure.marked.push_back(share.part);
   }
-  const auto range = [&](int component, const std::string& name) {
-    groups[0].lines.push_back({{},
-                               name,
-                               fixed(micrometres_per_metre * by_node.row(component).minCoeff(), 2) + " to " +
-                                   fixed(micrometres_per_metre * by_node.row(component).maxCoeff(), 2)});
-  };
-  range(0, "u_r of all parts");
-  range(1, "u_z of all parts");
-  const double legend_top = view.frame.y1 + below_section_px;
-  Canvas canvas(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, 4));
-  const std::string times = fixed(exaggeration, 0);
-  draw_title(canvas, picture.spindle.name + ": deformed shape, exaggerated " + times + " times",
-             picture.state.title + "; growth from the stress-free state at " +
-                 fixed(picture.spindle.operating.reference_temperature_K - 273.15, 2) + " °C; dashed red: undeformed");
-  const FieldScale scale = make_scale(length_um.minCoeff(), length_um.maxCoeff());
-  fill_field(canvas, view, moved, triangles_of(picture.lattice), length_um, scale);
-  const std::vector<LatticeEdge> rim = edges_of(picture.lattice, true);
-  stroke_edges(canvas, view, moved, rim, 1.3, rim_colour);
-  const std::vector<double> dashes{4.0, 4.0};
-  cairo_set_dash(canvas.pen(), dashes.data(), 2, 0.0);
-  stroke_edges(canvas, view, picture.lattice.nodes, rim, 1.2, {0.75, 0.1, 0.1, 0.75});
-  cairo_set_dash(canvas.pen(), nullptr, 0, 0.0);
-  draw_axes(canvas, view);
-
-  LabelBoard board(canvas, {view.frame.x0, 95, picture_width_px - 20, view.frame.y1});
-  for (std::size_t i = 0; i < picture.deformation_um.size(); ++i) {
-    const DeformationOutput& output = picture.spindle.deformations[i];
-    const Pixel at =
-        view.at({0.5 * (output.face.r0_m + output.face.r1_m), 0.5 * (output.face.z0_m + output.face.z1_m)});
-    const char axis = output.direction == Direction::radial ? 'r' : 'z';
-    board.add(
-        at,
-        output.name + " " + fixed(picture.deformation_um[i], 2) + " µm along " + (output.sign < 0 ? "−" : "+") + axis,
-        {19.0, true, Align::centre, ink, true});
-    canvas.disc(at, 5.0, ink, {1.0, 1.0, 1.0, 1.0});
+  std::vector<LegendGroup> groups;
+  groups.push_back({"Rise of key points in K", {}});
+  for (std::size_t k = 0; k < picture.key_point_rises_K.size(); ++k) {
+    const NamedValue& point = picture.key_point_rises_K[k];
+    groups.back().lines.push_back({[k](Canvas& canvas, const PixelBox& box) {
+                                     const Pixel middle{box.x1 - 10.0, 0.5 * (box.y0 + box.y1)};
+                                     draw_letter_disc(canvas, middle, letter_of(k));
+                                   },
+                                   point.name, fixed(point.value, 2)});
   }
-  board.draw();
-  draw_colour_bar(canvas, bar_box(view), scale, "displacement in µm");
-  draw_legend(canvas, legend_top, groups, 3);
-  canvas.save(path);
+  groups.push_back({"Rise of enclosed air in K", {}});
+  for (const NamedValue& air : picture.air_rises_K) groups.back().lines.push_back({{}, air.name, fixed(air.value, 2)});
+  draw_field_figure(picture, picture.rises_K, figure, groups, path);
 }
 
-void draw_mesh_picture(const SectionPicture& picture, const std::string& path) {
-  const View view = make_view(picture.lattice);
-  std::vector<std::size_t> elements(picture.spindle.parts.size(), 0);
-  for (const LatticeCell& cell : picture.lattice.cells) ++elements[cell.part];
-  std::vector<LegendGroup> groups{{"Elements of every part", {}}};
-  for (std::size_t part = 0; part < elements.size(); ++part) {
-    groups[0].lines.push_back({[part](Canvas& canvas, const PixelBox& box) {
-                                 canvas.fill_box(box, part_colour(part));
-                                 canvas.frame_box(box, 1.0, ink);
-                               },
-                               picture.spindle.parts[part].name, std::to_string(elements[part])});
-  }
-  const double legend_top = view.frame.y1 + 75.0;
-  Canvas canvas(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, 4));
-  draw_title(canvas, picture.spindle.name + ": mesh",
-             std::to_string(picture.lattice.cells.size()) + " quadrilaterals of degree " +
-                 std::to_string(picture.lattice.degree) + ", " + std::to_string(picture.lattice.nodes.size()) +
-                 " nodes, element size " + fixed(1e3 * picture.spindle.mesh.element_size_m, 2) +
-                 " mm; parts share no nodes");
-  fill_parts(canvas, view, picture.section);
-  stroke_edges(canvas, view, picture.lattice.nodes, edges_of(picture.lattice, false), 0.8, {0.2, 0.25, 0.35, 0.9});
-  stroke_edges(canvas, view, picture.lattice.nodes, edges_of(picture.lattice, true), 2.0, ink);
-  draw_axes(canvas, view);
-  draw_legend(canvas, legend_top, groups, 4);
-  canvas.save(path);
+void draw_stress_picture(const SectionPicture& picture, const std::string& path) {
+  constexpr double megapascals_per_pascal = 1e-6;
+  const FieldFigure figure{": thermal stress",
+                           picture.state.title + "; bonded, elastic; without the pressure of fits at assembly",
+                           "von Mises stress in MPa",
+                           "Von Mises stress in MPa: least to greatest of every part",
+                           "MPa",
+                           {},
+                           false};
+  draw_field_figure(picture, megapascals_per_pascal * picture.von_mises_Pa, figure, {}, path);
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -15,27 +15,35 @@ constexpr double legend_left_px = 60.0;
 
 }  // namespace
 
-View make_view(const Lattice& lattice) {
+View make_view(const std::vector<Point>& nodes, Geometry geometry) {
   Box box{1e9, -1e9, 1e9, -1e9};
-  for (const Point& node : lattice.nodes) {
+  for (const Point& node : nodes) {
     box.r0_m = std::min(box.r0_m, node.r_m);
     box.r1_m = std::max(box.r1_m, node.r_m);
     box.z0_m = std::min(box.z0_m, node.z_m);
     box.z1_m = std::max(box.z1_m, node.z_m);
   }
-  const bool axis_is_near = box.r0_m >= 0.0 && box.r0_m <= box.r1_m - box.r0_m;
-  const double margin_z_m = 0.04 * (box.z1_m - box.z0_m), margin_r_m = 0.05 * (box.r1_m - box.r0_m);
-  const double r0_m = axis_is_near ? 0.0 : box.r0_m - margin_r_m;
-  const double height_m = box.r1_m + margin_r_m - r0_m;
-  const double width_m = box.z1_m - box.z0_m + 2.0 * margin_z_m;
-  View view;
+  const bool axis_is_near = geometry == Geometry::axisymmetric && box.r0_m >= 0.0 && box.r0_m <= box.r1_m - box.r0_m;
+  // Room for arrows and supports around the section, none below an axis of rotation.
+  constexpr double beside_px = 70.0, above_px = 50.0;
+  const double below_px = axis_is_near ? 0.0 : above_px;
+  const double r0_m = axis_is_near ? 0.0 : box.r0_m;
   const double room_px = picture_width_px - margin_left_px - margin_right_px;
-  view.px_per_m = std::min(room_px / width_m, most_height_px / height_m);
-  const double left_px = margin_left_px + 0.5 * (room_px - view.px_per_m * width_m);
-  view.frame = {left_px, top_px, left_px + view.px_per_m * width_m, top_px + view.px_per_m * height_m};
-  view.z0_m = box.z0_m - margin_z_m;
-  view.r0_m = r0_m;
+  View view;
+  view.geometry = geometry;
+  view.px_per_m = std::min((room_px - 2.0 * beside_px) / (box.z1_m - box.z0_m),
+                           (most_height_px - above_px - below_px) / (box.r1_m - r0_m));
+  const double width_px = view.px_per_m * (box.z1_m - box.z0_m) + 2.0 * beside_px;
+  const double height_px = view.px_per_m * (box.r1_m - r0_m) + above_px + below_px;
+  const double left_px = margin_left_px + 0.5 * (room_px - width_px);
+  view.frame = {left_px, top_px, left_px + width_px, top_px + height_px};
+  view.z0_m = box.z0_m - beside_px / view.px_per_m;
+  view.r0_m = r0_m - below_px / view.px_per_m;
   return view;
+}
+
+std::string section_words(const Spindle& spindle) {
+  return spindle.geometry == Geometry::planar ? "planar section, values per metre of depth" : "meridian section";
 }
 
 void draw_title(Canvas& canvas, const std::string& title, const std::string& subtitle) {
@@ -156,6 +164,7 @@ void draw_colour_bar(Canvas& canvas, const PixelBox& box, const FieldScale& scal
 int legend_height_px(const std::vector<LegendGroup>& groups, int columns) {
   double height_px = 20.0;
   for (const LegendGroup& group : groups) {
+    if (group.lines.empty()) continue;
     const double rows = std::ceil(static_cast<double>(group.lines.size()) / columns);
     height_px += group_title_px + rows * line_height_px + 12.0;
   }
@@ -166,6 +175,7 @@ void draw_legend(Canvas& canvas, double top, const std::vector<LegendGroup>& gro
   const double column_px = (canvas.width_px() - 2.0 * legend_left_px) / columns;
   double y = top;
   for (const LegendGroup& group : groups) {
+    if (group.lines.empty()) continue;
     canvas.text({legend_left_px, y + 14}, group.title, {17.0, true, Align::left, ink});
     y += group_title_px;
     const std::size_t rows =

@@ -13,8 +13,11 @@ namespace spindle_twin::fem_offline {
 inline constexpr int picture_width_px = 2000;
 inline constexpr Colour ink{0.12, 0.12, 0.14, 1.0};
 
-/// The whole section with a margin, below a title; the axis of rotation is in view unless it is far off.
-View make_view(const Lattice& lattice);
+/// All nodes with a margin, below a title; the axis of rotation is in view unless it is far off.
+View make_view(const std::vector<Point>& nodes, Geometry geometry);
+
+/// "meridian section" or what a planar one is.
+std::string section_words(const Spindle& spindle);
 
 void draw_title(Canvas& canvas, const std::string& title, const std::string& subtitle);
 
@@ -43,6 +46,27 @@ void fill_field(Canvas& canvas, const View& view, const std::vector<Point>& node
 
 void draw_colour_bar(Canvas& canvas, const PixelBox& box, const FieldScale& scale, const std::string& title);
 
+/// A, B, ... Z, A1, B1, ...: the mark of a key point or stress probe.
+std::string letter_of(std::size_t index);
+
+/// All key points as discs with their letters; keeps their places free of labels.
+void draw_key_points(Canvas& canvas, const View& view, const Spindle& spindle, LabelBoard& board);
+void draw_letter_disc(Canvas& canvas, const Pixel& at, const std::string& letter);
+
+/// Where an output or its label belongs: its point, or the middle of its face.
+Point anchor_of(const DeformationOutput& output);
+/// From the anchor a fixed length along the positive sense of the output; returns the tip.
+Pixel draw_output_arrow(Canvas& canvas, const Pixel& anchor, const DeformationOutput& output, LabelBoard& board);
+/// Such as "+r", or "−y" of a planar section.
+std::string sense_of(const DeformationOutput& output, const View& view);
+
+/// Of the colour bar; the legend starts so far below the section when there is one.
+inline PixelBox bar_box(const View& view) {
+  return {480, view.frame.y1 + 78, picture_width_px - 100, view.frame.y1 + 100};
+}
+inline constexpr double below_section_px = 150.0;
+inline constexpr Colour rim_colour{0.1, 0.1, 0.12, 0.85};
+
 /// One line of a legend or table; `draw_symbol` gets a box of 34 x 18 pixels.
 struct LegendLine {
   std::function<void(Canvas&, const PixelBox&)> draw_symbol;
@@ -54,12 +78,30 @@ struct LegendGroup {
   std::vector<LegendLine> lines;
 };
 
-/// Height of the groups below each other, each in `columns` columns.
+/// Height of the groups below each other, each in `columns` columns; a group without lines is left out.
 int legend_height_px(const std::vector<LegendGroup>& groups, int columns);
 void draw_legend(Canvas& canvas, double top_px, const std::vector<LegendGroup>& groups, int columns);
 
+/// Unit normal out of the part, on the picture; the part lies to the left from start to end.
+Pixel outward(const BoundaryPiece& piece);
+void draw_piece(Canvas& canvas, const View& view, const BoundaryPiece& piece, double offset_px, double width_px,
+                const Colour& colour, const std::vector<double>& dashes_px = {});
+
+void draw_surfaces(Canvas& canvas, const View& view, const SectionPicture& picture);
+LegendGroup surfaces_legend(const Spindle& spindle);
+/// Arrows from segment to segment in the sense of the operating flow.
+void draw_circuits(Canvas& canvas, const View& view, const SectionPicture& picture, LabelBoard& board);
+LegendGroup circuits_legend(const Spindle& spindle);
+void draw_heats(Canvas& canvas, const View& view, const SectionPicture& picture);
+LegendGroup heats_legend(const SectionPicture& picture);
+void draw_supports(Canvas& canvas, const View& view, const SectionPicture& picture, LabelBoard& board);
+void draw_outputs(Canvas& canvas, const View& view, const SectionPicture& picture, LabelBoard& board);
+LegendGroup points_legend(const Spindle& spindle);
+LegendGroup supports_legend(const Spindle& spindle);
+
 void draw_parts_picture(const SectionPicture& picture, const std::string& path);
 void draw_rise_picture(const SectionPicture& picture, const std::string& path);
+void draw_stress_picture(const SectionPicture& picture, const std::string& path);
 void draw_deformed_picture(const SectionPicture& picture, const std::string& path);
 void draw_mesh_picture(const SectionPicture& picture, const std::string& path);
 

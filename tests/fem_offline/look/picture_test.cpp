@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "fem_offline/look/picture_frame.hpp"
 #include "fem_offline/model/build_model.hpp"
@@ -61,6 +62,94 @@ struct Image {
   }
   std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface;
 };
+
+/// A planar bar on a point and springs, with everything on it that the reference spindle has not.
+std::string bracket(const std::string& supports) {
+  return R"(name = "bracket"
+geometry = "planar"
+[operating]
+speed_rpm = 1000
+reference_temperature_degC = 20
+temperatures_degC = { room = 22, plate = 60 }
+[mesh]
+element_size_mm = 5
+[[material]]
+name = "steel"
+conductivity_r_W_per_mK = 48
+density_kg_per_m3 = 7830
+heat_capacity_J_per_kgK = 450
+youngs_modulus_Pa = 209e9
+poisson_ratio = 0.269
+expansion_per_K = 1.17e-5
+[[part]]
+name = "bar"
+material = "steel"
+rectangles = [[0, 40, 0, 200]]
+[[surrounding]]
+name = "room"
+kind = "ambient"
+[[surrounding]]
+name = "plate"
+kind = "ambient"
+[[film]]
+name = "air"
+coefficient_W_per_m2K = 10
+surrounding = "room"
+regions = [[40, 50, 0, 200], [0, 40, 200, 210], [-5, 0, 0, 200]]
+[[radiation]]
+name = "glow"
+surrounding = "room"
+emissivity = 0.8
+mean_temperature_degC = 60
+regions = [[40, 50, 0, 200]]
+[[prescribed_temperature]]
+name = "foot"
+surrounding = "plate"
+regions = [[0, 40, -5, 0]]
+[[heat]]
+name = "lamp"
+flux_W_per_m2 = 2000
+shares = [{ part = "bar", on_face = [0, 0, 50, 150] }]
+)" + supports;
+}
+
+const std::string bracket_supports = R"([[support]]
+part = "bar"
+at = [0, 0]
+holds = "rz"
+[[support]]
+part = "bar"
+at = [0, 200]
+stiffness_r_N_per_m = 2e8
+[[support]]
+part = "bar"
+face = [0, 40, 200, 200]
+stiffness_z_N_per_m = 1e7
+[[deformation]]
+name = "tip"
+part = "bar"
+at = [40, 200]
+positive_along = "+z"
+[[deformation]]
+name = "lift"
+part = "bar"
+at = [40, 200]
+positive_along = "+r"
+[[deformation]]
+name = "stretch"
+part = "bar"
+at = [40, 0]
+positive_along = "-z"
+minus = "tip"
+[[key_point]]
+name = "middle"
+part = "bar"
+at = [20, 100]
+[[stress_probe]]
+name = "corner"
+part = "bar"
+at = [40, 3]
+)";
 
 TEST(Lattice, triangles_cover_the_section_once) {
   const Lattice lattice = reference().lattice();
@@ -134,7 +223,7 @@ TEST(FieldColour, lightness_is_linear_in_the_share) {
 
 TEST(Picture, colour_at_a_place_is_that_of_the_field_there) {
   const Lattice lattice = reference().lattice();
-  const View view = make_view(lattice);
+  const View view = make_view(lattice.nodes, Geometry::axisymmetric);
   Eigen::VectorXd field(static_cast<Eigen::Index>(lattice.nodes.size()));
   for (std::size_t i = 0; i < lattice.nodes.size(); ++i) field[static_cast<Eigen::Index>(i)] = lattice.nodes[i].z_m;
   Canvas canvas(picture_width_px, static_cast<int>(view.frame.y1) + 10);
@@ -158,12 +247,71 @@ TEST(Picture, every_kind_is_written) {
   const AffineModel& affine = reference().affine();
   const Eigen::VectorXd warm_K = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(affine.places.size()), 301.15);
   const auto written = write_pictures(folder, "warm", reference(), warm_K, {"uniform rise", 300.15});
-  ASSERT_EQ(written.size(), 4U);
+  ASSERT_EQ(written.size(), 5U);
   for (const std::string& path : written) {
     const Image image(path);
     EXPECT_EQ(image.width(), picture_width_px) << path;
     EXPECT_GT(image.height(), 500) << path;
   }
+}
+
+TEST(Picture, view_holds_all_nodes_and_names_the_axes_of_the_geometry) {
+  const std::vector<Point> nodes{{-0.01, 0.0}, {0.04, 0.0}, {0.04, 0.2}, {-0.01, 0.2}};
+  const View planar = make_view(nodes, Geometry::planar);
+  for (const Point& node : nodes) {
+    EXPECT_GT(planar.at(node).x, planar.frame.x0);
+    EXPECT_LT(planar.at(node).x, planar.frame.x1);
+    EXPECT_GT(planar.at(node).y, planar.frame.y0);
+    EXPECT_LT(planar.at(node).y, planar.frame.y1);
+  }
+  const View round = make_view({{0.01, 0.0}, {0.04, 0.2}}, Geometry::axisymmetric);
+  EXPECT_DOUBLE_EQ(round.y(0.0), round.frame.y1);
+  DeformationOutput output;
+  output.direction = Direction::radial;
+  EXPECT_EQ(sense_of(output, planar), "+x");
+  EXPECT_EQ(sense_of(output, round), "+r");
+  output.direction = Direction::axial;
+  output.sign = -1.0;
+  EXPECT_EQ(sense_of(output, planar), "−y");
+  EXPECT_EQ(sense_of(output, round), "−z");
+}
+
+TEST(Picture, letters_of_key_points_are_all_different) {
+  std::set<std::string> letters;
+  for (std::size_t k = 0; k < 200; ++k) EXPECT_TRUE(letters.insert(letter_of(k)).second) << k;
+  EXPECT_EQ(letter_of(0), "A");
+  EXPECT_EQ(letter_of(26), "A1");
+}
+
+TEST(Picture, point_supports_springs_and_radiation_stand_beside_the_part) {
+  const auto folder = fresh_folder("bracket");
+  const auto drawn = [&](const std::string& name, const std::string& supports) {
+    const Spindle spindle = parse_spindle(bracket(supports), "bracket.toml");
+    const FeModel model(spindle, build_section(spindle));
+    const Eigen::VectorXd warm_K =
+        Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.affine().places.size()), 300.15);
+    return std::pair(write_pictures(folder, name, model, warm_K, {"uniform rise", 293.15}),
+                     make_view(model.lattice().nodes, Geometry::planar));
+  };
+  const auto [with, view] = drawn("with", bracket_supports);
+  ASSERT_EQ(with.size(), 5U);
+  const auto without = drawn("without", "").first;
+  ASSERT_EQ(without.size(), 3U) << "no mechanics, so neither deformed shape nor stress";
+  const Image held(with[0]), loose(without[0]);
+  const auto is_dark = [](const Colour& colour) { return colour.red + colour.green + colour.blue < 1.0; };
+  // The ground below a held point and behind a spring; nothing without supports.
+  const Pixel foot = view.at({0.0, 0.0}), end = view.at({0.02, 0.2});
+  for (const Pixel& ground : {Pixel{foot.x, foot.y + 16.0}, Pixel{end.x + 31.0, end.y}}) {
+    EXPECT_TRUE(is_dark(held.at(ground)));
+    EXPECT_EQ(loose.at(ground).green, 1.0);
+  }
+  // Dots of radiation outside the film.
+  int dots = 0;
+  for (double x = view.x(0.05); x < view.x(0.15); x += 1.0) {
+    const Colour colour = loose.at({x, view.y(0.04) - 8.0});
+    if (colour.red > 0.6 && colour.green < 0.4) ++dots;
+  }
+  EXPECT_GT(dots, 100);
 }
 
 TEST(Picture, unwritable_folder_is_an_error_that_names_the_file) {
