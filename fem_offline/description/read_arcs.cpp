@@ -100,7 +100,8 @@ std::vector<Corner> corners_on(const TomlTable& table, const Arc& arc, const Mes
 
 }  // namespace
 
-Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettings& mesh) {
+Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettings& mesh,
+                     std::vector<ArcChord>& arcs_of_part) {
   std::vector<Corner> corners;
   for (const auto& row : table.rows_or_empty("points", 2, coordinate_mm(geometry))) corners.push_back({row[0], row[1]});
   const auto arcs = table.tables_or_empty("arcs");
@@ -109,6 +110,7 @@ Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettin
   }
   std::vector<std::vector<Corner>> before(corners.size());  // chord corners on the side that ends at each corner
   std::vector<bool> is_arc(corners.size(), false);
+  std::vector<Corner> centres(corners.size());
   for (const auto& given : arcs) {
     const Corner to = corner_from(given, "to", geometry);
     const auto found = std::find_if(corners.begin(), corners.end(),
@@ -123,6 +125,7 @@ Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettin
     const Arc arc = given.has("centre") ? about(given, from, *found)
                                         : through(given, from, corner_from(given, "through", geometry), *found);
     before[end] = corners_on(given, arc, mesh);
+    centres[end] = arc.centre;
   }
   Polygon polygon;
   const auto add = [&](const Corner& corner) {
@@ -131,9 +134,15 @@ Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettin
     }
     polygon.push_back({corner.r_mm * metre_per_mm, corner.z_mm * metre_per_mm});
   };
+  const auto to_m = [](const Corner& corner) { return Point{corner.r_mm * metre_per_mm, corner.z_mm * metre_per_mm}; };
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    for (const Corner& corner : before[i]) add(corner);
-    add(corners[i]);
+    before[i].push_back(corners[i]);
+    const Corner* from = &corners[(i + corners.size() - 1) % corners.size()];
+    for (const Corner& corner : before[i]) {
+      add(corner);
+      if (is_arc[i]) arcs_of_part.push_back({to_m(*from), to_m(corner), to_m(centres[i])});
+      from = &corner;
+    }
   }
   if (polygon.size() < 3) table.fail("points", "must enclose an area");
   return polygon;

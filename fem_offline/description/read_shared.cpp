@@ -44,14 +44,14 @@ Box read_face(const TomlTable& table, const std::string& key) {
 }
 
 std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons,
-                                 Geometry geometry, const MeshSettings& mesh) {
+                                 Geometry geometry, const MeshSettings& mesh, std::vector<ArcChord>& arcs) {
   std::vector<Polygon> shapes;
   for (const auto& row : table.rows_or_empty(rectangles, 4, coordinate_mm(geometry))) {
     const Box box = box_from(table, rectangles, row, false);
     shapes.push_back({{box.r0_m, box.z0_m}, {box.r1_m, box.z0_m}, {box.r1_m, box.z1_m}, {box.r0_m, box.z1_m}});
   }
   for (const auto& polygon : table.tables_or_empty(polygons)) {
-    shapes.push_back(read_polygon(polygon, geometry, mesh));
+    shapes.push_back(read_polygon(polygon, geometry, mesh, arcs));
   }
   return shapes;
 }

@@ -19,7 +19,7 @@ std::string sha256_hex(const std::string& text) {
 
 }  // namespace
 
-Spindle parse_spindle(const std::string& text, const std::string& file) {
+Spindle parse_spindle(const std::string& text, const std::string& file, double mesh_factor) {
   const TomlTable root = TomlTable::parse(text, file);
   Spindle spindle;
   spindle.file = file;
@@ -28,13 +28,16 @@ Spindle parse_spindle(const std::string& text, const std::string& file) {
   spindle.geometry = root.choice_or("geometry", "axisymmetric", {"axisymmetric", "planar"}) == "planar"
                          ? Geometry::planar
                          : Geometry::axisymmetric;
-  spindle.mesh = read_mesh(root);
+  spindle.mesh = read_mesh(root, spindle.geometry, mesh_factor);
 
   Names materials("material"), parts("part"), surroundings("surrounding"), films("film"),
       adiabatics("adiabatic region"), heats("heat"), key_points("key point"), deformations("deformation output");
   for (const auto& table : root.tables("material")) spindle.materials.push_back(read_material(table, materials));
   for (const auto& table : root.tables("part"))
     spindle.parts.push_back(read_part(table, parts, materials, spindle.geometry, spindle.mesh));
+  for (Part& part : spindle.parts) {
+    if (part.element_size_m) *part.element_size_m *= mesh_factor;
+  }
   const auto contacts = root.tables_or_empty("contact");
   for (const auto& table : contacts) spindle.contacts.push_back(read_contact(table, parts, spindle.geometry));
   check_contacts_once(spindle.contacts, contacts);
@@ -83,12 +86,12 @@ Spindle parse_spindle(const std::string& text, const std::string& file) {
   return spindle;
 }
 
-Spindle read_spindle(const std::string& path) {
+Spindle read_spindle(const std::string& path, double mesh_factor) {
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
   if (stream) text << stream.rdbuf();
   if (!stream || !text) throw InputError({path, 0}, "", "cannot be read as a file");
-  return parse_spindle(text.str(), path);
+  return parse_spindle(text.str(), path, mesh_factor);
 }
 
 }  // namespace spindle_twin::fem_offline

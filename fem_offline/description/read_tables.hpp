@@ -81,10 +81,12 @@ class Names {
 
 Box box_from(const TomlTable& table, const std::string& key, const std::vector<double>& row_mm, bool may_be_flat);
 std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons,
-                                 Geometry geometry, const MeshSettings& mesh);
-/// Corners of a polygon; arcs become chords no further from the arc than the sagitta and no longer than two elements.
-Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettings& mesh);
-MeshSettings read_mesh(const TomlTable& root);
+                                 Geometry geometry, const MeshSettings& mesh, std::vector<ArcChord>& arcs);
+/// Corners of a polygon; arcs become chords no further from the arc than the sagitta and no longer than two elements,
+/// each of which is added to `arcs`.
+Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettings& mesh, std::vector<ArcChord>& arcs);
+/// Without an element size in the file it follows from the area of the parts.
+MeshSettings read_mesh(const TomlTable& root, Geometry geometry, double mesh_factor);
 std::vector<Box> read_regions(const TomlTable& table);
 Box read_face(const TomlTable& table, const std::string& key);
 rom::SpeedLaw read_speed_law(const TomlTable& owner);

@@ -34,6 +34,11 @@ struct Box {
 
 using Polygon = std::vector<Point>;
 
+/// A side of a polygon that stands for an arc about `centre`, of less than half a circle.
+struct ArcChord {
+  Point start, end, centre;
+};
+
 struct Material {
   std::string name;
   double conductivity_r_W_per_mK = 0.0;
@@ -52,6 +57,7 @@ struct Part {
   std::size_t material = 0;
   std::vector<Polygon> shapes;  ///< rectangles are polygons of four points
   std::vector<Polygon> cuts;
+  std::vector<ArcChord> arcs;            ///< the sides of shapes and cuts that are arcs
   std::optional<double> element_size_m;  ///< in place of the one of the mesh
   std::optional<double> initial_K;       ///< where a transient starts; else with the rest of the spindle
   rom::SourceLine where;
@@ -242,7 +248,7 @@ struct Verification {
 };
 
 struct MeshSettings {
-  double element_size_m = 0.004;
+  double element_size_m = 0.004;  ///< without one in the file: √(area of the section) / 40
   int degree = 2;
   int cells_across = 1;                  ///< least number of elements across the thickness of any part
   std::optional<double> contact_size_m;  ///< element size where parts touch
@@ -276,10 +282,11 @@ struct Spindle {
 
 /// Reads a TOML description (lengths in mm, temperatures in degC, everything else SI).
 /// Throws rom::InputError with file, line and names for an unknown key, a missing or doubled name, an
-/// unknown reference, a negative, out-of-range or non-finite value.
-Spindle read_spindle(const std::string& path);
+/// unknown reference, a negative, out-of-range or non-finite value. `mesh_factor` (> 0) multiplies all element sizes,
+/// chords of arcs among them.
+Spindle read_spindle(const std::string& path, double mesh_factor = 1.0);
 
 /// The same from text; `file` is only for messages.
-Spindle parse_spindle(const std::string& text, const std::string& file);
+Spindle parse_spindle(const std::string& text, const std::string& file, double mesh_factor = 1.0);
 
 }  // namespace spindle_twin::fem_offline

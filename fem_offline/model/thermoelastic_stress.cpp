@@ -1,8 +1,9 @@
 #include "fem_offline/model/thermoelastic_stress.hpp"
 
 #include <deal.II/base/quadrature_lib.h>
-#include <deal.II/fe/fe_dgq.h>
 #include <deal.II/fe/fe_values.h>
+
+#include "fem_offline/model/patch_recovery.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -50,40 +51,22 @@ Components stress_of(const LocalState& state, const Material& material) {
 Eigen::MatrixXd nodal_stresses_Pa(const Discretisation<2>& discretisation, const Spindle& spindle,
                                   const Eigen::VectorXd& displacements_m, const Eigen::VectorXd& rises_K) {
   const auto& element = discretisation.element;
-  const dealii::QGauss<1> line(element.degree);
   const dealii::QGauss<2> gauss(element.degree);
-  const dealii::FE_DGQArbitraryNodes<2> through_gauss(line);
   dealii::FEValues<2> values(discretisation.mapping, element, gauss,
                              dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points);
-  const unsigned per_cell = element.n_dofs_per_cell();
-  Eigen::MatrixXd to_nodes(per_cell, gauss.size());
-  for (unsigned i = 0; i < per_cell; ++i) {
-    for (unsigned q = 0; q < gauss.size(); ++q) {
-      to_nodes(i, q) = through_gauss.shape_value(q, element.unit_support_point(i));
-    }
-  }
-
-  const auto n = static_cast<Eigen::Index>(discretisation.dof_handler.n_dofs());
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, 4);
-  Eigen::VectorXd cells = Eigen::VectorXd::Zero(n);
-  Eigen::MatrixXd at_gauss(gauss.size(), 4);
-  std::vector<dealii::types::global_dof_index> dofs(per_cell);
+  std::vector<Eigen::MatrixXd> samples;
+  std::vector<dealii::types::global_dof_index> dofs(element.n_dofs_per_cell());
   for (const auto& cell : discretisation.dof_handler.active_cell_iterators()) {
     values.reinit(cell);
     cell->get_dof_indices(dofs);
     const Material& material = spindle.materials[spindle.parts[cell->material_id()].material];
+    Eigen::MatrixXd& at_gauss = samples.emplace_back(gauss.size(), 4);
     for (const unsigned q : values.quadrature_point_indices()) {
       at_gauss.row(q) =
           stress_of(state_at(values, q, dofs, discretisation.geometry, displacements_m, rises_K), material);
     }
-    const Eigen::MatrixXd at_nodes = to_nodes * at_gauss;
-    for (unsigned i = 0; i < per_cell; ++i) {
-      const auto dof = static_cast<Eigen::Index>(dofs[i]);
-      sum.row(dof) += at_nodes.row(i);
-      cells[dof] += 1.0;
-    }
   }
-  return cells.cwiseInverse().asDiagonal() * sum;
+  return recovered_at_places(discretisation, samples);
 }
 
 }  // namespace spindle_twin::fem_offline

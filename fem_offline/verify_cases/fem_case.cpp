@@ -106,14 +106,6 @@ std::map<double, Instant> along_schedule(const AffineModel& model, const Verific
   return instants;
 }
 
-void scale_mesh(Spindle& spindle, double factor) {
-  spindle.mesh.element_size_m *= factor;
-  if (spindle.mesh.contact_size_m) *spindle.mesh.contact_size_m *= factor;
-  for (Part& part : spindle.parts) {
-    if (part.element_size_m) *part.element_size_m *= factor;
-  }
-}
-
 CheckedFigure check(const Expectation& expected, double result, double span_K) {
   CheckedFigure figure;
   // "stress_zz_MPa" has its unit at the end, "flux_W_per_m2" after the first word.
@@ -151,12 +143,11 @@ std::vector<std::string> case_files(const std::string& directory) {
 }
 
 CaseResult run_case(const std::string& path, double mesh_factor) {
-  Spindle spindle = read_spindle(path);
+  const Spindle spindle = read_spindle(path, mesh_factor);
   if (!spindle.verification || spindle.verification->expectations.empty()) {
     throw rom::InputError({path, 0}, "verification", "a case needs [verification] and at least one [[expect]]");
   }
   const Verification& verification = *spindle.verification;
-  scale_mesh(spindle, mesh_factor);
   const FeModel fe(spindle, build_section(spindle));
   const AffineModel& model = fe.affine();
 

@@ -33,13 +33,13 @@ std::string default_cases_directory();
 /// All descriptions (*.toml) of a folder by name. Throws rom::InputError if there are none.
 std::vector<std::string> case_files(const std::string& directory);
 
-/// Reads, meshes with element sizes times `mesh_factor` (arcs keep their chords), solves (steady, and along the
+/// Reads, meshes with element sizes times `mesh_factor`, solves (steady, and along the
 /// schedule as far as the last time asked for) and compares. Throws rom::InputError for a bad description or one
 /// without expectations.
 CaseResult run_case(const std::string& path, double mesh_factor);
 
 /// Observed orders of convergence on smooth fields with a closed form, over four meshes of the descriptions in
-/// `directory`/orders, each of half the element size: error ~ h^order, from the second and the last.
+/// `directory`/orders with 8, 4, 2 and 1 times their element sizes: error ~ h^order, from the second and the last.
 std::vector<CaseResult> run_orders(const std::string& directory);
 
 }  // namespace spindle_twin::fem_offline
