@@ -1,0 +1,92 @@
+#include "correction/estimator/output_deviations.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double metres_per_micrometre = 1e-6;
+
+/// Entry i of a list that older files lack; there the group's own worst error stands for it.
+double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, double group_worst) {
+  return i < list.size() ? certificate_deviation(list[i]) : certificate_deviation({group_worst, 0.0, 0.0});
+}
+
+}  // namespace
+
+double certificate_deviation(const rom::OutputError& error) { return std::hypot(0.5 * error.worst, error.mesh); }
+
+DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities,
+                                       Eigen::Index parameters)
+    : network_(&network) {
+  const rom::Certificate& certificate = network.certificate;
+  const auto internal = [&](const Eigen::VectorXd& row) {
+    Eigen::VectorXd result(row.size());
+    sensitivities.internal_row(row, result);
+    return result;
+  };
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    key_points_.internal.push_back(internal(network.key_points[k].row));
+    key_points_.certificate.push_back(certificate_of(certificate.key_points_K, k, certificate.worst.key_points_K));
+  }
+  Eigen::Index most = 0;
+  for (std::size_t i = 0; i < network.parts.size(); ++i) {
+    const rom::PartOutput& part = network.parts[i];
+    part_means_.internal.push_back(internal(part.mean_row));
+    part_means_.certificate.push_back(certificate_of(certificate.part_means_K, i, certificate.worst.part_max_K));
+    part_maximum_certificate_.push_back(certificate_of(certificate.part_maxima_K, i, certificate.worst.part_max_K));
+    candidates_.emplace_back();
+    for (Eigen::Index c = 0; c < part.candidate_rows.rows(); ++c) {
+      candidates_.back().push_back(internal(part.candidate_rows.row(c).transpose()));
+    }
+    most = std::max(most, part.candidate_rows.rows());
+  }
+  for (std::size_t i = 0; i < network.deformations.size(); ++i) {
+    deformations_.internal.push_back(internal(network.deformations[i].row_m_per_K));
+    deformations_.certificate.push_back(
+        certificate_of(certificate.deformations_m, i, metres_per_micrometre * certificate.worst.nose_um));
+  }
+  for (std::size_t i = 0; i < network.contact_pressures.size(); ++i) {
+    pressures_.internal.push_back(internal(network.contact_pressures[i].row_Pa_per_K));
+    pressures_.certificate.push_back(certificate_of(certificate.contact_pressures_Pa, i, 0.0));
+  }
+  sensitivity_ = Eigen::VectorXd::Zero(parameters);
+  candidate_K_ = Eigen::VectorXd::Zero(most);
+  const auto sized = [](std::size_t count) { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count)).eval(); };
+  deviations_ = {sized(network.key_points.size()), sized(network.parts.size()), sized(network.parts.size()),
+                 sized(network.deformations.size()), sized(network.contact_pressures.size())};
+}
+
+double DeviationOfOutputs::deviation(const Eigen::VectorXd& internal, double certificate,
+                                     const Sensitivities& sensitivities, SquareRootFilter& filter) {
+  sensitivities.of_row(internal, sensitivity_);
+  return std::sqrt(filter.variance_of_first(sensitivity_) + certificate * certificate);
+}
+
+void DeviationOfOutputs::evaluate(const Rows& rows, const Sensitivities& sensitivities, SquareRootFilter& filter,
+                                  Eigen::VectorXd& to) {
+  for (std::size_t i = 0; i < rows.internal.size(); ++i) {
+    to[static_cast<Eigen::Index>(i)] = deviation(rows.internal[i], rows.certificate[i], sensitivities, filter);
+  }
+}
+
+void DeviationOfOutputs::evaluate(const Sensitivities& sensitivities, SquareRootFilter& filter,
+                                  const Eigen::VectorXd& nodes_K) {
+  evaluate(key_points_, sensitivities, filter, deviations_.key_points_K);
+  evaluate(part_means_, sensitivities, filter, deviations_.part_mean_K);
+  evaluate(deformations_, sensitivities, filter, deviations_.deformations_m);
+  evaluate(pressures_, sensitivities, filter, deviations_.contact_pressures_Pa);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const Eigen::MatrixXd& rows = network_->parts[i].candidate_rows;
+    if (rows.rows() == 0) continue;
+    auto present_K = candidate_K_.head(rows.rows());
+    present_K.noalias() = rows * nodes_K;
+    Eigen::Index hottest = 0;
+    present_K.maxCoeff(&hottest);
+    deviations_.part_maximum_K[static_cast<Eigen::Index>(i)] = deviation(
+        candidates_[i][static_cast<std::size_t>(hottest)], part_maximum_certificate_[i], sensitivities, filter);
+  }
+}
+
+}  // namespace spindle_twin::correction

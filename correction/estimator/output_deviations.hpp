@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "correction/estimator/sensitivities.hpp"
+#include "correction/estimator/square_root_filter.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::correction {
+
+/// 1σ of what the certificate says of one output. The worst error over the cases and all of their instants counts as
+/// 2σ: what a published band of ±2σ has to cover. The mesh error is the same in every case, so it counts in full.
+double certificate_deviation(const rom::OutputError& error);
+
+/// 1σ of every published temperature and deformation.
+struct OutputDeviations {
+  Eigen::VectorXd key_points_K;
+  Eigen::VectorXd part_mean_K;
+  Eigen::VectorXd part_maximum_K;
+  Eigen::VectorXd deformations_m;
+  Eigen::VectorXd contact_pressures_Pa;
+};
+
+/// σ² = l S P Sᵀ lᵀ + certificate², with P of the parameters: what state and parameters leave open, and what the
+/// network itself leaves out. Of a part's maximum the row l is that of its hottest candidate point.
+class DeviationOfOutputs {
+ public:
+  /// Allocates; evaluate() does not.
+  DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, Eigen::Index parameters);
+
+  void evaluate(const Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& nodes_K);
+  const OutputDeviations& deviations() const { return deviations_; }
+
+ private:
+  /// Rows on x and the certificate's variance of each.
+  struct Rows {
+    std::vector<Eigen::VectorXd> internal;
+    std::vector<double> certificate;
+  };
+  void evaluate(const Rows& rows, const Sensitivities& sensitivities, SquareRootFilter& filter, Eigen::VectorXd& to);
+  double deviation(const Eigen::VectorXd& internal, double certificate, const Sensitivities& sensitivities,
+                   SquareRootFilter& filter);
+
+  const rom::Network* network_;
+  Rows key_points_, part_means_, deformations_, pressures_;
+  std::vector<std::vector<Eigen::VectorXd>> candidates_;
+  std::vector<double> part_maximum_certificate_;
+  Eigen::VectorXd sensitivity_, candidate_K_;
+  OutputDeviations deviations_;
+};
+
+}  // namespace spindle_twin::correction

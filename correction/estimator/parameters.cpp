@@ -1,0 +1,125 @@
+#include "correction/estimator/parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double seconds_per_minute = 60.0;
+// The box that a network's basis is made for reaches a factor of ten for contacts and five for films.
+constexpr double largest_contact = 2.302585092994046;
+constexpr double largest_film = 1.6094379124341003;
+constexpr double largest_heat = 1.6094379124341003;
+constexpr double widest = 4.0;  // deviations, for everything else
+constexpr double slowest_speed = 0.05;
+
+void require(double value, double highest, const char* field) {
+  if (std::isfinite(value) && value >= 0.0 && value <= highest) return;
+  throw rom::InputError({}, field, "must be between 0 and " + std::to_string(highest));
+}
+
+}  // namespace
+
+ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPriors& priors)
+    : reference_speed_rpm_(network.boundaries.reference_speed_rpm), heat_common_(priors.heat_common) {
+  require(priors.heat, 2.0, "prior.heat");
+  require(priors.heat_common, 2.0, "prior.heat_common");
+  require(priors.contact, 2.0, "prior.contact");
+  require(priors.film, 2.0, "prior.film");
+  require(priors.environment_K, 10.0, "prior.environment_K");
+  require(priors.environment_memory_s, 1e9, "prior.environment_memory_s");
+  require(priors.bearing_mean_per_K, 0.1, "prior.bearing_mean_per_K");
+  require(priors.bearing_per_K, 0.1, "prior.bearing_per_K");
+  require(priors.speed_exponent, 1.0, "prior.speed_exponent");
+  require(priors.walk_per_root_min, 1.0, "prior.walk_per_root_min");
+
+  const rom::Boundaries& boundaries = network.boundaries;
+  const double walk = priors.walk_per_root_min / std::sqrt(seconds_per_minute);
+  heat_.assign(boundaries.sources.size(), -1);
+  exponent_.assign(boundaries.sources.size(), -1);
+  conductance_.assign(boundaries.conductances.size(), -1);
+  environment_.assign(boundaries.environments.size(), -1);
+
+  const double heat_deviation = std::hypot(priors.heat, priors.heat_common);
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    const double mean = priors.centred ? 0.5 * heat_deviation * heat_deviation : 0.0;
+    const rom::SpeedLaw& law = boundaries.sources[i].law;
+    friction_.push_back(law.load_squared == 0.0 && !law.speed_terms.empty());
+    add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, heat_deviation, walk,
+         0.0, -largest_heat, largest_heat},
+        heat_[i]);
+  }
+  for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
+    const bool contact = boundaries.conductances[j].kind == rom::ConductanceKind::contact;
+    const double deviation = contact ? priors.contact : priors.film;
+    const double largest = contact ? largest_contact : largest_film;
+    add({(contact ? "contact " : "film ") + boundaries.conductances[j].name,
+         contact ? ParameterKind::contact : ParameterKind::film, static_cast<int>(j),
+         priors.centred ? -0.5 * deviation * deviation : 0.0, deviation, walk, 0.0, -largest, largest},
+        conductance_[j]);
+  }
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    add({"bias " + boundaries.environments[e].name, ParameterKind::environment, static_cast<int>(e), 0.0,
+         priors.environment_K, 0.0, priors.environment_memory_s, -widest * priors.environment_K,
+         widest * priors.environment_K},
+        environment_[e]);
+  }
+  if (std::find(friction_.begin(), friction_.end(), true) != friction_.end()) {
+    add({"bearing temperature", ParameterKind::bearing_temperature, 0, priors.bearing_mean_per_K, priors.bearing_per_K,
+         0.0, 0.0, 0.0, priors.bearing_mean_per_K + widest * priors.bearing_per_K},
+        bearing_);
+  }
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    if (boundaries.sources[i].law.speed_terms.empty()) continue;
+    add({"exponent " + boundaries.sources[i].name, ParameterKind::speed_exponent, static_cast<int>(i), 0.0,
+         priors.speed_exponent, 0.0, 0.0, -widest * priors.speed_exponent, widest * priors.speed_exponent},
+        exponent_[i]);
+  }
+  mean_.resize(count());
+  for (Eigen::Index i = 0; i < count(); ++i) mean_[i] = list_[static_cast<std::size_t>(i)].mean;
+}
+
+void ParameterModel::add(Parameter parameter, int& slot) {
+  if (parameter.deviation <= 0.0) return;
+  slot = static_cast<int>(list_.size());
+  list_.push_back(std::move(parameter));
+}
+
+Eigen::MatrixXd ParameterModel::covariance() const {
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count(), count());
+  for (Eigen::Index i = 0; i < count(); ++i) {
+    const double deviation = list_[static_cast<std::size_t>(i)].deviation;
+    covariance(i, i) = deviation * deviation;
+  }
+  for (const int a : heat_) {
+    for (const int b : heat_) {
+      if (a != b && a >= 0 && b >= 0) covariance(a, b) = heat_common_ * heat_common_;
+    }
+  }
+  return covariance;
+}
+
+double ParameterModel::log_speed(double speed_rpm) const {
+  return std::log(std::max(std::abs(speed_rpm) / reference_speed_rpm_, slowest_speed));
+}
+
+void ParameterModel::apply(const Eigen::VectorXd& theta, double speed_rpm, const Eigen::VectorXd& source_rise_K,
+                           rom::CorrectionFactors& factors, Eigen::VectorXd& environment_bias_K) const {
+  const double log_x = log_speed(speed_rpm);
+  const auto value = [&](int slot) { return slot < 0 ? 0.0 : theta[slot]; };
+  for (Eigen::Index i = 0; i < factors.heat.size(); ++i) {
+    double log_factor = value(heat(i)) + value(exponent(i)) * log_x;
+    if (is_friction(i)) log_factor -= value(bearing_) * source_rise_K[i];
+    factors.heat[i] = std::exp(log_factor);
+  }
+  for (Eigen::Index j = 0; j < factors.conductance.size(); ++j) {
+    factors.conductance[j] = std::exp(value(conductance(j)));
+  }
+  for (Eigen::Index e = 0; e < environment_bias_K.size(); ++e) environment_bias_K[e] = value(environment(e));
+}
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,193 @@
+#include "correction/estimator/sensitivities.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
+
+}  // namespace
+
+Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const rom::NetworkOperator> the_operator,
+                             const ParameterModel& parameters)
+    : operator_(std::move(the_operator)), network_(&network) {
+  const Eigen::Index n = operator_->nodes();
+  const Eigen::Index p = parameters.count();
+  capacity_root_ = Eigen::LLT<Eigen::MatrixXd>(network.capacity_J_per_K).matrixL();
+  const auto root = capacity_root_.triangularView<Eigen::Lower>();
+  Eigen::Index columns = 0;
+  for (const Eigen::MatrixXd& factor : network.factors_m) {
+    first_.push_back(columns);
+    columns += factor.cols();
+  }
+  first_.push_back(columns);
+  factors_.resize(n, columns);
+  column_sums_.resize(columns);
+  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
+    const Eigen::MatrixXd& factor = network.factors_m[j];
+    factors_.middleCols(first_[j], factor.cols()) = factor;
+    column_sums_.segment(first_[j], factor.cols()) = factor.colwise().sum().transpose();
+  }
+  if (columns > 0) root.solveInPlace(factors_);
+  sources_ = network.source_distribution;
+  source_rows_ = network.source_distribution.transpose();
+  if (sources_.cols() > 0) root.solveInPlace(sources_);
+  transposed_ = stage_ = drive_ = Eigen::MatrixXd::Zero(p, n);
+  lower_ = upper_ = Eigen::MatrixXd::Zero(n, n);
+  packed_ = operator_->make_packed();
+  cholesky_ = Eigen::LLT<Eigen::MatrixXd>(n);
+  mean_K_ = x_ = shift_ = unused_drive_ = Eigen::VectorXd::Zero(n);
+  projected_ = Eigen::VectorXd::Zero(columns);
+  rises_K_ = Eigen::VectorXd::Zero(sources_.cols());
+  const Eigen::Index segments = operator_->segments().count();
+  coupling_ = Eigen::MatrixXd::Zero(segments, segments);
+  wall_sensitivity_ = fed_sensitivity_ = Eigen::MatrixXd::Zero(p, segments);
+  wall_rises_K_ = Eigen::VectorXd::Zero(segments);
+}
+
+void Sensitivities::internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const {
+  internal = row;
+  capacity_root_.triangularView<Eigen::Lower>().solveInPlace(internal);
+}
+
+void Sensitivities::source_rises(const Eigen::VectorXd& nodes_K, Eigen::VectorXd& rises_K) const {
+  rises_K.noalias() = source_rows_ * nodes_K;
+  rises_K.array() -= operator_->reference_K();
+}
+
+void Sensitivities::correct(const Eigen::VectorXd& theta_step, Eigen::VectorXd& nodes_K) {
+  shift_.noalias() = transposed_.transpose() * theta_step;
+  capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace(shift_);
+  nodes_K += shift_;
+}
+
+Eigen::MatrixXd Sensitivities::in_kelvin() const {
+  Eigen::MatrixXd result = transposed_.transpose();
+  capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace(result);
+  return result;
+}
+
+void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& parameters) {
+  mean_K_ = 0.5 * (held.start_K + held.end_K);
+  operator_->to_internal(mean_K_, x_);
+  source_rises(mean_K_, rises_K_);
+  drive_.setZero();
+  const double log_x = parameters.log_speed(held.speed_rpm);
+  for (Eigen::Index i = 0; i < sources_.cols(); ++i) {
+    const double heat_W = held.values.heat_W[i];
+    if (heat_W == 0.0) continue;
+    const auto into = [&](int slot, double weight) {
+      if (slot >= 0) drive_.row(slot) += weight * sources_.col(i).transpose();
+    };
+    into(parameters.heat(i), heat_W);
+    into(parameters.exponent(i), heat_W * log_x);
+    if (parameters.is_friction(i)) into(parameters.bearing(), -heat_W * rises_K_[i]);
+  }
+  projected_.noalias() = factors_.transpose() * x_;
+  const double reference_K = operator_->reference_K();
+  const rom::Boundaries& boundaries = network_->boundaries;
+  for (std::size_t j = 0; j + 1 < first_.size(); ++j) {
+    const double conductance = held.values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)];
+    const Eigen::Index begin = first_[j], count = first_[j + 1] - first_[j];
+    if (conductance == 0.0 || count == 0) continue;
+    const int environment = boundaries.conductances[j].environment;
+    const auto factor = factors_.middleCols(begin, count);
+    auto flow = projected_.segment(begin, count);
+    if (environment >= 0) {
+      flow -= (held.values.environment_K[environment] - reference_K) * column_sums_.segment(begin, count);
+      const int bias = parameters.environment(environment);
+      if (bias >= 0) {
+        shift_.noalias() = factor * column_sums_.segment(begin, count);
+        drive_.row(bias) += conductance * shift_.transpose();
+      }
+    }
+    const int slot = parameters.conductance(static_cast<Eigen::Index>(j));
+    if (slot < 0) continue;
+    shift_.noalias() = factor * flow;
+    drive_.row(slot) -= conductance * shift_.transpose();
+  }
+  // What the liquid has taken up before a segment lowers that segment's flow, and d(G/A)/d ln h is below G/A.
+  const rom::CoolantSegments& segments = operator_->segments();
+  if (segments.count() == 0) return;
+  operator_->couple(held.values, coupling_, wall_rises_K_, unused_drive_);
+  wall_rises_K_.noalias() = operator_->walls().transpose() * x_;
+  for (Eigen::Index s = 0; s < segments.count(); ++s) {
+    const auto segment = static_cast<std::size_t>(s);
+    double fed_W = 0.0;
+    for (Eigen::Index up = 0; up < segments.count(); ++up) {
+      const double inlet_K = (held.values.environment_K[segments.inlet[static_cast<std::size_t>(up)]] - reference_K) *
+                             segments.area_m2[up];
+      fed_W += coupling_(s, up) * (wall_rises_K_[up] - inlet_K);
+    }
+    const int slot = parameters.conductance(segments.conductance[segment]);
+    if (slot >= 0) drive_.row(slot) += fed_W * operator_->walls().col(s).transpose();
+  }
+  for (std::size_t c = 0; c + 1 < segments.first.size(); ++c) {
+    const double flow_W_per_K = std::abs(held.values.coolant_W_per_K[static_cast<Eigen::Index>(c)]);
+    for (int s = segments.first[c]; s < segments.first[c + 1]; ++s) {
+      const int conductance = segments.conductance[static_cast<std::size_t>(s)];
+      const int slot = parameters.conductance(conductance);
+      if (slot < 0 || flow_W_per_K == 0.0) continue;
+      const double share = held.values.conductance_W_per_m2K[conductance] * segments.area_m2[s] / flow_W_per_K;
+      // G = W (1 − e^(−NTU)): dG/d ln h = G NTU / (e^NTU − 1)
+      const double transfer_units = -std::log1p(-share);
+      if (transfer_units > 0.0) drive_.row(slot) *= transfer_units / std::expm1(transfer_units);
+    }
+  }
+}
+
+/// Right-hand side R ← (L Lᵀ)⁻¹ R for its transpose, one state after another.
+void Sensitivities::substitute(Eigen::MatrixXd& right_side) const {
+  const Eigen::Index n = right_side.cols();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    right_side.col(i).noalias() -= right_side.leftCols(i) * upper_.col(i).head(i);
+    right_side.col(i) /= lower_(i, i);
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    right_side.col(i).noalias() -= right_side.rightCols(n - 1 - i) * lower_.col(i).tail(n - 1 - i);
+    right_side.col(i) /= lower_(i, i);
+  }
+}
+
+bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parameters) {
+  if (!(held.period_s > 0.0)) return true;
+  const double step = gamma * held.period_s;
+  operator_->assemble(held.values.conductance_W_per_m2K, packed_, lower_);
+  const int bearing = parameters.bearing();
+  const double loss_per_K = bearing < 0 ? 0.0 : held.theta[bearing];
+  for (Eigen::Index i = 0; i < sources_.cols(); ++i) {
+    if (!parameters.is_friction(i) || loss_per_K == 0.0) continue;
+    lower_.selfadjointView<Eigen::Lower>().rankUpdate(sources_.col(i), loss_per_K * held.values.heat_W[i]);
+  }
+  lower_ *= step;
+  lower_.diagonal().array() += 1.0;
+  cholesky_.compute(lower_);
+  if (cholesky_.info() != Eigen::Success) return false;
+  const Eigen::Index n = lower_.rows();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    lower_.col(i).tail(n - i) = cholesky_.matrixLLT().col(i).tail(n - i);
+    upper_.row(i).tail(n - i) = lower_.col(i).tail(n - i).transpose();
+  }
+
+  drive(held, parameters);
+  if (coupling_.size() > 0) {
+    for (Eigen::Index s = 0; s < coupling_.rows(); ++s) {
+      wall_sensitivity_.col(s).noalias() = transposed_ * operator_->walls().col(s);
+    }
+    for (Eigen::Index s = 0; s < coupling_.rows(); ++s) {
+      shift_.noalias() = operator_->walls().col(s);
+      fed_sensitivity_.col(s).noalias() = wall_sensitivity_ * coupling_.row(s).transpose();
+      drive_.noalias() += fed_sensitivity_.col(s) * shift_.transpose();
+    }
+  }
+  stage_ = transposed_ + step * drive_;
+  substitute(stage_);
+  transposed_ += ((1.0 - gamma) / gamma) * (stage_ - transposed_) + step * drive_;
+  substitute(transposed_);
+  return true;
+}
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "correction/estimator/parameters.hpp"
+#include "rom/integrate/network_operator.hpp"
+
+namespace spindle_twin::correction {
+
+/// What the sensitivities need to know of a period in which the inputs were held.
+struct HeldPeriod {
+  double period_s = 0.0;
+  double speed_rpm = 0.0;
+  const Eigen::VectorXd& start_K;  ///< node temperatures at the start of the period
+  const Eigen::VectorXd& end_K;
+  const rom::BoundaryValues& values;  ///< with all corrections in them
+  const Eigen::VectorXd& theta;
+};
+
+/// S = dx/dθ of the network in its internal coordinates x (rom::NetworkOperator), carried along with the model:
+///   dS/dt = −(K̃ + Σ_f β q_f b_f b_fᵀ) S + D        b_f = L⁻¹B's column of a friction heat, whose loss of heat with its
+///                                                  own rise is one more conductance
+///   D: heat i          q_i b_i
+///      conductance j   −g_j F̃_j (F̃_jᵀ x − F_jᵀ1 (T_env − T_ref))
+///      environment e   Σ_j g_j F̃_j F_jᵀ1
+///      β               −Σ_f q_f rise_f b_f
+///      exponent i      ln(|n|/n_ref) q_i b_i
+/// by SDIRK2 (γ = 1 − 1/√2, L-stable, stiffly accurate), one factor and two pairs of triangular solves a period:
+///   (1 + γhA) Y₁ = S + γhD,   (1 + γhA) S' = S + (1 − γ)/γ (Y₁ − S) + γhD
+/// D is taken in the middle of the period. Stored as Sᵀ (p x N): a state's sensitivities lie together, so that
+/// substitution runs through matrix-vector products, which never allocate, and three times as fast as column by column.
+/// With coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a film's
+/// derivative leaves out what it does to the segments downstream.
+class Sensitivities {
+ public:
+  /// Allocates; nothing else here does.
+  Sensitivities(const rom::Network& network, std::shared_ptr<const rom::NetworkOperator> the_operator,
+                const ParameterModel& parameters);
+
+  void clear() { transposed_.setZero(); }
+  /// Forgets nothing on failure: returns false and leaves S when the factor is not positive definite.
+  bool advance(const HeldPeriod& held, const ParameterModel& parameters);
+
+  /// Per kelvin of a row on node temperatures, the row on x: row·(T − T_ref) = internal·x.
+  void internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const;
+  /// d(row·T)/dθ for a row on x.
+  void of_row(const Eigen::VectorXd& internal, Eigen::VectorXd& sensitivity) const {
+    sensitivity.noalias() = transposed_ * internal;
+  }
+  /// T += dT of a step in θ.
+  void correct(const Eigen::VectorXd& theta_step, Eigen::VectorXd& nodes_K);
+
+  /// Rises of the sources above the reference temperature: b·T.
+  void source_rises(const Eigen::VectorXd& nodes_K, Eigen::VectorXd& rises_K) const;
+
+  /// dT/dθ, N x p. Allocates.
+  Eigen::MatrixXd in_kelvin() const;
+  const Eigen::MatrixXd& transposed() const { return transposed_; }
+  void set_transposed(const Eigen::MatrixXd& transposed) { transposed_ = transposed; }
+
+ private:
+  void drive(const HeldPeriod& held, const ParameterModel& parameters);
+  void substitute(Eigen::MatrixXd& right_side) const;
+
+  std::shared_ptr<const rom::NetworkOperator> operator_;
+  const rom::Network* network_;
+  Eigen::MatrixXd capacity_root_;    // L
+  Eigen::MatrixXd factors_;          // all L⁻¹F_j side by side
+  std::vector<Eigen::Index> first_;  // column of F_j in them
+  Eigen::VectorXd column_sums_;      // F_jᵀ1, likewise
+  Eigen::MatrixXd sources_;          // L⁻¹B
+  Eigen::MatrixXd source_rows_;      // Bᵀ, sources x N
+  Eigen::MatrixXd transposed_;       // Sᵀ
+  Eigen::MatrixXd stage_, drive_;    // p x N
+  Eigen::MatrixXd lower_, upper_;    // factor of 1 + γhA, and its transpose
+  Eigen::VectorXd packed_;
+  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  Eigen::VectorXd mean_K_, x_, projected_, rises_K_, shift_;
+  Eigen::MatrixXd coupling_, wall_sensitivity_, fed_sensitivity_;
+  Eigen::VectorXd wall_rises_K_, unused_drive_;
+};
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,146 @@
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "fem_offline/model/build_model.hpp"
+#include "fem_offline/reduce/reduce.hpp"
+#include "rom/file/rom_file.hpp"
+#include "tests/bench/campaign/campaign.hpp"
+#include "tests/bench/campaign/results.hpp"
+
+namespace spindle_twin::bench {
+namespace {
+
+struct Options {
+  int runs = 48;
+  int nodes = 110;
+  int threads = 2;
+  std::uint64_t seed = 1;
+  double twin_mm = 4.0;
+  double truth_mm = 6.0;
+  bool is_short = false;
+  std::string cache;
+  double walk = correction::EstimatorPriors{}.walk_per_root_min;
+  double floor_K = correction::EstimatorOptions{}.floor_K;
+};
+
+fem_offline::Spindle described(double element_size_mm) {
+  fem_offline::Spindle spindle =
+      fem_offline::read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/reference.toml");
+  spindle.mesh.element_size_m = 1e-3 * element_size_mm;
+  const auto add = [&](const char* name, const char* part, double r_mm, double z_mm) {
+    auto point = spindle.key_points.front();
+    point.name = name;
+    const auto found = std::find_if(spindle.parts.begin(), spindle.parts.end(),
+                                    [&](const auto& candidate) { return candidate.name == part; });
+    point.part = static_cast<int>(found - spindle.parts.begin());
+    point.at = {1e-3 * r_mm, 1e-3 * z_mm};
+    spindle.key_points.push_back(point);
+  };
+  add("front_seat", "front_seat", 52.0, 68.0);
+  add("winding", "end_winding_front", 49.0, 150.0);
+  add("jacket", "jacket", 62.0, 215.0);
+  return spindle;
+}
+
+fem_offline::FeModel model_of(double element_size_mm) {
+  const fem_offline::Spindle spindle = described(element_size_mm);
+  return {spindle, fem_offline::build_section(spindle)};
+}
+
+rom::Network twin_network(const Options& options) {
+  std::string path;
+  if (!options.cache.empty()) {
+    path = options.cache + "/twin_" + std::to_string(options.nodes) + ".rom";
+    if (std::filesystem::exists(path)) return rom::read_network(path);
+  }
+  fem_offline::ReduceOptions reduce;
+  reduce.nodes = options.nodes;
+  reduce.full_sets = 16;
+  reduce.rich_states = 240;
+  reduce.rich_sets = 40;
+  reduce.threads = options.threads;
+  rom::Network network = fem_offline::reduce_model(model_of(options.twin_mm).affine(), reduce);
+  if (!path.empty()) rom::write_network(network, path);
+  return network;
+}
+
+/// Calls work(i) for i in [0, count) from several threads.
+template <class Work>
+void in_parallel(int threads, int count, const Work& work) {
+  std::atomic<int> next = 0;
+  std::vector<std::jthread> pool;
+  for (int t = 0; t < threads; ++t) {
+    pool.emplace_back([&] {
+      for (int i = next++; i < count; i = next++) work(i);
+    });
+  }
+}
+
+void run(const Options& options) {
+  const rom::Network network = twin_network(options);
+  std::printf("seed %llu, %d runs of 2 h for each of A and B; twin: %zu nodes from a mesh of %g mm; truth: %g mm\n",
+              static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(), options.twin_mm,
+              options.truth_mm);
+  std::fflush(stdout);
+  const fem_offline::FeModel fe = model_of(options.truth_mm);
+  std::vector<RunResult> results(static_cast<std::size_t>(2 * options.runs));
+  std::mutex printing;
+  in_parallel(options.threads, 2 * options.runs, [&](int i) {
+    const HeatErrors heats = i < options.runs ? HeatErrors::independent : HeatErrors::common;
+    correction::EstimatorOptions estimator;
+    estimator.priors = priors_of(heats);
+    estimator.priors.walk_per_root_min = options.walk;
+    estimator.floor_K = options.floor_K;
+    const correction::ParameterModel parameters(network, estimator.priors);
+    const std::uint64_t seed = 1000 * options.seed + static_cast<std::uint64_t>(i);
+    const Truth truth = cached_truth(options.cache, fe.affine(), parameters, seed, heats);
+    RunResult& result = results[static_cast<std::size_t>(i)];
+    result.seed = seed;
+    result.heats = heats;
+    const Eigen::Index judged = static_cast<Eigen::Index>(judged_from_s / sample_s);
+    const auto nose_m = truth.nose_m.tail(truth.nose_m.size() - judged);
+    result.span_um = 1e6 * (nose_m.maxCoeff() - nose_m.minCoeff());
+    result.open_loop = run_open_loop(network, truth);
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      const SetUp& set_up = set_ups[s];
+      result.paper[s] = s > 0 && set_ups[s - 1].sensors == set_up.sensors ? result.paper[s - 1]
+                                                                          : run_paper(network, truth, set_up.sensors);
+      result.estimator[s] = run_estimator(network, truth, set_up.sensors, set_up.touch_off, estimator);
+      result.bound_um[s] = bound_um(network, truth, set_up.sensors, set_up.touch_off, estimator);
+    }
+    const std::lock_guard lock(printing);
+    std::fprintf(stderr, "run %d of %d\n", i + 1, 2 * options.runs);
+  });
+  print_tables(results);
+}
+
+}  // namespace
+}  // namespace spindle_twin::bench
+
+int main(int argc, char** argv) {
+  using namespace spindle_twin::bench;
+  Options options;
+  CLI::App app{"twin_campaign: virtual spindles against their twins"};
+  app.add_option("--runs", options.runs, "of 2 h, for each of A and B")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  app.add_option("--nodes", options.nodes, "of the twin")->check(CLI::Range(20, 400))->capture_default_str();
+  app.add_option("--threads", options.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  app.add_option("--seed", options.seed)->capture_default_str();
+  app.add_option("--truth-mm", options.truth_mm, "element size of the truth")->capture_default_str();
+  app.add_option("--walk", options.walk, "random walk of the ln factors per root minute")->capture_default_str();
+  app.add_option("--floor-K", options.floor_K, "model error at a sensor")->capture_default_str();
+  app.add_option("--cache", options.cache, "folder that keeps network and truths, so that a stopped campaign goes on");
+  app.add_flag("--short", options.is_short, "2 runs for each of A and B");
+  CLI11_PARSE(app, argc, argv);
+  if (options.is_short) options.runs = 2;
+  run(options);
+}

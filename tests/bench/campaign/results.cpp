@@ -1,0 +1,147 @@
+#include "tests/bench/campaign/results.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+namespace spindle_twin::bench {
+namespace {
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const std::size_t middle = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(middle), values.end());
+  const double high = values[middle];
+  if (values.size() % 2 == 1) return high;
+  std::nth_element(values.begin(), values.begin() + static_cast<long>(middle) - 1, values.end());
+  return 0.5 * (high + values[middle - 1]);
+}
+
+/// Root mean square, and so on, over the runs that `chosen` picks.
+struct Column {
+  std::vector<const RunResult*> runs;
+  std::size_t set_up;
+
+  double pooled(const std::function<double(const RunResult&)>& value) const {
+    double sum = 0.0;
+    for (const RunResult* run : runs) sum += value(*run) * value(*run);
+    return std::sqrt(sum / static_cast<double>(runs.size()));
+  }
+  double middle(const std::function<double(const RunResult&)>& value) const {
+    std::vector<double> all;
+    for (const RunResult* run : runs) all.push_back(value(*run));
+    return median(all);
+  }
+  double mean(const std::function<double(const RunResult&)>& value) const {
+    double sum = 0.0;
+    for (const RunResult* run : runs) sum += value(*run);
+    return sum / static_cast<double>(runs.size());
+  }
+  double worst(const std::function<double(const RunResult&)>& value) const {
+    double most = 0.0;
+    for (const RunResult* run : runs) most = std::max(most, value(*run));
+    return most;
+  }
+};
+
+void print_column(const Column& column, const char* heats) {
+  const std::size_t s = column.set_up;
+  const auto error = [s](const RunResult& run) { return run.estimator[s].error_um; };
+  const auto paper = [s](const RunResult& run) { return run.paper[s].error_um; };
+  const auto bound = [s](const RunResult& run) { return run.bound_um[s]; };
+  const auto open = [](const RunResult& run) { return run.open_loop.error_um; };
+  const double better_than_paper =
+      column.mean([&](const RunResult& run) { return error(run) < paper(run) ? 1.0 : 0.0; });
+  const double better_than_open = column.mean([&](const RunResult& run) { return error(run) < open(run) ? 1.0 : 0.0; });
+  const double rejected =
+      column.mean([s](const RunResult& run) { return static_cast<double>(run.estimator[s].rejected); });
+  std::printf("%-5s %-14s %7.2f %7.2f %7.2f %7.2f %7.2f %7.2f %7.1f %7.1f %8.3f %7.2f %7.2f %7.2f %8.0f %8.0f %8.2f\n",
+              heats, set_ups[s].name, column.middle(error), column.pooled(error),
+              column.middle([&](const RunResult& run) { return error(run) / bound(run); }),
+              column.pooled(error) / column.pooled(bound),
+              column.worst([&](const RunResult& run) { return error(run) / run.estimator[s].deviation_um; }),
+              100.0 * column.mean([s](const RunResult& run) { return run.estimator[s].inside; }) / 100.0,
+              100.0 * column.middle([&](const RunResult& run) { return error(run) / run.span_um; }),
+              column.pooled([s](const RunResult& run) { return run.estimator[s].rotor_K; }),
+              column.pooled([s](const RunResult& run) { return run.estimator[s].key_points_K; }), column.pooled(open),
+              column.pooled(paper), column.pooled(paper) / column.pooled(error), 100.0 * better_than_paper,
+              100.0 * better_than_open, rejected);
+}
+
+}  // namespace
+
+void print_tables(const std::vector<RunResult>& results) {
+  std::printf("\nNose error from %g s on. bound: linearised posterior at the true parameters\n", judged_from_s);
+  std::printf("%-5s %-14s %7s %7s %7s %7s %7s %7s %7s %7s %8s %7s %7s %7s %8s %8s %8s\n", "heats", "sensors", "med um",
+              "rms um", "med/bd", "rms/bd", "worst/s", "in 2s", "% span", "rotorK", "keypt K", "open um", "paper",
+              "paper/x", "% better", "% b.open", "rejected");
+  for (const HeatErrors heats : {HeatErrors::independent, HeatErrors::common}) {
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      Column column{{}, s};
+      for (const RunResult& run : results) {
+        if (run.heats == heats) column.runs.push_back(&run);
+      }
+      print_column(column, heats == HeatErrors::independent ? "A" : "B");
+    }
+  }
+  for (std::size_t s = 0; s < set_ups.size(); ++s) {
+    Column column{{}, s};
+    for (const RunResult& run : results) column.runs.push_back(&run);
+    print_column(column, "both");
+  }
+  std::printf("\nRuns where the estimator's nose is worse than the published law's or than open loop's (um):\n");
+  for (const RunResult& run : results) {
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      const double error_um = run.estimator[s].error_um;
+      if (error_um < run.paper[s].error_um && error_um < run.open_loop.error_um) continue;
+      std::printf(
+          "  %s seed %llu, %s sensors: estimator %.2f (its own sigma %.2f, bound %.2f), published law %.2f, "
+          "open loop %.2f\n",
+          run.heats == HeatErrors::independent ? "A" : "B", static_cast<unsigned long long>(run.seed), set_ups[s].name,
+          error_um, run.estimator[s].deviation_um, run.bound_um[s], run.paper[s].error_um, run.open_loop.error_um);
+    }
+  }
+}
+
+Truth cached_truth(const std::string& cache, const fem_offline::AffineModel& model,
+                   const correction::ParameterModel& parameters, std::uint64_t seed, HeatErrors heats) {
+  if (cache.empty()) return make_truth(model, parameters, seed, heats);
+  std::filesystem::create_directories(cache);
+  const std::string path = cache + "/truth_" + std::to_string(model.places.size()) + "_" + std::to_string(seed) +
+                           (heats == HeatErrors::independent ? "_A" : "_B");
+  // Raw numbers for this program on this computer.
+  const auto each = [](Truth& truth, const auto& number) {
+    for (double& value : truth.theta) number(value);
+    for (rom::OperatingState& state : truth.read) {
+      number(state.speed_rpm);
+      number(state.load);
+      for (double& value : state.environment_K) number(value);
+    }
+    for (double& value : truth.key_points_K.reshaped()) number(value);
+    for (double& value : truth.measured_K.reshaped()) number(value);
+    for (double& value : truth.nose_m) number(value);
+    for (double& value : truth.touch_off_m) number(value);
+    for (double& value : truth.rotor_K) number(value);
+  };
+  if (std::ifstream file(path, std::ios::binary); file) {
+    const auto samples = static_cast<Eigen::Index>(std::lround(run_s / sample_s)) + 1;
+    const auto key_points = static_cast<Eigen::Index>(model.key_points.size());
+    Truth truth{seed, heats, Eigen::VectorXd::Zero(parameters.count()), {}, {}, {}, {}, {}, {}};
+    truth.read.assign(static_cast<std::size_t>(samples), model.boundaries.operating);
+    truth.key_points_K = truth.measured_K = Eigen::MatrixXd::Zero(samples, key_points);
+    truth.nose_m = truth.touch_off_m = truth.rotor_K = Eigen::VectorXd::Zero(samples);
+    each(truth, [&](double& value) { file.read(reinterpret_cast<char*>(&value), sizeof value); });
+    if (file) return truth;
+  }
+  Truth truth = make_truth(model, parameters, seed, heats);
+  std::ofstream file(path + ".part", std::ios::binary);
+  each(truth, [&](double& value) { file.write(reinterpret_cast<const char*>(&value), sizeof value); });
+  file.close();
+  if (file) std::filesystem::rename(path + ".part", path);
+  return truth;
+}
+
+}  // namespace spindle_twin::bench
