@@ -1,5 +1,7 @@
 #include "correction/laws/evaluate.hpp"
 
+#include <random>
+
 #include "tests/correction/laws/law_checks.hpp"
 #include "tests/rom/heap_calls.hpp"
 
@@ -83,6 +85,56 @@ TEST(Evaluate, slopes_by_every_input_are_those_of_the_value) {
       const double expected = difference(law, state, input);
       EXPECT_NEAR(found.by(input), expected, 1e-7 * std::abs(expected) + 1e-10 * found.value / std::abs(state[input]))
           << item.name << " by input " << i;
+    }
+  }
+}
+
+/// The whole range of every input, far beyond what a spindle sees, the others at two states.
+TEST(Evaluate, every_law_is_continuous_in_value_and_slope_over_every_input) {
+  constexpr std::array<std::pair<double, double>, law_inputs> ranges = {
+      {{150.0, 700.0}, {150.0, 700.0}, {-1e7, 1e8}, {-2e-4, 2e-4}, {-40000.0, 40000.0}, {-0.5, 0.5}}};
+  LawState slow = warm_state();
+  slow[LawInput::speed_rpm] = 90.0;
+  slow[LawInput::flow_kg_per_s] = 0.013;
+  slow[LawInput::second_K] = 317.9;
+  for (const NamedLaw& item : every_law()) {
+    const PhysicalLaw law{LawMode::standard, item.parameters};
+    for (const LawState& state : {warm_state(), slow}) {
+      for (std::size_t i = 0; i < law_inputs; ++i) {
+        const auto input = static_cast<LawInput>(i);
+        const auto at = [&](double x) {
+          LawState moved = state;
+          moved[input] = x;
+          return evaluate(law, moved);
+        };
+        const Jumps jumps = scan([&](double x) { return at(x).value; }, [&](double x) { return at(x).by(input); },
+                                 ranges[i].first, ranges[i].second, 150);
+        EXPECT_LT(jumps.value, 1e-6) << item.name << " by input " << i << " near " << jumps.at;
+        EXPECT_LT(jumps.slope, 1e-6) << item.name << " by input " << i << " near " << jumps.at;
+      }
+    }
+  }
+}
+
+TEST(Evaluate, anything_finite_gives_something_finite) {
+  constexpr unsigned seed = 11;
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto laws = every_law();
+  for (int k = 0; k < 2000; ++k) {
+    LawState state;
+    state[LawInput::first_K] = 1000.0 + 1000.0 * unit(engine);
+    state[LawInput::second_K] = 1000.0 + 1000.0 * unit(engine);
+    state[LawInput::pressure_Pa] = std::pow(10.0, 12.0 * unit(engine)) * unit(engine);
+    state[LawInput::displacement_m] = 1e-2 * unit(engine);
+    state[LawInput::speed_rpm] = std::pow(10.0, 6.0 * unit(engine)) * unit(engine);
+    state[LawInput::flow_kg_per_s] = std::pow(10.0, 6.0 * unit(engine)) * unit(engine);
+    state.load = 10.0 * unit(engine);
+    for (const NamedLaw& item : laws) {
+      const LawEvaluation found = evaluate({LawMode::standard, item.parameters}, state);
+      EXPECT_TRUE(std::isfinite(found.value)) << item.name << ", seed " << seed << ", draw " << k;
+      EXPECT_GE(found.value, 0.0) << item.name << ", seed " << seed << ", draw " << k;
+      for (const double by : found.slope) EXPECT_TRUE(std::isfinite(by)) << item.name << ", draw " << k;
     }
   }
 }

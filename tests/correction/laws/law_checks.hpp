@@ -74,30 +74,36 @@ inline double largest_jump(const std::function<double(double)>& f, double low, d
   return std::abs(fb - fa);
 }
 
-template <class Law>
-Jumps scan(const Law& law, double low, double high, int cells = 1000) {
-  const auto value = [&](double x) { return law(x); };
-  const auto derivative = [&](double x) { return slope(law, x); };
+inline Jumps scan(const std::function<double(double)>& value, const std::function<double(double)>& derivative,
+                  double low, double high, int cells = 1000) {
   Jumps found;
   for (const bool of_slope : {false, true}) {
-    const std::function<double(double)> f = of_slope ? std::function<double(double)>(derivative) : value;
+    const std::function<double(double)>& f = of_slope ? derivative : value;
     double smallest = f(low), largest = smallest, worst = 0.0, at = 0.0;
     for (int c = 0; c < cells; ++c) {
       const double a = low + (high - low) * c / cells, b = low + (high - low) * (c + 1) / cells;
-      EXPECT_TRUE(std::isfinite(f(b))) << "at " << b;
-      smallest = std::min(smallest, f(b));
-      largest = std::max(largest, f(b));
-      double here = a;
-      const double jump = largest_jump(f, a, b, here);
+      const double here = f(b);
+      EXPECT_TRUE(std::isfinite(here)) << "at " << b;
+      smallest = std::min(smallest, here);
+      largest = std::max(largest, here);
+      double place = a;
+      const double jump = largest_jump(f, a, b, place);
       if (jump <= worst) continue;
       worst = jump;
-      at = here;
+      at = place;
     }
-    const double relative = largest > smallest ? worst / (largest - smallest) : 0.0;
+    // A law that does not depend on this input at all has a span of rounding only.
+    const double span = std::max(largest - smallest, 1e-9 * std::max(std::abs(largest), std::abs(smallest)));
+    const double relative = span > 0.0 ? worst / span : 0.0;
     if (relative >= std::max(found.value, found.slope)) found.at = at;
     (of_slope ? found.slope : found.value) = relative;
   }
   return found;
+}
+
+template <class Law>
+Jumps scan(const Law& law, double low, double high) {
+  return scan([&](double x) { return law(x); }, [&](double x) { return slope(law, x); }, low, high);
 }
 
 template <class Law>
