@@ -32,8 +32,8 @@ struct LawState {
   double operator[](LawInput input) const { return inputs[static_cast<std::size_t>(input)]; }
 };
 
-/// Friction of one row [W]: first = inner ring, second = outer ring, displacement = axial closing of the rings. The
-/// lubricant has the mean temperature of both rings.
+/// Friction of one row [W]: first = inner ring, second = outer ring, displacement = axial closing of the rings.
+/// Lubricant and balls have the mean temperature of both rings.
 struct BearingHeatLaw {
   BearingFriction friction;
   BearingPreload preload;

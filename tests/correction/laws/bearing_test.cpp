@@ -226,6 +226,14 @@ TEST(BearingConductance, reference_values_slopes_and_smoothness) {
   expect_smooth(law, -30.0, 30.0, "G through standstill");
 }
 
+/// Half to each race where the spin of the balls vanishes (90°), more to the inner one at flatter angles.
+TEST(BearingFriction, inner_share_of_the_heat) {
+  EXPECT_NEAR(inner_heat_share(4.76e-3, 0.0325, 90.0 * degree), 0.5, 1e-5);
+  expect_close(inner_heat_share(4.76e-3, 0.0325, 25.0 * degree),
+               0.5 + 1.08 * 4.76 / 32.5 * std::pow(1.0 - std::sin(25.0 * degree), 0.37), "25 degrees");
+  EXPECT_GT(inner_heat_share(4.76e-3, 0.0325, 15.0 * degree), inner_heat_share(4.76e-3, 0.0325, 25.0 * degree));
+}
+
 TEST(FilmThickness, reference_values) {
   for (const ReferenceRow& row : reference_rows("film_thickness")) {
     expect_close(film_thickness_ratio(row["speed"], row["material"], row["load"], row["ellipticity"]), row["thickness"],
