@@ -96,7 +96,7 @@ bool is_heat(const PhysicalLaw& law) {
          std::holds_alternative<CopperLaw>(parameters) || std::holds_alternative<IronLaw>(parameters);
 }
 
-LawEvaluation evaluate(const PhysicalLaw& law, const LawState& state) noexcept {
+LawEvaluation evaluate(const PhysicalLaw& law, const LawState& state) {
   const LawValue<Number> result = std::visit(Evaluator{law.mode, state, Inputs(state)}, law.parameters);
   return {result.value.value, result.value.slope, result.flags};
 }

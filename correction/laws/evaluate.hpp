@@ -124,8 +124,8 @@ struct LawEvaluation {
   double by(LawInput input) const { return slope[static_cast<std::size_t>(input)]; }
 };
 
-/// Never throws, no heap: for the right-hand side and its Jacobian inside a step. Finite for finite inputs in the
-/// standard mode.
-LawEvaluation evaluate(const PhysicalLaw& law, const LawState& state) noexcept;
+/// For the right-hand side and its Jacobian inside a step: no heap, and no exception, since a variant of plain numbers
+/// is never without a value. Finite for finite inputs in the standard mode.
+LawEvaluation evaluate(const PhysicalLaw& law, const LawState& state);
 
 }  // namespace spindle_twin::correction
