@@ -60,6 +60,7 @@ MeshSettings read_mesh(const TomlTable& root, Geometry geometry, double mesh_fac
     size_mm = table->optional_number("element_size_mm", element_size_mm);
     mesh.degree = static_cast<int>(table->integer_or("degree", 2, 1, 4));
     mesh.cells_across = static_cast<int>(table->integer_or("cells_across", 1, 1, 20));
+    mesh.part_time_limit_s = static_cast<int>(table->integer_or("part_time_limit_s", mesh.part_time_limit_s, 1, 3600));
     contact_mm = table->optional_number("contact_element_size_mm", element_size_mm);
     sagitta_mm = table->optional_number("arc_sagitta_mm", between(1e-5, 100.0));
   }

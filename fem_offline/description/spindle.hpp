@@ -250,6 +250,7 @@ struct Verification {
 struct MeshSettings {
   double element_size_m = 0.004;  ///< without one in the file: √(area of the section) / 40
   int degree = 2;
+  int part_time_limit_s = 10;            ///< computing that gmsh may take for one part
   int cells_across = 1;                  ///< least number of elements across the thickness of any part
   std::optional<double> contact_size_m;  ///< element size where parts touch
   double arc_sagitta_m = 2e-5;           ///< furthest distance of an arc from its chord

@@ -16,8 +16,7 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr unsigned longest_computing_s = 10;
-constexpr unsigned longest_wait_s = 300;  // on a computer busy with other things
+constexpr unsigned waiting_factor = 30;  // on a computer busy with other things
 /// gmsh pairs some 40 000 elements per second.
 constexpr double most_gmsh_elements = 1.5e5;
 
@@ -118,14 +117,14 @@ bool read_all(int pipe_end, void* data, std::size_t bytes) {
 }
 
 /// In the child: sends sizes and content; empty content with a message when gmsh threw.
-[[noreturn]] void mesh_and_send(const std::vector<Rim>& faces, int pipe_end) {
+[[noreturn]] void mesh_and_send(const std::vector<Rim>& faces, unsigned longest_computing_s, int pipe_end) {
   // The parent may have handlers of its own; here these signals just end the process.
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGALRM, SIGXCPU}) ::signal(signal, SIG_DFL);
   const rlimit computing{longest_computing_s, longest_computing_s + 1};
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &computing);
   ::setrlimit(RLIMIT_CORE, &no_core);
-  ::alarm(longest_wait_s);
+  ::alarm(waiting_factor * longest_computing_s);
   PartMesh mesh;
   std::string message;
   try {
@@ -145,10 +144,9 @@ bool read_all(int pipe_end, void* data, std::size_t bytes) {
 
 /// Runs gmsh in a process of its own: it is one global state, and a wild outline can crash it or keep it busy for ever.
 /// Returns what went wrong, empty if nothing did.
-std::string mesh_apart(const std::vector<Rim>& faces, PartMesh& mesh) {
+std::string mesh_apart(const std::vector<Rim>& faces, unsigned longest_computing_s, PartMesh& mesh) {
   int ends[2];
   if (::pipe(ends) != 0) return "no pipe can be made";
-  std::fflush(nullptr);  // gmsh flushes stdout, and with it what the parent had written into its copy of the buffer
   std::fflush(nullptr);  // gmsh flushes stdout, and with it what the parent had written into its copy of the buffer
   const pid_t child = ::fork();
   if (child < 0) {
@@ -158,7 +156,7 @@ std::string mesh_apart(const std::vector<Rim>& faces, PartMesh& mesh) {
   }
   if (child == 0) {
     ::close(ends[0]);
-    mesh_and_send(faces, ends[1]);
+    mesh_and_send(faces, longest_computing_s, ends[1]);
   }
   ::close(ends[1]);
   std::size_t sizes[3] = {0, 0, 0};
@@ -181,7 +179,8 @@ std::string mesh_apart(const std::vector<Rim>& faces, PartMesh& mesh) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     if (signal == SIGXCPU || signal == SIGKILL || signal == SIGALRM) {
-      return "it did not finish in " + std::to_string(longest_computing_s) + " s";
+      return "it did not finish in " + std::to_string(longest_computing_s) +
+             " s of computing; raise element_size_mm or mesh.part_time_limit_s";
     }
     return "it crashed (signal " + std::to_string(signal) + ")";
   }
@@ -230,7 +229,8 @@ void add_gmsh_quads(const Spindle& spindle, const Section& section, std::size_t 
     throw rom::InputError(named.where, "part." + named.name, message.str());
   }
   PartMesh made;
-  const std::string failure = mesh_apart(faces, made);
+  const auto limit_s = static_cast<unsigned>(spindle.mesh.part_time_limit_s);
+  const std::string failure = mesh_apart(faces, limit_s, made);
   if (!failure.empty()) {
     throw rom::InputError(named.where, "part." + named.name, "gmsh could not mesh this part: " + failure);
   }
