@@ -29,6 +29,22 @@ void refuse_what_decks_cannot_carry(const Spindle& spindle) {
       throw rom::InputError(part.where, part.name, "a part with a start temperature of its own cannot be exported");
     }
   }
+  if (spindle.imposed_temperature) {
+    throw rom::InputError(spindle.imposed_temperature->where, "imposed_temperature",
+                          "cannot be exported: there is no heat to conduct");
+  }
+  for (const Support& support : spindle.supports) {
+    if (support.is_point() || support.hold_r != Hold::free || support.hold_z != Hold::fixed) {
+      throw rom::InputError(support.where, "support",
+                            "only a face held along z can be exported, no point, spring or plane, nothing along r");
+    }
+  }
+  for (const DeformationOutput& output : spindle.deformations) {
+    if (output.at || output.minus) {
+      throw rom::InputError(output.where, output.name,
+                            "only the mean over a face can be exported, no point and no difference");
+    }
+  }
 }
 
 void add_elements(const SectionMesh& mesh, DeckModel& deck) {

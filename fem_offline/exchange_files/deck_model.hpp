@@ -64,7 +64,9 @@ struct DeckModel {
 };
 
 /// Loads are those of `values` (conductances in the order contacts, gap films, films; heats in the description's
-/// order). Throws rom::InputError for a model that the decks cannot carry: planar, not of degree 2, with radiation.
+/// order). Throws rom::InputError for a model that the decks cannot carry: planar, not of degree 2, with
+/// radiation, imposed temperatures or start temperatures of single parts, with supports other than faces held along z,
+/// with outputs at points or of differences.
 DeckModel make_deck_model(const Spindle& spindle, const rom::BoundaryValues& values);
 
 /// End nodes and midside of a side.

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "fem_offline/exchange_files/deck_model.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+const std::string path = SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/two_rings.toml";
+
+/// The refusal comes first, so that no coefficients are needed.
+std::string error_of(const std::function<void(Spindle&)>& spoil) {
+  Spindle spindle = read_spindle(path);
+  spindle.file = "s.toml";
+  spoil(spindle);
+  try {
+    make_deck_model(spindle, {});
+  } catch (const rom::InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+const rom::SourceLine line_7{"s.toml", 7};
+
+TEST(DeckRefusals, geometry_and_degree) {
+  EXPECT_EQ(error_of([](Spindle& spindle) { spindle.geometry = Geometry::planar; }),
+            "s.toml: geometry: only an axisymmetric description can be exported");
+  EXPECT_EQ(error_of([](Spindle& spindle) { spindle.mesh.degree = 1; }),
+            "s.toml: mesh.degree: only degree 2 can be exported (eight-node and six-node elements)");
+}
+
+TEST(DeckRefusals, radiation_start_temperatures_and_imposed_fields) {
+  EXPECT_EQ(error_of([](Spindle& spindle) {
+              spindle.films[0].kind = FilmKind::radiation;
+              spindle.films[0].name = "glow";
+              spindle.films[0].where = line_7;
+            }),
+            "s.toml:7: glow: radiation cannot be exported; state it as a film");
+  EXPECT_EQ(error_of([](Spindle& spindle) {
+              spindle.parts[0].initial_K = 300.0;
+              spindle.parts[0].name = "ring";
+              spindle.parts[0].where = line_7;
+            }),
+            "s.toml:7: ring: a part with a start temperature of its own cannot be exported");
+  EXPECT_EQ(error_of([](Spindle& spindle) {
+              spindle.imposed_temperature = ImposedTemperature{"1", line_7};
+            }),
+            "s.toml:7: imposed_temperature: cannot be exported: there is no heat to conduct");
+}
+
+TEST(DeckRefusals, every_support_but_a_face_held_along_z) {
+  const Box face{0.020, 0.035, 0.0, 0.0}, point{0.020, 0.020, 0.0, 0.0};
+  const auto with = [](const Support& support) {
+    return error_of([&](Spindle& spindle) { spindle.supports = {support}; });
+  };
+  const std::string refused =
+      "s.toml:7: support: only a face held along z can be exported, no point, spring or plane, nothing along r";
+  EXPECT_EQ(with({0, point, line_7, Hold::free, Hold::fixed, 0.0, 0.0}), refused);
+  EXPECT_EQ(with({0, face, line_7, Hold::fixed, Hold::fixed, 0.0, 0.0}), refused);
+  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::spring, 0.0, 1e8}), refused);
+  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::plane, 0.0, 0.0}), refused);
+}
+
+TEST(DeckRefusals, outputs_at_points_and_of_differences) {
+  const std::string refused = "s.toml:7: growth: only the mean over a face can be exported, no point and no difference";
+  DeformationOutput output;
+  output.name = "growth";
+  output.where = line_7;
+  output.face = {0.020, 0.035, 0.010, 0.010};
+  const auto with = [](const DeformationOutput& asked) {
+    return error_of([&](Spindle& spindle) { spindle.deformations = {asked}; });
+  };
+  DeformationOutput at_point = output, difference = output;
+  at_point.at = Point{0.020, 0.010};
+  difference.minus = 0;
+  EXPECT_EQ(with(at_point), refused);
+  EXPECT_EQ(with(difference), refused);
+}
+
+}  // namespace
+}  // namespace spindle_twin::fem_offline
