@@ -98,6 +98,7 @@ struct Certificate {
 struct Network {
   std::string spindle;           ///< the description's name
   std::string description_hash;  ///< SHA-256, hex, of the description file the network was built from
+  bool hand_written = false;     ///< there is no FE model, so no certificate can be measured
   std::vector<Node> nodes;
   Eigen::MatrixXd capacity_J_per_K;    ///< C, N x N
   Eigen::MatrixXd conduction_W_per_K;  ///< K₀, N x N

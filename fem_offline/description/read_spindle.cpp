@@ -1,29 +1,18 @@
-#include <sodium.h>
-
 #include <fstream>
 #include <sstream>
 
 #include "fem_offline/description/read_tables.hpp"
+#include "rom/read/sha256.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
 
 using rom::InputError;
-
-std::string sha256_hex(const std::string& text) {
-  unsigned char digest[crypto_hash_sha256_BYTES];
-  crypto_hash_sha256(digest, reinterpret_cast<const unsigned char*>(text.data()), text.size());
-  char hex[2 * sizeof digest + 1];
-  return sodium_bin2hex(hex, sizeof hex, digest, sizeof digest);
-}
-
-}  // namespace
 
 Spindle parse_spindle(const std::string& text, const std::string& file, double mesh_factor) {
   const TomlTable root = TomlTable::parse(text, file);
   Spindle spindle;
   spindle.file = file;
-  spindle.hash = sha256_hex(text);
+  spindle.hash = rom::sha256_hex(text);
   spindle.name = root.name();
   spindle.geometry = root.choice_or("geometry", "axisymmetric", {"axisymmetric", "planar"}) == "planar"
                          ? Geometry::planar

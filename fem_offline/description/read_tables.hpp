@@ -1,16 +1,19 @@
 #pragma once
 
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "fem_offline/description/spindle.hpp"
+#include "rom/read/names.hpp"
+#include "rom/read/read_speed_law.hpp"
 #include "rom/read/strict_toml.hpp"
 
 /// The pieces of read_spindle, one function per table of the description. All throw rom::InputError.
 namespace spindle_twin::fem_offline {
 
+using rom::Names;
+using rom::read_speed_law;
 using rom::TomlTable;
 
 inline constexpr double metre_per_mm = 1e-3;
@@ -22,62 +25,7 @@ inline constexpr rom::Range length_mm{0.0, 1e5, false, false};
 inline rom::Range coordinate_mm(Geometry geometry) {
   return geometry == Geometry::planar ? rom::between(-1e5, 1e5) : length_mm;
 }
-inline constexpr rom::Range temperature_degC{-273.15, 1000.0, true, false};
-
-/// The names given so far in one list, each with its place in the list.
-class Names {
- public:
-  explicit Names(std::string kind) : kind_(std::move(kind)) {}
-
-  std::string add(const TomlTable& table) {
-    const std::string name = table.name();
-    table.show_as(name);
-    const auto [known, fresh] = places_.try_emplace(name, Entry{places_.size(), table.where("name").line});
-    if (!fresh) {
-      table.fail("name", "the name \"" + name + "\" is taken by the " + kind_ + " of line " +
-                             std::to_string(known->second.line));
-    }
-    return name;
-  }
-
-  std::size_t find(const TomlTable& table, const std::string& key, const std::string& name) const {
-    const auto known = places_.find(name);
-    if (known != places_.end()) return known->second.place;
-    std::string all;
-    for (const auto& [other, entry] : places_) all += (all.empty() ? "" : ", ") + other;
-    table.fail(key, "there is no " + kind_ + " \"" + name + "\"; there are: " + (all.empty() ? "none" : all));
-  }
-
-  std::size_t find(const TomlTable& table, const std::string& key) const { return find(table, key, table.string(key)); }
-
-  std::vector<std::size_t> find_all(const TomlTable& table, const std::string& key,
-                                    const std::vector<std::string>& names) const {
-    std::vector<std::size_t> found;
-    for (const auto& name : names) {
-      const std::size_t place = find(table, key, name);
-      if (std::find(found.begin(), found.end(), place) != found.end()) {
-        table.fail(key, "\"" + name + "\" is listed twice");
-      }
-      found.push_back(place);
-    }
-    return found;
-  }
-
-  std::pair<std::size_t, std::size_t> find_pair(const TomlTable& table, const std::string& key) const {
-    const auto names = table.strings(key);
-    if (names.size() != 2) table.fail(key, "must be the names of two different parts");
-    const auto both = find_all(table, key, names);
-    return {both[0], both[1]};
-  }
-
- private:
-  struct Entry {
-    std::size_t place;
-    int line;
-  };
-  std::string kind_;
-  std::map<std::string, Entry> places_;
-};
+using rom::temperature_degC;
 
 Box box_from(const TomlTable& table, const std::string& key, const std::vector<double>& row_mm, bool may_be_flat);
 std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons,
@@ -89,7 +37,6 @@ Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettin
 MeshSettings read_mesh(const TomlTable& root, Geometry geometry, double mesh_factor);
 std::vector<Box> read_regions(const TomlTable& table);
 Box read_face(const TomlTable& table, const std::string& key);
-rom::SpeedLaw read_speed_law(const TomlTable& owner);
 
 Material read_material(const TomlTable& table, Names& names);
 Part read_part(const TomlTable& table, Names& names, const Names& materials, Geometry geometry,

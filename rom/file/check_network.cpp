@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "rom/file/payload.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -226,11 +227,39 @@ void check_outputs(const Network& network, Eigen::Index nodes, const Checker& ch
                   "must have r and z of at least three points");
     check.finite(ring.points_m, "outline of " + ring.part);
   }
-  for (const CertificateErrors& errors : {network.certificate.worst, network.certificate.median}) {
+}
+
+void check_certificate(const Network& network, const Checker& check) {
+  const Certificate& certificate = network.certificate;
+  for (const CertificateErrors& errors : {certificate.worst, certificate.median}) {
     check.not_negative(errors.key_points_K, "certificate key_points_K");
     check.not_negative(errors.nose_um, "certificate nose_um");
     check.not_negative(errors.part_max_K, "certificate part_max_K");
   }
+  const CertificateBox& box = certificate.box;
+  for (const double edge : {box.contact_low, box.contact_high, box.film_low, box.film_high, box.speed_high_rpm}) {
+    check.not_negative(edge, "certificate box");
+  }
+  check.require(box.contact_low <= box.contact_high && box.film_low <= box.film_high, "certificate box",
+                "has a lower edge above the upper one");
+  check.not_negative(certificate.mesh_size_m, "certificate mesh_size_m");
+  const auto per_output = [&](const std::vector<OutputError>& errors, std::size_t outputs, const std::string& field) {
+    check.require(errors.empty() || errors.size() == outputs, "certificate " + field,
+                  "has " + std::to_string(errors.size()) + " errors for " + std::to_string(outputs) + " outputs");
+    for (const OutputError& error : errors) {
+      for (const double value : {error.worst, error.median, error.mesh}) {
+        check.not_negative(value, "certificate " + field);
+      }
+      check.require(error.median <= error.worst, "certificate " + field, "has a median above the worst");
+    }
+  };
+  per_output(certificate.key_points_K, network.key_points.size(), "of the key points");
+  per_output(certificate.part_means_K, network.parts.size(), "of the part means");
+  per_output(certificate.part_maxima_K, network.parts.size(), "of the part maxima");
+  per_output(certificate.deformations_m, network.deformations.size(), "of the deformations");
+  per_output(certificate.contact_pressures_Pa, network.contact_pressures.size(), "of the contact pressures");
+  check.require(!network.hand_written || certificate.cases == 0, "certificate",
+                "of a hand-written network, which has no FE model to be compared with");
 }
 
 }  // namespace
@@ -239,11 +268,14 @@ void check_network(const Network& network, const std::string& file) {
   const Checker check(file);
   const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
   check.require(nodes > 0, "nodes", "none; at least one is needed");
+  check.require(network.nodes.size() <= most_nodes, "nodes",
+                std::to_string(nodes) + "; at most " + std::to_string(most_nodes) + " are allowed");
   check_matrices(network, nodes, check);
   check_inputs(network, nodes, check);
   check_conductances(network, nodes, check);
   check_circuits(network.boundaries, check);
   check_outputs(network, nodes, check);
+  check_certificate(network, check);
 }
 
 }  // namespace spindle_twin::rom

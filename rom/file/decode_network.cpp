@@ -1,61 +1,14 @@
-#include <pb_decode.h>
-
 #include <Eigen/Core>
 #include <cstring>
 #include <limits>
 
-#include "rom/file/payload.hpp"
+#include "rom/file/decode_certificate.hpp"
+#include "rom/file/decode_fields.hpp"
 #include "rom/file/rom.pb.h"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {
 namespace {
-
-using Field = const pb_field_t*;
-
-// nanopb calls these back with the `arg` that the functions below attach. What they allocate is bounded by the bytes
-// that are left in the (sub)message, which nanopb has checked against the buffer.
-
-bool decode_text(pb_istream_t* stream, Field, void** arg) {
-  auto& text = *static_cast<std::string*>(*arg);
-  text.resize(stream->bytes_left);
-  return pb_read(stream, reinterpret_cast<pb_byte_t*>(text.data()), text.size());
-}
-
-/// Packed doubles into a column; reshaped when the number of nodes is known.
-template <class Matrix>
-bool decode_numbers(pb_istream_t* stream, Field, void** arg) {
-  auto& numbers = *static_cast<Matrix*>(*arg);
-  numbers.resize(static_cast<Eigen::Index>(stream->bytes_left / sizeof(double)), 1);
-  for (Eigen::Index i = 0; i < numbers.size(); ++i) {
-    if (!pb_decode_fixed64(stream, numbers.data() + i)) return false;
-  }
-  return true;
-}
-
-template <class Item, bool (*decode_item)(pb_istream_t*, Item&)>
-bool decode_list(pb_istream_t* stream, Field, void** arg) {
-  Item item;
-  if (!decode_item(stream, item)) return false;
-  static_cast<std::vector<Item>*>(*arg)->push_back(std::move(item));
-  return true;
-}
-
-pb_callback_t attach(void* target, bool (*decode)(pb_istream_t*, Field, void**)) {
-  pb_callback_t callback{};
-  callback.funcs.decode = decode;
-  callback.arg = target;
-  return callback;
-}
-
-pb_callback_t attach(std::string& text) { return attach(&text, decode_text); }
-pb_callback_t attach(Eigen::VectorXd& numbers) { return attach(&numbers, decode_numbers<Eigen::VectorXd>); }
-pb_callback_t attach(Eigen::MatrixXd& numbers) { return attach(&numbers, decode_numbers<Eigen::MatrixXd>); }
-
-template <class Item, bool (*decode_item)(pb_istream_t*, Item&)>
-pb_callback_t attach_list(std::vector<Item>& list) {
-  return attach(&list, decode_list<Item, decode_item>);
-}
 
 bool decode_term(pb_istream_t* stream, PowerTerm& item) {
   spindle_twin_rom_PowerTerm message = spindle_twin_rom_PowerTerm_init_zero;
@@ -154,8 +107,10 @@ bool decode_indices(pb_istream_t* stream, Field, void** arg) {
   while (stream->bytes_left > 0) {
     std::int64_t index = 0;
     if (!pb_decode_svarint(stream, &index)) return false;
+    auto& indices = *static_cast<std::vector<int>*>(*arg);
     if (index < 0 || index > std::numeric_limits<int>::max()) PB_RETURN_ERROR(stream, "a segment out of range");
-    static_cast<std::vector<int>*>(*arg)->push_back(static_cast<int>(index));
+    if (indices.size() == most_items) PB_RETURN_ERROR(stream, "too many segments");
+    indices.push_back(static_cast<int>(index));
   }
   return true;
 }
@@ -223,10 +178,6 @@ bool decode_outline(pb_istream_t* stream, OutlineRing& item) {
   return pb_decode(stream, spindle_twin_rom_OutlineRing_fields, &message);
 }
 
-CertificateErrors take_errors(const spindle_twin_rom_CertificateErrors& message) {
-  return {message.key_points_K, message.nose_um, message.part_max_K};
-}
-
 /// Gives a column of numbers its shape; a size that does not fit is an error of `field`.
 void shape(Eigen::MatrixXd& numbers, Eigen::Index rows, Eigen::Index columns, const std::string& file,
            const std::string& field) {
@@ -262,10 +213,12 @@ void take_lists(Lists& lists, Network& network, const std::string& file) {
     network.boundaries.conductances.push_back(std::move(item.conductance));
     network.factors_m.push_back(std::move(item.factor_m));
   }
+  for (const SourceWithDistribution& item : lists.sources) {
+    check_length(item.distribution, nodes, file, "source " + item.source.name + " distribution");
+  }
   network.source_distribution.resize(nodes, static_cast<Eigen::Index>(lists.sources.size()));
   for (std::size_t i = 0; i < lists.sources.size(); ++i) {
     SourceWithDistribution& item = lists.sources[i];
-    check_length(item.distribution, nodes, file, "source " + item.source.name + " distribution");
     network.source_distribution.col(static_cast<Eigen::Index>(i)) = item.distribution;
     network.boundaries.sources.push_back(std::move(item.source));
   }
@@ -303,11 +256,31 @@ void shape_outputs(Network& network, const std::string& file) {
   }
 }
 
+/// What a version did not know must not be in its files: an older program would have read them otherwise.
+void check_version(const spindle_twin_rom_Network& message, const Lists& lists, const FlatErrors& errors,
+                   const std::string& file) {
+  const std::uint32_t version = message.schema_version;
+  if (version < payload_schema_version_oldest || version > payload_schema_version) {
+    throw InputError({file, 0}, "schema_version",
+                     std::to_string(version) + " is unknown; this program reads " +
+                         std::to_string(payload_schema_version_oldest) + " to " +
+                         std::to_string(payload_schema_version));
+  }
+  if (version < payload_schema_version_circuits && !lists.circuits.empty()) {
+    throw InputError({file, 0}, "schema_version", "1 with coolant circuits, which come with version 2");
+  }
+  if (version < payload_schema_version && (message.hand_written || !errors.empty())) {
+    throw InputError({file, 0}, "schema_version",
+                     std::to_string(version) + " with a hand-written network or errors per output, which come with 3");
+  }
+}
+
 }  // namespace
 
-Network decode_payload(std::span<const std::uint8_t> payload, const std::string& file) {
+DecodedPayload decode_payload(std::span<const std::uint8_t> payload, const std::string& file) {
   Network network;
   Lists lists;
+  FlatErrors errors;
   spindle_twin_rom_Network message = spindle_twin_rom_Network_init_zero;
   message.spindle = attach(network.spindle);
   message.description_hash = attach(network.description_hash);
@@ -324,19 +297,13 @@ Network decode_payload(std::span<const std::uint8_t> payload, const std::string&
   message.contact_pressures = attach_list<ContactPressureOutput, decode_contact_pressure>(network.contact_pressures);
   message.outlines = attach_list<OutlineRing, decode_outline>(network.outlines);
 
+  attach_certificate(message.certificate, errors);
+
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
   if (!pb_decode(&stream, spindle_twin_rom_Network_fields, &message)) {
     throw InputError({file, 0}, "payload", std::string("malformed: ") + PB_GET_ERROR(&stream));
   }
-  if (message.schema_version != payload_schema_version && message.schema_version != payload_schema_version_circuits) {
-    throw InputError({file, 0}, "schema_version",
-                     std::to_string(message.schema_version) + " is unknown; this program reads " +
-                         std::to_string(payload_schema_version) + " and " +
-                         std::to_string(payload_schema_version_circuits));
-  }
-  if (message.schema_version == payload_schema_version && !lists.circuits.empty()) {
-    throw InputError({file, 0}, "schema_version", "1 with coolant circuits, which only version 2 has");
-  }
+  check_version(message, lists, errors, file);
   if (network.nodes.empty()) throw InputError({file, 0}, "nodes", "none; at least one is needed");
 
   const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
@@ -348,11 +315,9 @@ Network decode_payload(std::span<const std::uint8_t> payload, const std::string&
   network.boundaries.operating.speed_rpm = message.operating_speed_rpm;
   network.boundaries.operating.load = message.operating_load;
   network.boundaries.reference_temperature_K = message.reference_temperature_K;
-  network.certificate.seed = message.certificate.seed;
-  network.certificate.cases = message.certificate.cases;
-  network.certificate.worst = take_errors(message.certificate.worst);
-  network.certificate.median = take_errors(message.certificate.median);
-  return network;
+  network.hand_written = message.hand_written;
+  network.certificate = take_certificate(message.certificate, errors, file);
+  return {std::move(network), message.schema_version};
 }
 
 }  // namespace spindle_twin::rom

@@ -197,6 +197,45 @@ spindle_twin_rom_CertificateErrors errors_message(const CertificateErrors& error
   return {errors.key_points_K, errors.nose_um, errors.part_max_K};
 }
 
+/// Worst, median, mesh of one output after the other.
+Eigen::VectorXd flat(const std::vector<OutputError>& errors) {
+  Eigen::VectorXd numbers(3 * static_cast<Eigen::Index>(errors.size()));
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    numbers.segment<3>(3 * static_cast<Eigen::Index>(i)) << errors[i].worst, errors[i].median, errors[i].mesh;
+  }
+  return numbers;
+}
+
+struct FlatErrors {
+  Eigen::VectorXd key_points_K, part_means_K, part_maxima_K, deformations_m, contact_pressures_Pa;
+};
+
+FlatErrors flat(const Certificate& certificate) {
+  return {flat(certificate.key_points_K), flat(certificate.part_means_K), flat(certificate.part_maxima_K),
+          flat(certificate.deformations_m), flat(certificate.contact_pressures_Pa)};
+}
+
+spindle_twin_rom_Certificate certificate_message(const Certificate& certificate, const FlatErrors& errors) {
+  spindle_twin_rom_Certificate message = spindle_twin_rom_Certificate_init_zero;
+  message.seed = certificate.seed;
+  message.cases = certificate.cases;
+  message.has_worst = true;
+  message.worst = errors_message(certificate.worst);
+  message.has_median = true;
+  message.median = errors_message(certificate.median);
+  message.has_box = true;
+  message.box = {certificate.box.contact_low, certificate.box.contact_high, certificate.box.film_low,
+                 certificate.box.film_high, certificate.box.speed_high_rpm};
+  message.mesh_size_m = certificate.mesh_size_m;
+  message.fe_unknowns = certificate.fe_unknowns;
+  message.key_points_K = attach(errors.key_points_K);
+  message.part_means_K = attach(errors.part_means_K);
+  message.part_maxima_K = attach(errors.part_maxima_K);
+  message.deformations_m = attach(errors.deformations_m);
+  message.contact_pressures_Pa = attach(errors.contact_pressures_Pa);
+  return message;
+}
+
 void require(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
 }
@@ -219,7 +258,8 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   const NetworkList<CoolantCircuit> circuits{&network, &boundaries.circuits};
 
   spindle_twin_rom_Network message = spindle_twin_rom_Network_init_zero;
-  message.schema_version = boundaries.circuits.empty() ? payload_schema_version : payload_schema_version_circuits;
+  message.schema_version = payload_schema_version;
+  message.hand_written = network.hand_written;
   message.spindle = attach(network.spindle);
   message.description_hash = attach(network.description_hash);
   message.nodes = attach_list<std::vector<Node>, encode_node>(network.nodes);
@@ -239,12 +279,8 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   message.contact_pressures = attach_list<Pressures, encode_contact_pressure>(network.contact_pressures);
   message.outlines = attach_list<std::vector<OutlineRing>, encode_outline>(network.outlines);
   message.has_certificate = true;
-  message.certificate.seed = network.certificate.seed;
-  message.certificate.cases = network.certificate.cases;
-  message.certificate.has_worst = true;
-  message.certificate.worst = errors_message(network.certificate.worst);
-  message.certificate.has_median = true;
-  message.certificate.median = errors_message(network.certificate.median);
+  const FlatErrors errors = flat(network.certificate);
+  message.certificate = certificate_message(network.certificate, errors);
 
   std::size_t size = 0;
   require(pb_get_encoded_size(&size, spindle_twin_rom_Network_fields, &message), "the network cannot be encoded");

@@ -6,31 +6,14 @@
 #include <array>
 #include <span>
 
+#include "rom/file/file_header.hpp"
 #include "rom/file/payload.hpp"
+#include "rom/file/signature.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {
 namespace {
-
-constexpr std::array<std::uint8_t, 8> magic = {'S', 'P', 'I', 'N', 'R', 'O', 'M', '\n'};
-constexpr std::size_t version_at = magic.size();
-constexpr std::size_t length_at = version_at + sizeof(std::uint32_t);
-constexpr std::size_t hash_at = length_at + sizeof(std::uint64_t);
-constexpr std::size_t header_size = hash_at + crypto_hash_sha256_BYTES;
-static_assert(header_size == 52);
-
-template <class Integer>
-void put_little_endian(Integer value, std::uint8_t* target) {
-  for (std::size_t i = 0; i < sizeof(Integer); ++i) target[i] = static_cast<std::uint8_t>(value >> (8 * i));
-}
-
-template <class Integer>
-Integer get_little_endian(const std::uint8_t* source) {
-  Integer value = 0;
-  for (std::size_t i = 0; i < sizeof(Integer); ++i) value |= static_cast<Integer>(source[i]) << (8 * i);
-  return value;
-}
 
 using Hash = std::array<std::uint8_t, crypto_hash_sha256_BYTES>;
 
@@ -40,48 +23,75 @@ Hash sha256(std::span<const std::uint8_t> bytes) {
   return hash;
 }
 
+/// The payload; what may follow it is the signature block. Throws InputError for anything that does not add up.
+std::span<const std::uint8_t> payload_of(const std::vector<std::uint8_t>& bytes, std::uint32_t version,
+                                         const SourceLine& where) {
+  const auto length = header::get_little_endian<std::uint64_t>(bytes.data() + header::length_at);
+  const std::size_t behind = version == rom_format_version_signed ? signature_block_size : 0;
+  const std::size_t have = bytes.size() - header::size;
+  if (have < behind || have - behind != length) {
+    const bool cut = have < behind || have - behind < length;
+    throw InputError(where, "payload",
+                     (cut ? "truncated: " : "too long: ") + std::to_string(have) + " bytes, the header says " +
+                         std::to_string(length) + (behind > 0 ? " and a signature of 104" : ""));
+  }
+  return std::span(bytes).subspan(header::size, length);
+}
+
+std::string hex(const Hash& hash) {
+  std::array<char, 2 * sizeof(Hash) + 1> text;
+  return sodium_bin2hex(text.data(), text.size(), hash.data(), hash.size());
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_network(const Network& network) {
   const std::vector<std::uint8_t> payload = encode_payload(network);
   const Hash hash = sha256(payload);
-  std::vector<std::uint8_t> bytes(header_size + payload.size());
-  std::copy(magic.begin(), magic.end(), bytes.begin());
-  put_little_endian(rom_format_version, bytes.data() + version_at);
-  put_little_endian(static_cast<std::uint64_t>(payload.size()), bytes.data() + length_at);
-  std::copy(hash.begin(), hash.end(), bytes.begin() + hash_at);
-  std::copy(payload.begin(), payload.end(), bytes.begin() + header_size);
+  std::vector<std::uint8_t> bytes(header::size + payload.size());
+  std::copy(header::magic.begin(), header::magic.end(), bytes.begin());
+  header::put_little_endian(rom_format_version, bytes.data() + header::version_at);
+  header::put_little_endian(static_cast<std::uint64_t>(payload.size()), bytes.data() + header::length_at);
+  std::copy(hash.begin(), hash.end(), bytes.begin() + header::hash_at);
+  std::copy(payload.begin(), payload.end(), bytes.begin() + header::size);
   return bytes;
 }
 
-Network decode_network(const std::vector<std::uint8_t>& bytes, const std::string& file) {
+RomFile decode_rom_file(const std::vector<std::uint8_t>& bytes, const std::string& file) {
   const SourceLine where{file, 0};
-  const std::size_t shared = std::min(bytes.size(), magic.size());
-  if (bytes.empty() || !std::equal(magic.begin(), magic.begin() + static_cast<std::ptrdiff_t>(shared), bytes.begin())) {
+  const std::size_t shared = std::min(bytes.size(), header::magic.size());
+  if (bytes.empty() ||
+      !std::equal(header::magic.begin(), header::magic.begin() + static_cast<std::ptrdiff_t>(shared), bytes.begin())) {
     throw InputError(where, "", "not a .rom file");
   }
-  if (bytes.size() < header_size) {
+  if (bytes.size() < header::size) {
     throw InputError(where, "header", "truncated: " + std::to_string(bytes.size()) + " of 52 bytes");
   }
-  const auto version = get_little_endian<std::uint32_t>(bytes.data() + version_at);
-  if (version != rom_format_version) {
-    throw InputError(where, "format version",
-                     std::to_string(version) + " is unknown; this program reads " + std::to_string(rom_format_version));
+  const auto version = header::get_little_endian<std::uint32_t>(bytes.data() + header::version_at);
+  if (version != rom_format_version && version != rom_format_version_signed) {
+    throw InputError(where, "format version", std::to_string(version) + " is unknown; this program reads 1 and 2");
   }
-  const auto length = get_little_endian<std::uint64_t>(bytes.data() + length_at);
-  const std::span<const std::uint8_t> payload = std::span(bytes).subspan(header_size);
-  if (payload.size() != length) {
-    throw InputError(where, "payload",
-                     (payload.size() < length ? "truncated: " : "too long: ") + std::to_string(payload.size()) +
-                         " bytes, the header says " + std::to_string(length));
-  }
+  const std::span<const std::uint8_t> payload = payload_of(bytes, version, where);
   const Hash hash = sha256(payload);
-  if (!std::equal(hash.begin(), hash.end(), bytes.begin() + hash_at)) {
+  if (!std::equal(hash.begin(), hash.end(), bytes.begin() + header::hash_at)) {
     throw InputError(where, "payload", "damaged: its SHA-256 is not the header's");
   }
-  Network network = decode_payload(payload, file);
-  check_network(network, file);
-  return network;
+  RomFile result;
+  if (version == rom_format_version_signed) {
+    result.signed_by =
+        verified_signer(std::span(bytes).first(header::size), std::span(bytes).subspan(header::size + payload.size()));
+    if (!result.signed_by) throw InputError(where, "signature", "does not fit the file, or is damaged");
+  }
+  result.sha256 = hex(hash);
+  DecodedPayload decoded = decode_payload(payload, file);
+  result.network = std::move(decoded.network);
+  result.schema_version = decoded.schema_version;
+  check_network(result.network, file);
+  return result;
+}
+
+Network decode_network(const std::vector<std::uint8_t>& bytes, const std::string& file) {
+  return decode_rom_file(bytes, file).network;
 }
 
 void write_network(const Network& network, const std::string& path) {
@@ -89,8 +99,10 @@ void write_network(const Network& network, const std::string& path) {
   write_whole_file(path, encode_network(network));
 }
 
-Network read_network(const std::string& path) {
-  return decode_network(read_whole_file(path, rom_largest_file_bytes), path);
+RomFile read_rom_file(const std::string& path) {
+  return decode_rom_file(read_whole_file(path, rom_largest_file_bytes), path);
 }
+
+Network read_network(const std::string& path) { return read_rom_file(path).network; }
 
 }  // namespace spindle_twin::rom

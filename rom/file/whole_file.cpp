@@ -34,19 +34,39 @@ class Descriptor {
   int number_;
 };
 
-/// Removes the temporary file unless it was renamed.
+/// Removes the temporary name; after a rename there is none left.
 struct Temporary {
   std::string path;
-  bool renamed = false;
-  ~Temporary() {
-    if (!renamed) ::unlink(path.c_str());
-  }
+  ~Temporary() { ::unlink(path.c_str()); }
 };
 
 mode_t ordinary_permissions() {
   const mode_t mask = ::umask(022);
   ::umask(mask);
   return 0644 & ~mask;
+}
+
+/// A temporary file in the same folder, written and synced, then given its name by `publish`.
+template <class Publish>
+void write_beside(const std::string& path, std::span<const std::uint8_t> bytes, mode_t permissions,
+                  const Publish& publish) {
+  std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  std::string name = path + ".XXXXXX";
+  const Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
+  if (file.get() < 0) refuse(path, "cannot be written");
+  const Temporary temporary{name};
+  std::size_t written = 0;
+  while (written < bytes.size()) {
+    const ssize_t count = ::write(file.get(), bytes.data() + written, bytes.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse(path, "cannot be written");
+    written += static_cast<std::size_t>(count);
+  }
+  if (::fchmod(file.get(), permissions) != 0 || ::fsync(file.get()) != 0) refuse(path, "cannot be written");
+  if (publish(name.c_str()) != 0) refuse(path, "cannot be written");
+  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.get() < 0 || ::fsync(directory.get()) != 0) refuse(path, "its folder cannot be synced");
 }
 
 }  // namespace
@@ -57,25 +77,14 @@ void write_whole_file(const std::string& path, std::span<const std::uint8_t> byt
     // A rename would replace a device or fail on a folder.
     throw InputError({path, 0}, "", "cannot be written: it exists and is not a regular file");
   }
-  std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (folder.empty()) folder = ".";
+  write_beside(path, bytes, ordinary_permissions(),
+               [&](const char* temporary) { return std::rename(temporary, path.c_str()); });
+}
 
-  std::string name = path + ".XXXXXX";
-  const Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
-  if (file.get() < 0) refuse(path, "cannot be written");
-  Temporary temporary{name};
-  std::size_t written = 0;
-  while (written < bytes.size()) {
-    const ssize_t count = ::write(file.get(), bytes.data() + written, bytes.size() - written);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) refuse(path, "cannot be written");
-    written += static_cast<std::size_t>(count);
-  }
-  if (::fchmod(file.get(), ordinary_permissions()) != 0 || ::fsync(file.get()) != 0) refuse(path, "cannot be written");
-  if (std::rename(name.c_str(), path.c_str()) != 0) refuse(path, "cannot be written");
-  temporary.renamed = true;
-  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (directory.get() < 0 || ::fsync(directory.get()) != 0) refuse(path, "its folder cannot be synced");
+void write_private_file(const std::string& path, const std::string& text) {
+  // Unlike a rename, a link never replaces; the temporary name goes when write_beside is done.
+  write_beside(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()), 0600,
+               [&](const char* temporary) { return ::link(temporary, path.c_str()); });
 }
 
 void write_whole_file(const std::string& path, const std::string& text) {

@@ -13,6 +13,9 @@ namespace spindle_twin::rom {
 void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes);
 void write_whole_file(const std::string& path, const std::string& text);
 
+/// A new file, mode 0600 from its first byte on, whole or not at all. Throws InputError if `path` exists already.
+void write_private_file(const std::string& path, const std::string& text);
+
 /// Throws InputError if the file cannot be read or is longer than `largest_bytes`.
 std::vector<std::uint8_t> read_whole_file(const std::string& path, std::uint64_t largest_bytes);
 

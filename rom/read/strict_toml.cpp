@@ -174,6 +174,8 @@ TomlTable TomlTable::parse(const std::string& text, const std::string& file) {
 
 bool TomlTable::has(const std::string& key) const { return state_->find(key) != nullptr; }
 
+bool TomlTable::is_table(const std::string& key) const { return has(key) && state_->find(key)->is_table(); }
+
 double TomlTable::number(const std::string& key, Range range) const {
   const toml::node& node = state_->require(key);
   std::string complaint;

@@ -35,6 +35,7 @@ class TomlTable {
   static TomlTable parse(const std::string& text, const std::string& file);
 
   bool has(const std::string& key) const;
+  bool is_table(const std::string& key) const;
 
   double number(const std::string& key, Range range = any_number) const;
   double number_or(const std::string& key, double otherwise, Range range = any_number) const;

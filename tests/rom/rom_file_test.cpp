@@ -153,8 +153,8 @@ TEST(RomFile, every_flipped_bit_is_refused) {
 TEST(RomFile, header_errors_say_what_is_wrong) {
   const std::vector<std::uint8_t> good = encode_network(small_network());
   std::vector<std::uint8_t> bytes = good;
-  bytes[8] = 2;
-  expect_refused(decode_refusal(bytes), "format version: 2 is unknown; this program reads 1");
+  bytes[8] = 3;
+  expect_refused(decode_refusal(bytes), "format version: 3 is unknown; this program reads 1 and 2");
   bytes = good;
   bytes[19] = 0x7f;  // a payload of 9e18 bytes
   expect_refused(decode_refusal(bytes), "truncated");
@@ -170,7 +170,7 @@ TEST(RomFile, unknown_schema_version_is_refused) {
   ASSERT_EQ(bytes[header_size], 0x08) << "schema_version is the first field";
   bytes[header_size + 1] = 9;
   renew_hash(bytes);
-  expect_refused(decode_refusal(bytes), "schema_version: 9 is unknown; this program reads 1");
+  expect_refused(decode_refusal(bytes), "schema_version: 9 is unknown; this program reads 1 to 3");
 }
 
 TEST(RomFile, a_payload_behind_a_valid_hash_cannot_crash_the_reader) {

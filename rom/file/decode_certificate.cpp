@@ -1,0 +1,55 @@
+#include "rom/file/decode_certificate.hpp"
+
+#include "rom/file/decode_fields.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+CertificateErrors take_errors(const spindle_twin_rom_CertificateErrors& message) {
+  return {message.key_points_K, message.nose_um, message.part_max_K};
+}
+
+std::vector<OutputError> unflatten(const Eigen::VectorXd& numbers, const std::string& file, const std::string& field) {
+  if (numbers.size() % 3 != 0) {
+    throw InputError({file, 0}, "certificate " + field,
+                     std::to_string(numbers.size()) + " numbers, not worst, median and mesh of each output");
+  }
+  std::vector<OutputError> errors;
+  errors.reserve(static_cast<std::size_t>(numbers.size() / 3));
+  for (Eigen::Index i = 0; i < numbers.size(); i += 3) {
+    errors.push_back({numbers[i], numbers[i + 1], numbers[i + 2]});
+  }
+  return errors;
+}
+
+}  // namespace
+
+void attach_certificate(spindle_twin_rom_Certificate& message, FlatErrors& errors) {
+  message.key_points_K = attach(errors.key_points_K);
+  message.part_means_K = attach(errors.part_means_K);
+  message.part_maxima_K = attach(errors.part_maxima_K);
+  message.deformations_m = attach(errors.deformations_m);
+  message.contact_pressures_Pa = attach(errors.contact_pressures_Pa);
+}
+
+Certificate take_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
+                             const std::string& file) {
+  Certificate certificate;
+  certificate.seed = message.seed;
+  certificate.cases = message.cases;
+  certificate.worst = take_errors(message.worst);
+  certificate.median = take_errors(message.median);
+  certificate.box = {message.box.contact_low, message.box.contact_high, message.box.film_low, message.box.film_high,
+                     message.box.speed_high_rpm};
+  certificate.mesh_size_m = message.mesh_size_m;
+  certificate.fe_unknowns = message.fe_unknowns;
+  certificate.key_points_K = unflatten(errors.key_points_K, file, "key_points_K");
+  certificate.part_means_K = unflatten(errors.part_means_K, file, "part_means_K");
+  certificate.part_maxima_K = unflatten(errors.part_maxima_K, file, "part_maxima_K");
+  certificate.deformations_m = unflatten(errors.deformations_m, file, "deformations_m");
+  certificate.contact_pressures_Pa = unflatten(errors.contact_pressures_Pa, file, "contact_pressures_Pa");
+  return certificate;
+}
+
+}  // namespace spindle_twin::rom

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "rom/file/rom.pb.h"
+#include "rom/network.hpp"
+
+namespace spindle_twin::rom {
+
+/// Worst, median and mesh error of one output after the other, as they stand in the file.
+struct FlatErrors {
+  Eigen::VectorXd key_points_K, part_means_K, part_maxima_K, deformations_m, contact_pressures_Pa;
+
+  bool empty() const {
+    return key_points_K.size() + part_means_K.size() + part_maxima_K.size() + deformations_m.size() +
+               contact_pressures_Pa.size() ==
+           0;
+  }
+};
+
+/// Lets nanopb fill `errors`, which must live until the message is decoded.
+void attach_certificate(spindle_twin_rom_Certificate& message, FlatErrors& errors);
+
+/// Throws InputError for a list that is not made of threes.
+Certificate take_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
+                             const std::string& file);
+
+}  // namespace spindle_twin::rom

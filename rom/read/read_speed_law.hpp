@@ -1,0 +1,16 @@
+#pragma once
+
+#include "rom/boundaries.hpp"
+#include "rom/read/strict_toml.hpp"
+
+namespace spindle_twin::rom {
+
+/// Allowed range of every temperature in a file.
+inline constexpr Range temperature_degC{-273.15, 1000.0, true, false};
+
+/// The table `speed_law` of `owner`, constant 1 without it: { constant ? 0, speed_terms ? [[coefficient, exponent],
+/// ...], load_squared ? 0, zero_at_standstill ? false }, all >= 0. Throws InputError unless constant, coefficients and
+/// load_squared add up to 1, the value at the reference state.
+SpeedLaw read_speed_law(const TomlTable& owner);
+
+}  // namespace spindle_twin::rom
