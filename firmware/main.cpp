@@ -15,11 +15,11 @@
 
 #include "firmware/acquire/modbus_device.hpp"
 #include "firmware/config/config.hpp"
+#include "firmware/config/load_network.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/keep/history.hpp"
 #include "firmware/serve/modbus_server.hpp"
 #include "firmware/watch/single_instance.hpp"
-#include "rom/file/rom_file.hpp"
 
 namespace {
 
@@ -43,13 +43,20 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
+std::string signer(const rom::RomFile& file) {
+  return file.signed_by ? "signed by " + rom::to_hex(*file.signed_by) : "not signed";
+}
+
 int run(const std::string& config_path, bool only_check) {
   const Config config = read_config(config_path);
-  const rom::Network network = rom::read_network(config.network_path);
+  const rom::RomFile file = load_network(config.network);
+  const rom::Network& network = file.network;
   const DaemonPlan plan = bind_config(config, network);
   Cycle cycle(network, plan.cycle, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
   if (only_check) {
-    std::printf("%s: ok, %s with %zu nodes\n", config_path.c_str(), network.spindle.c_str(), network.nodes.size());
+    std::printf("%s: ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), network.spindle.c_str(),
+                network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",
+                signer(file).c_str());
     return 0;
   }
   const SingleInstance lock(config_path);
@@ -77,6 +84,11 @@ int run(const std::string& config_path, bool only_check) {
 
   spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", network.spindle, network.nodes.size(),
                plan.cycle.period_s, plan.cycle.clock_rate, plan.serve.address, server.port());
+  spdlog::info("{}: SHA-256 {}, {}", config.network.path, file.sha256, signer(file));
+  if (network.certificate.cases == 0) {
+    spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set",
+                 config.network.path);
+  }
   sd_notify(0, "READY=1");
 
   int signal = 0;

@@ -26,7 +26,7 @@ std::size_t find_by_name(const std::vector<Named>& things, const std::string& na
 void check_room(const Config& config, const char* what, std::size_t has, std::size_t room) {
   if (has <= room) return;
   throw rom::InputError(
-      config.network_where, "network",
+      config.network.where, config.network.field,
       "has " + std::to_string(has) + " " + what + ", the register map has room for " + std::to_string(room));
 }
 
@@ -38,7 +38,8 @@ void check_network(const Config& config, const rom::Network& network) {
   check_room(config, "deformation outputs", network.deformations.size(), slots::deformations);
   check_room(config, "coolant circuits", network.boundaries.circuits.size(), slots::circuits);
   if (network.deformations.empty()) {
-    throw rom::InputError(config.network_where, "network", "has no deformation output, so there is no nose elongation");
+    throw rom::InputError(config.network.where, config.network.field,
+                          "has no deformation output, so there is no nose elongation");
   }
 }
 

@@ -7,6 +7,7 @@
 #include "firmware/acquire/read_plan.hpp"
 #include "firmware/cycle/plan.hpp"
 #include "firmware/serve/allow_list.hpp"
+#include "rom/file/keys.hpp"
 #include "rom/network.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -52,11 +53,20 @@ struct ConfiguredGroup {
   std::vector<std::string> sources;
 };
 
+/// Which network file is run, and what must be true of it.
+struct ConfiguredNetwork {
+  std::string path;  ///< relative to the configuration file's folder
+  rom::SourceLine where;
+  std::string field;
+  bool allow_uncertified = false;  ///< a hand-written network, which cannot have a certificate
+  bool require_signature = false;
+  std::vector<rom::PublicKey> trusted_keys;  ///< whose signature counts
+};
+
 /// The configuration file as it stands, checked as far as that goes without the network.
 struct Config {
   std::string path;
-  std::string network_path;  ///< relative to the configuration file's folder
-  rom::SourceLine network_where;
+  ConfiguredNetwork network;
   std::string log_level = "info";
   std::string history_path;  ///< empty: none
   ServePlan serve;

@@ -136,11 +136,40 @@ ConfiguredSensor read_sensor(const TomlTable& table) {
   return sensor;
 }
 
+rom::PublicKey read_trusted_key(const TomlTable& table, const std::string& text, const std::string& path) {
+  rom::PublicKey key{};
+  if (rom::parse_public_key(text, key)) return key;
+  if (text.ends_with(".pub")) return rom::read_public_key(beside(path, text));
+  table.fail("trusted_keys", "every entry must be 64 hex digits or a .pub file, is \"" + text + "\"");
+}
+
+/// `network = "x.rom"`, or a table where more is to be said than the file's name.
+ConfiguredNetwork read_network_table(const TomlTable& root, const std::string& path) {
+  ConfiguredNetwork network;
+  network.where = root.where("network");
+  network.field = root.path("network");
+  if (!root.is_table("network")) {
+    network.path = beside(path, root.string("network"));
+    return network;
+  }
+  const TomlTable table = root.table("network");
+  network.where = table.where("file");
+  network.path = beside(path, table.string("file"));
+  network.allow_uncertified = table.boolean_or("allow_uncertified", false);
+  network.require_signature = table.boolean_or("require_signature", false);
+  for (const std::string& text : table.strings_or_empty("trusted_keys")) {
+    network.trusted_keys.push_back(read_trusted_key(table, text, path));
+  }
+  if (network.require_signature && network.trusted_keys.empty()) {
+    table.fail("trusted_keys", "at least one key is needed where require_signature is true");
+  }
+  return network;
+}
+
 Config read_root(const TomlTable& root, const std::string& path) {
   Config config;
   config.path = path;
-  config.network_path = beside(path, root.string("network"));
-  config.network_where = root.where("network");
+  config.network = read_network_table(root, path);
   config.log_level = root.choice_or("log_level", config.log_level, {"debug", "info", "warning", "error"});
 
   if (const auto cycle = root.optional_table("cycle")) {

@@ -66,6 +66,7 @@ void Cycle::label(std::int64_t missed) {
 
   if (missed > 0) snapshot_.quality |= bits(Quality::overrun);
   if (snapshot_.tare_m != 0.0) snapshot_.quality |= bits(Quality::tared);
+  if (network_.certificate.cases == 0) snapshot_.quality |= bits(Quality::uncertified);
   if (!corrector_.law || !corrector_.enabled) {
     snapshot_.quality |= bits(Quality::correction_off);
   } else if (snapshot_.correction_freeze > static_cast<std::uint16_t>(correction::Freeze::waiting) &&
@@ -73,8 +74,9 @@ void Cycle::label(std::int64_t missed) {
     snapshot_.quality |= bits(Quality::correction_frozen);
   }
 
-  constexpr auto harmless = static_cast<std::uint16_t>(
-      bits(Quality::correction_off) | bits(Quality::correction_frozen) | bits(Quality::overrun) | bits(Quality::tared));
+  constexpr auto harmless =
+      static_cast<std::uint16_t>(bits(Quality::correction_off) | bits(Quality::correction_frozen) |
+                                 bits(Quality::overrun) | bits(Quality::tared) | bits(Quality::uncertified));
   const bool stopped = (snapshot_.fault & (bits(Fault::prediction_lost) | bits(Fault::start_timed_out))) != 0;
   if (stopped) {
     snapshot_.state = State::fault;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rom/integrate/output_uncertainty.hpp"
+
 namespace spindle_twin::firmware {
 namespace {
 
@@ -20,6 +22,8 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.conductances = network.boundaries.conductances.size();
   snapshot.deformations = network.deformations.size();
   snapshot.circuits = network.boundaries.circuits.size();
+  const Eigen::VectorXd sd_m = rom::output_uncertainty(network).deformations_m;
+  if (sd_m.size() > 0) snapshot.nose_network_sd_m = sd_m[0];
   snapshot.signals.fill(not_a_value);
   snapshot.measured_K.fill(not_a_value);
   snapshot.sensor_quality.fill(SensorQuality::not_configured);

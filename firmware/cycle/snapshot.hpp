@@ -81,6 +81,7 @@ struct Snapshot {
   double nose_m = not_a_value;                              ///< deformation_m[0] minus the tare
   double nose_uncorrected_m = not_a_value;                  ///< minus the tare
   double tare_m = 0.0;
+  double nose_network_sd_m = not_a_value;  ///< the certificate's part of the nose's standard deviation
   std::array<double, slots::sources> heat_factor{};
   std::array<double, slots::conductances> conductance_factor{};
 };

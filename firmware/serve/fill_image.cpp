@@ -78,6 +78,7 @@ void fill_nose(const Snapshot& snapshot, Filler& fill) {
   }
   fill.value(Register::nose_uncorrected, um_per_m * snapshot.nose_uncorrected_m);
   fill.value(Register::tare, um_per_m * snapshot.tare_m);
+  fill.value(Register::nose_network_sd, um_per_m * snapshot.nose_network_sd_m);
   fill.values(Register::deformation, snapshot.deformation_m, 0.0, um_per_m);
   fill.values(Register::deformation_float32, snapshot.deformation_m, 0.0, um_per_m);
 }

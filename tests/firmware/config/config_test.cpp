@@ -53,7 +53,7 @@ std::string error_of(const std::string& text) {
 TEST(Config, values_come_in_si) {
   const Config config = parse_config(good, "/etc/twin.toml");
   const DaemonPlan plan = bind_config(config, tests::small_network());
-  EXPECT_EQ(config.network_path, "/etc/small.rom");
+  EXPECT_EQ(config.network.path, "/etc/small.rom");
   EXPECT_TRUE(plan.cycle.sensors[0].configured);
   EXPECT_FALSE(plan.cycle.sensors[1].configured);
   EXPECT_TRUE(plan.cycle.sensors[2].configured);

@@ -90,6 +90,20 @@ TEST(Cycle, open_loop_reaches_the_steady_state_of_the_network) {
   EXPECT_DOUBLE_EQ(last.model_time_s, 20001.0);
 }
 
+TEST(Cycle, the_certificate_enters_the_published_deviation_and_its_absence_is_seen) {
+  rom::Network network = tests::small_network();
+  Cycle certified(network, open_loop(), runtime);
+  EXPECT_DOUBLE_EQ(certified.step({}, {}, at_s(0), 0).nose_network_sd_m, 0.5 * (3e-8 + 1e-8));
+  EXPECT_EQ(certified.step({}, {}, at_s(1), 0).quality & bits(Quality::uncertified), 0);
+  network.certificate = {};
+  network.hand_written = true;
+  Cycle uncertified(network, open_loop(), runtime);
+  const Snapshot& last = uncertified.step({}, {}, at_s(0), 0);
+  EXPECT_TRUE(std::isnan(last.nose_network_sd_m));
+  EXPECT_NE(last.quality & bits(Quality::uncertified), 0);
+  EXPECT_EQ(last.state, State::running) << "the configuration allowed it";
+}
+
 TEST(Cycle, missed_periods_are_integrated_and_counted) {
   const rom::Network network = tests::small_network();
   Cycle steady(network, open_loop(), runtime);

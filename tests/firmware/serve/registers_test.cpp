@@ -94,12 +94,14 @@ TEST(RegisterImage, every_word_of_every_readable_register_is_written) {
 TEST(RegisterImage, nose_stands_in_all_forms) {
   Snapshot snapshot = empty_snapshot();
   snapshot.nose_m = -15.46e-6;
+  snapshot.nose_network_sd_m = 0.02e-6;
   const RegisterImage image = image_of(snapshot);
   EXPECT_EQ(static_cast<std::int16_t>(word(image, Register::nose_int16)), -155);
   EXPECT_EQ(word(image, Register::nose_offset16), 32768 - 155);
   EXPECT_EQ(word(image, Register::nose_int32, 0), 0xFFFF);
   EXPECT_EQ(word(image, Register::nose_int32, 1), 0xFF65);
   EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_float32)), -15.46F);
+  EXPECT_EQ(word(image, Register::nose_network_sd), 20) << "0.001 um each";
   EXPECT_EQ(word(image, Register::nose_float32, 0), word(image, Register::nose_float32_cdab, 1));
   EXPECT_EQ(word(image, Register::nose_float32, 1), word(image, Register::nose_float32_cdab, 0));
 }

@@ -81,6 +81,11 @@ inline rom::Network small_network() {
                    {"sleeve", (unit(2) + unit(3) + unit(4)) / 3.0, sleeve}};
   network.deformations = {{"nose", (Eigen::VectorXd(5) << 4e-7, 2e-7, 3e-7, 4e-7, 5e-7).finished()},
                           {"rear", (Eigen::VectorXd(5) << -1e-7, 0.0, 0.0, 0.0, -2e-7).finished()}};
+  network.certificate.seed = 1;
+  network.certificate.cases = 20;
+  network.certificate.worst = {0.02, 0.03, 0.05};
+  network.certificate.median = {0.01, 0.015, 0.02};
+  network.certificate.deformations_m = {{3e-8, 1.5e-8, 1e-8}, {2e-8, 1e-8, 0.0}};
   return network;
 }
 

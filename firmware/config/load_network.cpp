@@ -1,0 +1,45 @@
+#include "firmware/config/load_network.hpp"
+
+#include <algorithm>
+
+namespace spindle_twin::firmware {
+namespace {
+
+void check_signature(const ConfiguredNetwork& configured, const rom::RomFile& file) {
+  if (!configured.require_signature) return;
+  if (!file.signed_by) {
+    throw rom::InputError(configured.where, configured.field,
+                          configured.path + " is not signed, and require_signature asks for it; `spindle-twin sign`");
+  }
+  const auto& keys = configured.trusted_keys;
+  if (std::find(keys.begin(), keys.end(), *file.signed_by) == keys.end()) {
+    throw rom::InputError(
+        configured.where, configured.field,
+        configured.path + " is signed by " + rom::to_hex(*file.signed_by) + ", which is not among the trusted_keys");
+  }
+}
+
+void check_certificate(const ConfiguredNetwork& configured, const rom::RomFile& file) {
+  if (file.network.certificate.cases > 0) return;
+  if (!file.network.hand_written) {
+    throw rom::InputError(
+        configured.where, configured.field,
+        configured.path + " carries no certificate, so its error is unknown; `spindle-twin build` measures one");
+  }
+  if (!configured.allow_uncertified) {
+    throw rom::InputError(
+        configured.where, configured.field,
+        configured.path + " is hand-written and has no certificate; allow_uncertified = true runs it nevertheless");
+  }
+}
+
+}  // namespace
+
+rom::RomFile load_network(const ConfiguredNetwork& configured) {
+  rom::RomFile file = rom::read_rom_file(configured.path);
+  check_signature(configured, file);
+  check_certificate(configured, file);
+  return file;
+}
+
+}  // namespace spindle_twin::firmware
