@@ -32,7 +32,12 @@ int main(int argc, char** argv) {
   add_verify(app);
   add_verify_fem(app);
 #endif
+  add_assemble(app);
   add_inspect(app);
+  add_diff(app);
+  add_keys(app);
+  add_sign(app);
+  add_verify_signature(app);
   add_simulate(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE
@@ -42,6 +47,8 @@ int main(int argc, char** argv) {
 #endif
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : usage_error;
   } catch (const std::exception& error) {

@@ -7,6 +7,11 @@
 namespace spindle_twin::host_tools {
 
 void add_inspect(CLI::App& app);
+void add_diff(CLI::App& app);
+void add_assemble(CLI::App& app);
+void add_keys(CLI::App& app);
+void add_sign(CLI::App& app);
+void add_verify_signature(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_registers(CLI::App& app);
 

@@ -60,9 +60,32 @@ const char* kind_name(rom::EnvironmentKind kind) {
   return kind == rom::EnvironmentKind::coolant ? "coolant" : "ambient";
 }
 
+std::vector<CertifiedOutput> certified_outputs(const rom::Network& network) {
+  const rom::Certificate& certificate = network.certificate;
+  std::vector<CertifiedOutput> outputs;
+  const auto add = [&](const char* kind, const auto& items, const std::vector<rom::OutputError>& errors,
+                       const char* unit, double per_SI) {
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      const rom::OutputError& error = errors[i];
+      outputs.push_back(
+          {kind, items[i].name, unit, {per_SI * error.worst, per_SI * error.median, per_SI * error.mesh}});
+    }
+  };
+  add("key point", network.key_points, certificate.key_points_K, "K", 1.0);
+  add("part mean", network.parts, certificate.part_means_K, "K", 1.0);
+  add("part maximum", network.parts, certificate.part_maxima_K, "K", 1.0);
+  add("deformation", network.deformations, certificate.deformations_m, "um", micrometres_per_metre);
+  add("contact pressure", network.contact_pressures, certificate.contact_pressures_Pa, "MPa", megapascal_per_pascal);
+  return outputs;
+}
+
 Inspection inspect(const std::string& path) {
   Inspection result;
-  result.network = rom::read_network(path);
+  rom::RomFile file = rom::read_rom_file(path);
+  result.network = std::move(file.network);
+  result.schema_version = file.schema_version;
+  result.sha256 = file.sha256;
+  if (file.signed_by) result.signed_by = rom::to_hex(*file.signed_by);
   const rom::Boundaries& boundaries = result.network.boundaries;
   result.values = correction::make_boundary_values(boundaries);
   correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries),

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "rom/boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
@@ -30,11 +32,25 @@ struct Checks {
 /// A network file and what follows from it; what every form of `spindle-twin inspect` shows.
 struct Inspection {
   rom::Network network;
-  rom::BoundaryValues values;  ///< at the operating state, nothing corrected
+  std::uint32_t schema_version = 0;  ///< of the file's payload
+  std::string sha256;                ///< of the file's payload, hex
+  std::string signed_by;             ///< public key, hex; empty: not signed
+  rom::BoundaryValues values;        ///< at the operating state, nothing corrected
   Eigen::VectorXd time_constants_s;
   rom::CoolantOutlets coolant;  ///< in the steady state at the operating state
   Checks checks;
 };
+
+/// One line of a certificate; errors in `unit`, the unit that people read: K, um, MPa.
+struct CertifiedOutput {
+  std::string kind;  ///< key point, part mean, part maximum, deformation, contact pressure
+  std::string name;
+  std::string unit;
+  rom::OutputError error;
+};
+
+/// Every output that the certificate has an error for.
+std::vector<CertifiedOutput> certified_outputs(const rom::Network& network);
 
 /// Reads and checks. Throws rom::InputError.
 Inspection inspect(const std::string& path);

@@ -50,6 +50,9 @@ void print_json(const Inspection& result) {
   nlohmann::json json = boundaries_json(result);
   json["spindle"] = network.spindle;
   json["description_sha256"] = network.description_hash;
+  json["hand_written"] = network.hand_written;
+  json["file"] = {{"sha256", result.sha256}, {"schema_version", result.schema_version}};
+  json["file"]["signed_by"] = result.signed_by.empty() ? nlohmann::json() : nlohmann::json(result.signed_by);
   json["capacity_J_per_K"] = network.capacity_J_per_K.sum();
   for (const rom::Node& node : network.nodes) {
     json["nodes"].push_back({{"name", node.name}, {"part", node.part}, {"r_m", node.r_m}, {"z_m", node.z_m}});
@@ -89,6 +92,23 @@ void print_json(const Inspection& result) {
                          {"seed", network.certificate.seed},
                          {"worst", errors_json(network.certificate.worst)},
                          {"median", errors_json(network.certificate.median)}};
+  const rom::CertificateBox& box = network.certificate.box;
+  json["certificate"]["box"] = {{"contact_low", box.contact_low},
+                                {"contact_high", box.contact_high},
+                                {"film_low", box.film_low},
+                                {"film_high", box.film_high},
+                                {"speed_high_rpm", box.speed_high_rpm}};
+  json["certificate"]["mesh_size_m"] = network.certificate.mesh_size_m;
+  json["certificate"]["fe_unknowns"] = network.certificate.fe_unknowns;
+  json["certificate"]["outputs"] = nlohmann::json::array();
+  for (const CertifiedOutput& output : certified_outputs(network)) {
+    json["certificate"]["outputs"].push_back({{"kind", output.kind},
+                                              {"name", output.name},
+                                              {"unit", output.unit},
+                                              {"worst", output.error.worst},
+                                              {"median", output.error.median},
+                                              {"mesh", output.error.mesh}});
+  }
   json["time_constants_s"] = nlohmann::json::array();
   for (const double constant_s : result.time_constants_s) json["time_constants_s"].push_back(constant_s);
   json["checks"] = {{"capacity_asymmetry", result.checks.capacity_asymmetry},

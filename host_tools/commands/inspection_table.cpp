@@ -63,19 +63,49 @@ void print_outputs(const Inspection& result) {
   }
 }
 
-void print_quality(const Inspection& result) {
-  const rom::Certificate& certificate = result.network.certificate;
+void print_certificate(const rom::Network& network) {
+  const rom::Certificate& certificate = network.certificate;
   if (certificate.cases == 0) {
-    std::printf("\nNo certificate: this network was not compared with its FE model.\n");
-  } else {
-    std::printf("\nCertificate: %u random cases, seed %llu, network minus FE model\n", certificate.cases,
-                static_cast<unsigned long long>(certificate.seed));
-    std::printf("%-10s %14s %10s %16s\n", "", "key points K", "nose um", "part maxima K");
-    std::printf("%-10s %14.4f %10.4f %16.4f\n", "worst", certificate.worst.key_points_K, certificate.worst.nose_um,
-                certificate.worst.part_max_K);
-    std::printf("%-10s %14.4f %10.4f %16.4f\n", "median", certificate.median.key_points_K, certificate.median.nose_um,
-                certificate.median.part_max_K);
+    std::printf(network.hand_written ? "\nNo certificate: this network was written by hand, its error is unknown.\n"
+                                     : "\nNo certificate: this network was not compared with its FE model.\n");
+    return;
   }
+  std::printf("\nCertificate: %u random cases, seed %llu, network minus FE model\n", certificate.cases,
+              static_cast<unsigned long long>(certificate.seed));
+  const rom::CertificateBox& box = certificate.box;
+  if (box.contact_high > 0.0) {
+    std::printf("  box: contacts %g to %g, films %g to %g of nominal, up to %.0f rpm\n", box.contact_low,
+                box.contact_high, box.film_low, box.film_high, box.speed_high_rpm);
+  }
+  if (certificate.fe_unknowns > 0) {
+    std::printf("  FE model: %u unknowns, elements of %.2f mm\n", certificate.fe_unknowns,
+                1e3 * certificate.mesh_size_m);
+  }
+  std::printf("%-10s %14s %10s %16s\n", "", "key points K", "nose um", "part maxima K");
+  std::printf("%-10s %14.4f %10.4f %16.4f\n", "worst", certificate.worst.key_points_K, certificate.worst.nose_um,
+              certificate.worst.part_max_K);
+  std::printf("%-10s %14.4f %10.4f %16.4f\n", "median", certificate.median.key_points_K, certificate.median.nose_um,
+              certificate.median.part_max_K);
+  const std::vector<CertifiedOutput> outputs = certified_outputs(network);
+  if (outputs.empty()) return;
+  std::printf("\n%-17s %-32s %-4s %10s %10s %10s\n", "error of", "", "unit", "worst", "median", "mesh");
+  for (const CertifiedOutput& output : outputs) {
+    std::printf("%-17s %-32s %-4s %10.4f %10.4f %10.4f\n", output.kind.c_str(), output.name.c_str(),
+                output.unit.c_str(), output.error.worst, output.error.median, output.error.mesh);
+  }
+}
+
+void print_nodes(const rom::Network& network) {
+  std::printf("\n%-32s %-24s %9s %9s %12s\n", "node", "part", "r mm", "z mm", "J/K");
+  for (std::size_t i = 0; i < network.nodes.size(); ++i) {
+    const rom::Node& node = network.nodes[i];
+    std::printf("%-32s %-24s %9.2f %9.2f %12.2f\n", node.name.c_str(), node.part.c_str(), 1e3 * node.r_m,
+                1e3 * node.z_m, network.capacity_J_per_K.row(static_cast<Eigen::Index>(i)).sum());
+  }
+}
+
+void print_quality(const Inspection& result) {
+  print_certificate(result.network);
   std::printf("\nSlowest time constants at the operating state, s:");
   for (const double constant_s : result.time_constants_s) std::printf(" %.1f", constant_s);
   const Checks& checks = result.checks;
@@ -95,13 +125,17 @@ void print_table(const Inspection& result) {
   const rom::Network& network = result.network;
   const rom::Boundaries& boundaries = network.boundaries;
   std::printf("spindle      %s\n", network.spindle.c_str());
-  std::printf("description  SHA-256 %s\n", network.description_hash.c_str());
+  std::printf("description  SHA-256 %s%s\n", network.description_hash.c_str(),
+              network.hand_written ? ", hand-written" : "");
+  std::printf("file         SHA-256 %s, schema version %u\n", result.sha256.c_str(), result.schema_version);
+  std::printf("signature    %s\n", result.signed_by.empty() ? "none" : result.signed_by.c_str());
   std::printf("network      %zu nodes, %zu conductances, %zu heat sources, %zu parts, %.0f J/K\n", network.nodes.size(),
               boundaries.conductances.size(), boundaries.sources.size(), network.parts.size(),
               network.capacity_J_per_K.sum());
   std::printf("operating    %.0f rpm, load %.2f; reference %.0f rpm, %.2f degC\n", boundaries.operating.speed_rpm,
               boundaries.operating.load, boundaries.reference_speed_rpm,
               boundaries.reference_temperature_K - kelvin_at_0_degC);
+  print_nodes(network);
   print_inputs(result);
   print_circuits(result);
   print_outputs(result);

@@ -14,6 +14,7 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/offline/certificate_json.hpp"
 #include "host_tools/commands/offline/progress.hpp"
+#include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -63,6 +64,10 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
 }
 
 void run(const BuildArguments& arguments) {
+  if (rom::is_by_hand(arguments.spindle_path)) {
+    throw rom::InputError({arguments.spindle_path, 0}, "node",
+                          "this is a network written by hand, for `spindle-twin assemble`");
+  }
   check_output(arguments.output_path, "--output");
   ProgressDisplay display;
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };

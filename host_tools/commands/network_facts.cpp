@@ -1,0 +1,178 @@
+#include "host_tools/commands/network_facts.hpp"
+
+#include <cmath>
+#include <sstream>
+
+namespace spindle_twin::host_tools {
+namespace {
+
+class Facts {
+ public:
+  std::vector<Fact> list;
+
+  void start(const std::string& section, const std::string& name) {
+    section_ = section;
+    name_ = name;
+  }
+  void add(const char* field, double value) { list.push_back({section_, name_, field, value}); }
+  void add(const char* field, const std::string& value) { list.push_back({section_, name_, field, value}); }
+  void add(const char* field, const Eigen::MatrixXd& value) { list.push_back({section_, name_, field, value}); }
+
+ private:
+  std::string section_, name_;
+};
+
+std::string text_of(const rom::SpeedLaw& law) {
+  std::ostringstream text;
+  text.precision(10);
+  text << law.constant;
+  for (const rom::PowerTerm& term : law.speed_terms) text << " + " << term.coefficient << " x^" << term.exponent;
+  if (law.load_squared != 0.0) text << " + " << law.load_squared << " load^2";
+  if (law.zero_at_standstill) text << ", 0 at standstill";
+  return text.str();
+}
+
+template <class Named>
+std::string name_at(const std::vector<Named>& items, int index) {
+  return index < 0 ? "none" : items[static_cast<std::size_t>(index)].name;
+}
+
+void add_network(const Inspection& inspection, Facts& facts) {
+  const rom::Network& network = inspection.network;
+  facts.start("file", "");
+  facts.add("schema_version", static_cast<double>(inspection.schema_version));
+  facts.add("signed_by", inspection.signed_by.empty() ? "nobody" : inspection.signed_by);
+  facts.start("network", "");
+  facts.add("spindle", network.spindle);
+  facts.add("description_sha256", network.description_hash);
+  facts.add("hand_written", std::string(network.hand_written ? "yes" : "no"));
+  facts.add("nodes", static_cast<double>(network.nodes.size()));
+  facts.add("total_capacity_J_per_K", network.capacity_J_per_K.sum());
+  facts.add("capacity_J_per_K", network.capacity_J_per_K);
+  facts.add("conduction_W_per_K", network.conduction_W_per_K);
+  const rom::Boundaries& boundaries = network.boundaries;
+  facts.start("operating", "");
+  facts.add("speed_rpm", boundaries.operating.speed_rpm);
+  facts.add("load", boundaries.operating.load);
+  facts.add("reference_speed_rpm", boundaries.reference_speed_rpm);
+  facts.add("reference_temperature_degC", boundaries.reference_temperature_K - kelvin_at_0_degC);
+  for (const rom::Node& node : network.nodes) {
+    facts.start("node", node.name);
+    facts.add("part", node.part);
+    facts.add("r_mm", 1e3 * node.r_m);
+    facts.add("z_mm", 1e3 * node.z_m);
+  }
+}
+
+void add_boundaries(const rom::Network& network, Facts& facts) {
+  const rom::Boundaries& boundaries = network.boundaries;
+  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
+    facts.start("environment", boundaries.environments[i].name);
+    facts.add("kind", std::string(kind_name(boundaries.environments[i].kind)));
+    facts.add("operating_degC", boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC);
+  }
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    facts.start("source", boundaries.sources[i].name);
+    facts.add("nominal_W", boundaries.sources[i].nominal_W);
+    facts.add("law", text_of(boundaries.sources[i].law));
+    facts.add("distribution", network.source_distribution.col(static_cast<Eigen::Index>(i)));
+  }
+  for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
+    const rom::Conductance& conductance = boundaries.conductances[j];
+    facts.start("conductance", conductance.name);
+    facts.add("kind", std::string(kind_name(conductance.kind)));
+    facts.add("nominal_W_per_m2K", conductance.nominal_W_per_m2K);
+    facts.add("area_mm2", 1e6 * conductance.area_m2);
+    facts.add("environment", name_at(boundaries.environments, conductance.environment));
+    facts.add("part_a", name_at(network.parts, conductance.part_a));
+    facts.add("part_b", name_at(network.parts, conductance.part_b));
+    facts.add("law", text_of(conductance.law));
+    if (conductance.fit) {
+      facts.add("assembly_pressure_Pa", conductance.fit->assembly_pressure_Pa);
+      facts.add("pressure_per_inner_rise_Pa_per_K", conductance.fit->pressure_per_inner_rise_Pa_per_K);
+      facts.add("pressure_per_outer_rise_Pa_per_K", conductance.fit->pressure_per_outer_rise_Pa_per_K);
+    }
+    // F is one of many with the same F Fᵀ, which is what acts.
+    facts.add("exchange_m2", network.factors_m[j] * network.factors_m[j].transpose());
+  }
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const rom::CoolantCircuit& circuit = boundaries.circuits[c];
+    facts.start("circuit", circuit.name);
+    facts.add("inlet", name_at(boundaries.environments, circuit.environment));
+    facts.add("heat_capacity_J_per_kgK", circuit.heat_capacity_J_per_kgK);
+    facts.add("operating_kg_per_s", boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(c)]);
+    std::string segments;
+    for (const int segment : circuit.segments) {
+      segments += (segments.empty() ? "" : ", ") + name_at(boundaries.conductances, segment);
+    }
+    facts.add("segments", segments);
+  }
+}
+
+void add_outputs(const rom::Network& network, Facts& facts) {
+  for (const rom::KeyPoint& point : network.key_points) {
+    facts.start("key point", point.name);
+    facts.add("part", point.part);
+    facts.add("r_mm", 1e3 * point.r_m);
+    facts.add("z_mm", 1e3 * point.z_m);
+    facts.add("row", point.row);
+  }
+  for (const rom::PartOutput& part : network.parts) {
+    facts.start("part", part.name);
+    facts.add("mean_row", part.mean_row);
+    facts.add("candidate_rows", part.candidate_rows);
+  }
+  for (const rom::DeformationOutput& output : network.deformations) {
+    facts.start("deformation", output.name);
+    facts.add("um_per_K", micrometres_per_metre * output.row_m_per_K.sum());
+    facts.add("row_m_per_K", output.row_m_per_K);
+  }
+  for (const rom::ContactPressureOutput& output : network.contact_pressures) {
+    facts.start("contact pressure", output.name);
+    facts.add("assembly_pressure_Pa", output.assembly_pressure_Pa);
+    facts.add("row_Pa_per_K", output.row_Pa_per_K);
+  }
+}
+
+void add_certificate(const rom::Network& network, Facts& facts) {
+  const rom::Certificate& certificate = network.certificate;
+  facts.start("certificate", "");
+  facts.add("cases", certificate.cases);
+  facts.add("seed", std::to_string(certificate.seed));
+  facts.add("mesh_size_mm", 1e3 * certificate.mesh_size_m);
+  facts.add("fe_unknowns", certificate.fe_unknowns);
+  facts.add("box_contact_low", certificate.box.contact_low);
+  facts.add("box_contact_high", certificate.box.contact_high);
+  facts.add("box_film_low", certificate.box.film_low);
+  facts.add("box_film_high", certificate.box.film_high);
+  facts.add("box_speed_high_rpm", certificate.box.speed_high_rpm);
+  facts.add("worst_key_points_K", certificate.worst.key_points_K);
+  facts.add("worst_nose_um", certificate.worst.nose_um);
+  facts.add("worst_part_max_K", certificate.worst.part_max_K);
+  facts.add("median_key_points_K", certificate.median.key_points_K);
+  facts.add("median_nose_um", certificate.median.nose_um);
+  facts.add("median_part_max_K", certificate.median.part_max_K);
+  for (const CertifiedOutput& output : certified_outputs(network)) {
+    facts.start("certificate", output.kind + " " + output.name);
+    facts.add(("worst_" + output.unit).c_str(), output.error.worst);
+    facts.add(("median_" + output.unit).c_str(), output.error.median);
+    facts.add(("mesh_" + output.unit).c_str(), output.error.mesh);
+  }
+}
+
+}  // namespace
+
+std::vector<Fact> network_facts(const Inspection& inspection) {
+  Facts facts;
+  add_network(inspection, facts);
+  add_boundaries(inspection.network, facts);
+  add_outputs(inspection.network, facts);
+  add_certificate(inspection.network, facts);
+  for (Eigen::Index i = 0; i < inspection.time_constants_s.size(); ++i) {
+    facts.start("time constant", std::to_string(i + 1));
+    facts.add("s", inspection.time_constants_s[i]);
+  }
+  return std::move(facts.list);
+}
+
+}  // namespace spindle_twin::host_tools
