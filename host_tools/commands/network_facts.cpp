@@ -40,7 +40,7 @@ std::string name_at(const std::vector<Named>& items, int index) {
 void add_network(const Inspection& inspection, Facts& facts) {
   const rom::Network& network = inspection.network;
   facts.start("file", "");
-  facts.add("schema_version", static_cast<double>(inspection.schema_version));
+  facts.add("schema_version", std::to_string(inspection.schema_version));
   facts.add("signed_by", inspection.signed_by.empty() ? "nobody" : inspection.signed_by);
   facts.start("network", "");
   facts.add("spindle", network.spindle);

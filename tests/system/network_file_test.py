@@ -1,0 +1,124 @@
+"""Network files as a user meets them: written by hand, looked at, compared, signed, and refused by the daemon.
+
+network_file_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest options]
+"""
+import json
+import pathlib
+import stat
+import subprocess
+import unittest
+
+import host_tool_case
+from host_tool_case import DAEMON, run
+
+EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "rom" / "by_hand" / "motor_spindle.toml"
+CONFIG = """network = {network}
+[serve]
+port = {port}
+[signals]
+speed = {{ source = "plc" }}
+load = {{ source = "plc" }}
+coolant = {{ source = "constant", value = 20.0 }}
+ambient = {{ source = "constant", value = 20.0 }}
+[start]
+temperature_degC = 20.0
+"""
+
+
+class NetworkFiles(host_tool_case.Case):
+    def assemble(self, name="m.rom", change=None):
+        text = EXAMPLE.read_text()
+        if change:
+            self.assertIn(change[0], text)
+            text = text.replace(*change, 1)
+        rom = self.folder / name
+        self.good("assemble", self.text(name + ".toml", text), "-o", rom)
+        return rom
+
+    def check(self, network):
+        """spindle-twind --check of a configuration with this network table: exit code and its one line."""
+        config = self.text("twin.toml", CONFIG.format(network=network, port=host_tool_case.free_port()))
+        result = subprocess.run([DAEMON, config, "--check"], capture_output=True, text=True, timeout=30)
+        return result.returncode, (result.stdout + result.stderr).strip()
+
+    def test_a_hand_written_network_runs_through_the_same_tools(self):
+        rom = self.assemble()
+        seen = self.json_of("inspect", rom)
+        self.assertTrue(seen["hand_written"])
+        self.assertEqual(len(seen["nodes"]), 8)
+        self.assertEqual(seen["certificate"]["cases"], 0)
+        self.assertEqual(seen["file"]["schema_version"], 3)
+        self.assertIsNone(seen["file"]["signed_by"])
+        table = self.good("inspect", rom).stdout
+        for word in ("housing_rear", "written by hand", "signature    none", "front_bearing_seats"):
+            self.assertIn(word, table)
+        schedule = self.text("day.csv", "time_s,speed_rpm,load,room_degC\n0,12000,1,20\n36000,12000,1,20\n")
+        out = self.folder / "out.csv"
+        self.good("simulate", rom, "--schedule", schedule, "-o", out, "--period", 10, "--every", 3600)
+        rows = out.read_text().splitlines()
+        last = dict(zip(rows[0].split(","), map(float, rows[-1].split(","))))
+        self.assertGreater(last["winding_sensor_degC"], last["front_seat_degC"])
+        self.assertGreater(last["nose_um"], 0.0)
+        self.assertAlmostEqual(last["motor_loss_W"], 380.0, places=4)
+
+    def test_a_mistake_in_a_hand_written_network_is_one_line(self):
+        path = self.text("bad.toml", EXAMPLE.read_text().replace('between = ["stator", "winding"]',
+                                                                 'between = ["stator", "windings"]'))
+        self.assertRegex(self.error_of("assemble", path, "-o", self.folder / "x.rom"),
+                         r'bad\.toml:\d+: conduction\[3\]\.between: there is no node "windings"; there are: ')
+        self.assertIn("for `spindle-twin build`",
+                      self.error_of("assemble", host_tool_case.REFERENCE, "-o", self.folder / "x.rom"))
+
+    def test_diff_has_the_exit_codes_of_diff(self):
+        rom, same = self.assemble(), self.assemble("same.rom")
+        other = self.assemble("other.rom", ("heat_W = 95.0", "heat_W = 105.0"))
+        self.assertEqual((run("diff", rom, same).returncode, run("diff", rom, same).stdout), (0, ""))
+        self.assertEqual(self.json_of("diff", rom, same), {"equal": True, "differences": []})
+        result = run("diff", rom, other)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("source bearing_friction nominal_W: 95 -> 105  (+10.5 %)", result.stdout)
+        found = json.loads(run("diff", rom, other, "--json").stdout)["differences"]
+        self.assertEqual({entry["section"] for entry in found}, {"network", "source"}, "heat moves no time constant")
+        cooler = self.assemble("cooler.rom", ("coefficient_W_per_m2K = 1400.0", "coefficient_W_per_m2K = 1500.0"))
+        sections = {entry["section"] for entry in json.loads(run("diff", rom, cooler, "--json").stdout)["differences"]}
+        self.assertEqual(sections, {"network", "conductance", "time constant"})
+        missing = run("diff", rom, self.folder / "none.rom")
+        self.assertEqual((missing.returncode, missing.stdout, len(missing.stderr.splitlines())), (2, "", 1))
+
+    def test_keys_signatures_and_who_is_trusted(self):
+        rom = self.assemble()
+        self.good("keys", "new", self.folder / "ours")
+        self.good("keys", "new", self.folder / "theirs")
+        self.assertEqual(stat.S_IMODE((self.folder / "ours.key").stat().st_mode), 0o600)
+        self.assertIn("File exists", self.error_of("keys", "new", self.folder / "ours"))
+        self.assertIn("signature: there is none", self.error_of("verify-signature", rom))
+        before = rom.read_bytes()
+        self.good("sign", rom, "--key", self.folder / "ours.key")
+        self.assertEqual(rom.read_bytes()[52:-104], before[52:], "the payload stays as it is")
+        self.good("verify-signature", rom, "--key", self.folder / "ours.pub")
+        self.assertIn("none of the keys given", self.error_of("verify-signature", rom, "--key", self.folder / "theirs.pub"))
+        signer = self.json_of("inspect", rom)["file"]["signed_by"]
+        self.assertIn(signer, (self.folder / "ours.pub").read_text())
+
+        allowed = 'file = "m.rom", allow_uncertified = true, require_signature = true, trusted_keys = '
+        self.assertEqual(self.check('{ %s["ours.pub"] }' % allowed)[0], 0)
+        self.assertEqual(self.check('{ %s["%s"] }' % (allowed, signer))[0], 0)
+        code, line = self.check('{ %s["theirs.pub"] }' % allowed)
+        self.assertEqual(code, 1)
+        self.assertIn(f"signed by {signer}, which is not among the trusted_keys", line)
+        rom.write_bytes(before)
+        self.assertIn("is not signed, and require_signature asks for it", self.check('{ %s["ours.pub"] }' % allowed)[1])
+
+    def test_the_daemon_runs_an_uncertified_network_only_if_told_to(self):
+        self.assemble()
+        code, line = self.check('"m.rom"')
+        self.assertEqual(code, 1)
+        self.assertIn("twin.toml:1: network: ", line)
+        self.assertIn("m.rom is hand-written and has no certificate; allow_uncertified = true runs it", line)
+        code, line = self.check('{ file = "m.rom", allow_uncertified = true }')
+        self.assertEqual(code, 0, line)
+        self.assertIn("hand-written without certificate, not signed", line)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
