@@ -62,6 +62,7 @@ MeshSettings read_mesh(const TomlTable& root, Geometry geometry, double mesh_fac
     mesh.cells_across = static_cast<int>(table->integer_or("cells_across", 1, 1, 20));
     mesh.part_time_limit_s = static_cast<int>(table->integer_or("part_time_limit_s", mesh.part_time_limit_s, 1, 3600));
     contact_mm = table->optional_number("contact_element_size_mm", element_size_mm);
+    mesh.curved_arcs = table->boolean_or("curved_arcs", true);
     sagitta_mm = table->optional_number("arc_sagitta_mm", between(1e-5, 100.0));
   }
   if (!size_mm) size_mm = default_size_mm(root, geometry);

@@ -254,6 +254,7 @@ struct MeshSettings {
   int cells_across = 1;                  ///< least number of elements across the thickness of any part
   std::optional<double> contact_size_m;  ///< element size where parts touch
   double arc_sagitta_m = 2e-5;           ///< furthest distance of an arc from its chord
+  bool curved_arcs = true;               ///< sides of elements follow the arcs; else the chords
 };
 
 struct Spindle {

@@ -308,8 +308,10 @@ std::vector<std::pair<std::size_t, std::size_t>> opposite_nodes(const DeckModel&
   return opposite;
 }
 
-DeckModel make_deck_model(const Spindle& spindle, const rom::BoundaryValues& values) {
-  refuse_what_decks_cannot_carry(spindle);
+DeckModel make_deck_model(const Spindle& described, const rom::BoundaryValues& values) {
+  refuse_what_decks_cannot_carry(described);
+  Spindle spindle = described;
+  spindle.mesh.curved_arcs = false;
   DeckModel deck;
   deck.section = build_section(spindle);
   add_elements(mesh_section(spindle, deck.section), deck);

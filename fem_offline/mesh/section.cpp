@@ -114,12 +114,35 @@ void check_places(const Spindle& spindle, const Section& section) {
 
 }  // namespace section_detail
 
+namespace {
+
+/// The arc whose chord holds the piece.
+std::optional<ArcChord> arc_of(const std::vector<ArcChord>& arcs, const BoundaryPiece& piece) {
+  using section_detail::to_mm;
+  const auto holds = [](const ArcChord& chord, const Point& point) {
+    const auto start = to_mm(chord.start), end = to_mm(chord.end), at = to_mm(point);
+    const double r = end.r - start.r, z = end.z - start.z, length = std::hypot(r, z);
+    const double along = ((at.r - start.r) * r + (at.z - start.z) * z) / length;
+    const double aside = ((at.r - start.r) * z - (at.z - start.z) * r) / length;
+    // The cuts of a slanted side lie on the grid, and so a rounding beside it.
+    return std::abs(aside) <= 2.0 * section_detail::snap_mm && along >= -2.0 * section_detail::snap_mm &&
+           along <= length + 2.0 * section_detail::snap_mm;
+  };
+  for (const ArcChord& chord : arcs) {
+    if (holds(chord, piece.start) && holds(chord, piece.end)) return chord;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 Section build_section(const Spindle& spindle) {
   Section section;
   section.outlines = section_detail::unite_parts(spindle);
   section_detail::refuse_overlaps(spindle, section.outlines);
   section.pieces = section_detail::sort_pieces(
       spindle, section_detail::cut_edges(spindle, section_detail::edges_of(section.outlines)));
+  for (BoundaryPiece& piece : section.pieces) piece.arc = arc_of(section.outlines[piece.part].arcs, piece);
   section_detail::check_places(spindle, section);
   return section;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "fem_offline/description/spindle.hpp"
@@ -20,6 +21,7 @@ struct BoundaryPiece {
   int side = 0;                              ///< contact, gap: 0 on part_a, 1 on part_b
   std::size_t pair = 0;                      ///< contact, gap: number shared by the two pieces that face each other
   std::vector<std::size_t> radiations = {};  ///< into Spindle::films: radiation that acts beside film or adiabatic
+  std::optional<ArcChord> arc = {};          ///< the side of the outline that holds this piece, if it stands for an arc
 };
 
 /// One connected face of a part: outer ring counter-clockwise (r to the right, z up), holes clockwise.
@@ -30,10 +32,12 @@ struct OutlineFace {
 
 struct PartOutline {
   std::vector<OutlineFace> faces;
-  double volume_m3 = 0.0;  ///< of revolution, or per metre of depth
+  double volume_m3 = 0.0;           ///< of revolution, or per metre of depth; arcs as chords
+  std::vector<ArcChord> arcs = {};  ///< sides of the faces that stand for arcs, in the sense of their ring
 };
 
-/// The meridian section, exact: outlines of the parts and everything that happens on them.
+/// The meridian section, exact but for arcs, which are their chords here: outlines of the parts and everything that
+/// happens on them.
 struct Section {
   std::vector<PartOutline> outlines;  ///< one per part
   std::vector<BoundaryPiece> pieces;

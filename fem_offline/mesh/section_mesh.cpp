@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "fem_offline/mesh/bend_sides.hpp"
 #include "fem_offline/mesh/gmsh_quads.hpp"
 #include "fem_offline/mesh/mesh_quality.hpp"
 #include "fem_offline/mesh/tensor_grid.hpp"
@@ -15,13 +16,8 @@ namespace {
 constexpr double least_corner_sine = 0.05;
 constexpr double largest_aspect = 5000.0;
 
-void check_part(const Spindle& spindle, const Section& section, std::size_t part, const SectionMesh& mesh,
-                std::size_t first_quad) {
-  const Part& named = spindle.parts[part];
-  double volume_m3 = 0.0;
+void check_shapes(const Part& named, const SectionMesh& mesh, std::size_t first_quad) {
   for (std::size_t q = first_quad; q < mesh.quads.size(); ++q) {
-    const auto& [a, b, c, d] = mesh.quads[q];
-    volume_m3 += volume_within({mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]}, spindle.geometry);
     const ElementShape shape = shape_of(mesh, mesh.quads[q]);
     if (shape.scaled_jacobian < least_corner_sine || shape.aspect > largest_aspect) {
       const Point& at = mesh.points[mesh.quads[q][0]];
@@ -31,6 +27,16 @@ void check_part(const Spindle& spindle, const Section& section, std::size_t part
               << ": move corners that nearly coincide, or change the element size";
       throw rom::InputError(named.where, "part." + named.name, message.str());
     }
+  }
+}
+
+void check_volume(const Spindle& spindle, const Section& section, std::size_t part, const SectionMesh& mesh,
+                  std::size_t first_quad) {
+  const Part& named = spindle.parts[part];
+  double volume_m3 = 0.0;
+  for (std::size_t q = first_quad; q < mesh.quads.size(); ++q) {
+    const auto& [a, b, c, d] = mesh.quads[q];
+    volume_m3 += volume_within({mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]}, spindle.geometry);
   }
   const double outline_m3 = section.outlines[part].volume_m3;
   if (std::abs(volume_m3 - outline_m3) > 1e-6 * outline_m3) {
@@ -53,7 +59,10 @@ SectionMesh mesh_section(const Spindle& spindle, const Section& section, double 
     } else {
       add_gmsh_quads(spindle, section, part, element_limit, mesh);
     }
-    check_part(spindle, section, part, mesh, first_quad);
+    check_shapes(spindle.parts[part], mesh, first_quad);
+    check_volume(spindle, section, part, mesh, first_quad);
+    bend_sides(section.outlines[part], first_quad, mesh);
+    check_shapes(spindle.parts[part], mesh, first_quad);
   }
   return mesh;
 }

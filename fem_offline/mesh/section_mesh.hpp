@@ -9,12 +9,19 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Straight-sided quadrilaterals of all parts. Parts share no point, also where they touch: a contact is a
-/// conductance between two surfaces, not a common temperature.
+/// A side of an element that is an arc about the centre.
+struct BentSide {
+  std::size_t a = 0, b = 0;  ///< points, a < b
+  Point centre;
+};
+
+/// Quadrilaterals of all parts, straight-sided but for the bent sides. Parts share no point, also where they touch: a
+/// contact is a conductance between two surfaces, not a common temperature.
 struct SectionMesh {
   std::vector<Point> points;
   std::vector<std::array<std::size_t, 4>> quads;  ///< counter-clockwise (r to the right, z up)
   std::vector<std::size_t> part_of_quad;
+  std::vector<BentSide> bent_sides = {};
 };
 
 /// Meshes every part apart with elements of about the size asked for (MeshSettings, Part::element_size_m). Parts with

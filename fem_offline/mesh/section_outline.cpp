@@ -75,6 +75,23 @@ Polygon clean_ring(const Ring& ring) {
   return points.size() > 2 ? out : Polygon{};
 }
 
+/// The sides of a ring that lie on chords of arcs.
+void add_arcs(const Polygon& ring, const std::vector<ArcChord>& chords, std::vector<ArcChord>& arcs) {
+  const auto lies_on = [](const ArcChord& chord, const Point& point) {
+    const Vec start = to_mm(chord.start), end = to_mm(chord.end), at = to_mm(point);
+    const double r = end.r - start.r, z = end.z - start.z, length = std::hypot(r, z);
+    const double along = ((at.r - start.r) * r + (at.z - start.z) * z) / length;
+    const double aside = ((at.r - start.r) * z - (at.z - start.z) * r) / length;
+    return std::abs(aside) <= snap_mm && along >= -snap_mm && along <= length + snap_mm;
+  };
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point &a = ring[i], &b = ring[(i + 1) % ring.size()];
+    const auto found = std::find_if(chords.begin(), chords.end(),
+                                    [&](const ArcChord& chord) { return lies_on(chord, a) && lies_on(chord, b); });
+    if (found != chords.end()) arcs.push_back({a, b, found->centre});
+  }
+}
+
 BgMulti multi_from(const PartOutline& outline) {
   const auto ring_from = [](const Polygon& ring, auto& to) {
     for (const Point& corner : ring) {
@@ -139,6 +156,10 @@ std::vector<PartOutline> unite_parts(const Spindle& spindle) {
         if (hole.empty()) continue;
         outline.volume_m3 += volume_within(hole, spindle.geometry);
         face.holes.push_back(std::move(hole));
+      }
+      if (spindle.mesh.curved_arcs) {
+        add_arcs(face.outer, part.arcs, outline.arcs);
+        for (const Polygon& hole : face.holes) add_arcs(hole, part.arcs, outline.arcs);
       }
       outline.faces.push_back(std::move(face));
     }

@@ -250,8 +250,15 @@ class Sorter {
   std::vector<BoundaryPiece> result() const {
     std::vector<BoundaryPiece> pieces;
     for (const Piece& piece : pieces_) {
-      pieces.push_back({piece.part, to_m(piece.start), to_m(piece.end), piece.law->kind, piece.law->index,
-                        piece.law->side, piece.pair, piece.radiations});
+      pieces.push_back({piece.part,
+                        to_m(piece.start),
+                        to_m(piece.end),
+                        piece.law->kind,
+                        piece.law->index,
+                        piece.law->side,
+                        piece.pair,
+                        piece.radiations,
+                        {}});
     }
     return pieces;
   }

@@ -15,7 +15,8 @@
 namespace spindle_twin::fem_offline {
 
 /// All parts in one triangulation of disconnected pieces, with scalar Lagrange elements: every part owns its unknowns.
-/// Material id = part index. In two dimensions coordinate 0 is r, 1 is z.
+/// Bent sides are parabolas through their ends and the middle of the arc (isoparametric elements), straight if
+/// degree 1. Material id = part index. In two dimensions coordinate 0 is r, 1 is z.
 template <int dim>
 struct Discretisation {
   Discretisation(const SectionMesh& mesh, int degree, Geometry geometry = Geometry::axisymmetric);
