@@ -132,7 +132,7 @@ ElasticBody bond_and_support(const Spindle& spindle, const Section& section, con
   Triplets entries, load_entries;
   const auto add = [&](int row, int column, double value) {
     const int i = body.reduced[row], j = body.reduced[column];
-    if (i >= 0 && j >= 0) entries.emplace_back(i, j, value);
+    if (j >= 0 && i >= j) entries.emplace_back(i, j, value);
   };
   const SparseMatrix& stiffness = terms.stiffness_N_per_m;
   for (int column = 0; column < stiffness.outerSize(); ++column) {

@@ -16,7 +16,7 @@ namespace spindle_twin::fem_offline {
 /// ties them: ∫ k (u_A − u_B)² dA with k = 10⁴ E / h, so stiff that its own give is below 1e-4 of an element's.
 /// A spring support of stiffness s adds s/A ∫ u² dA; a face that stays plane has one unknown u_z.
 struct ElasticBody {
-  SparseMatrix stiffness_N_per_m;     ///< reduced unknowns, symmetric positive definite
+  SparseMatrix stiffness_N_per_m;     ///< reduced unknowns, symmetric positive definite; lower triangle only
   SparseMatrix thermal_load_N_per_K;  ///< reduced x FE unknowns
   std::vector<int> reduced;           ///< of 2·place + component; -1 = held at zero
 };
@@ -35,8 +35,8 @@ class ElasticSolver {
   ElasticSolver& operator=(ElasticSolver&&) noexcept;
 
   const ElasticBody& body() const;
-  /// K⁻¹ load over the reduced unknowns. [m] for a load in N
-  Eigen::VectorXd solve(const Eigen::VectorXd& load_N) const;
+  /// K⁻¹ loads over the reduced unknowns, one column each. [m] for loads in N
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& loads_N) const;
   /// u for a field of rises; 2·places long. [m]
   Eigen::VectorXd displacements_m(const Eigen::VectorXd& rises_K) const;
 

@@ -1,26 +1,18 @@
-#include <omp.h>
-
-#include <Eigen/CholmodSupport>
 #include <map>
-#include <stdexcept>
 
 #include "fem_offline/model/exchange_terms.hpp"
 #include "fem_offline/model/thermoelastic.hpp"
+#include "fem_offline/solve/cholesky.hpp"
 
 namespace spindle_twin::fem_offline {
 
 struct ElasticSolver::Impl {
+  explicit Impl(ElasticBody given) : body(std::move(given)), factor(body.stiffness_N_per_m) {}
   ElasticBody body;
-  Eigen::CholmodSupernodalLLT<SparseMatrix, Eigen::Lower> factor;
+  CholeskyFactor factor;
 };
 
-ElasticSolver::ElasticSolver(ElasticBody body) : impl_(std::make_unique<Impl>()) {
-  impl_->body = std::move(body);
-  omp_set_max_active_levels(0);  // CHOLMOD's own threads wait in loops; see solve/cholesky.cpp
-  impl_->factor.compute(impl_->body.stiffness_N_per_m);
-  if (impl_->factor.info() != Eigen::Success)
-    throw std::runtime_error("the elastic stiffness is not positive definite");
-}
+ElasticSolver::ElasticSolver(ElasticBody body) : impl_(std::make_unique<Impl>(std::move(body))) {}
 
 ElasticSolver::~ElasticSolver() = default;
 ElasticSolver::ElasticSolver(ElasticSolver&&) noexcept = default;
@@ -28,7 +20,7 @@ ElasticSolver& ElasticSolver::operator=(ElasticSolver&&) noexcept = default;
 
 const ElasticBody& ElasticSolver::body() const { return impl_->body; }
 
-Eigen::VectorXd ElasticSolver::solve(const Eigen::VectorXd& load_N) const { return impl_->factor.solve(load_N); }
+Eigen::MatrixXd ElasticSolver::solve(const Eigen::MatrixXd& loads_N) const { return impl_->factor.solve(loads_N); }
 
 Eigen::VectorXd ElasticSolver::displacements_m(const Eigen::VectorXd& rises_K) const {
   const ElasticBody& body = impl_->body;
@@ -134,7 +126,8 @@ double assembly_pressure_Pa(const Spindle& spindle, const Contact& contact) {
 std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Section& section, const SurfaceRules& rules,
                                             const Discretisation<2>& discretisation, const ElasticSolver& solver) {
   const ElasticBody& body = solver.body();
-  std::vector<FeDeformation> rows;
+  Eigen::MatrixXd loads(body.stiffness_N_per_m.rows(), static_cast<Eigen::Index>(spindle.deformations.size()));
+  Eigen::Index column = 0;
   for (const DeformationOutput& output : spindle.deformations) {
     OutputWeights weights(body, output.direction);
     if (output.at) weights.add(1.0, trace_at(discretisation, static_cast<int>(output.part), *output.at));
@@ -146,8 +139,13 @@ std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Sectio
       throw rom::InputError(output.where, output.name,
                             "the face lies on no side of part '" + spindle.parts[output.part].name + "'");
     }
-    const Eigen::VectorXd adjoint = solver.solve(output.sign * weights.mean());
-    rows.push_back({output.name, body.thermal_load_N_per_K.transpose() * adjoint});
+    loads.col(column++) = output.sign * weights.mean();
+  }
+  const Eigen::MatrixXd adjoints = solver.solve(loads);
+  std::vector<FeDeformation> rows;
+  for (const DeformationOutput& output : spindle.deformations) {
+    rows.push_back(
+        {output.name, body.thermal_load_N_per_K.transpose() * adjoints.col(static_cast<Eigen::Index>(rows.size()))});
     if (output.minus) rows.back().row_m_per_K -= rows[*output.minus].row_m_per_K;
   }
   return rows;
@@ -157,18 +155,24 @@ std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, con
                                                      const SurfaceRules& rules, const ElasticTerms& terms,
                                                      const ElasticSolver& solver) {
   const ElasticBody& body = solver.body();
+  const auto count = static_cast<Eigen::Index>(spindle.contact_pressures.size());
+  Eigen::MatrixXd normals(terms.stiffness_N_per_m.rows(), count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    normals.col(i) =
+        normals_of(section, rules, spindle.contact_pressures[static_cast<std::size_t>(i)].contact, normals.rows());
+  }
+  const Eigen::MatrixXd forces = terms.stiffness_N_per_m * normals;
+  Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(body.stiffness_N_per_m.rows(), count);
+  for (std::size_t i = 0; i < body.reduced.size(); ++i) {
+    if (body.reduced[i] >= 0) reduced.row(body.reduced[i]) += forces.row(static_cast<Eigen::Index>(i));
+  }
+  const Eigen::MatrixXd adjoints = solver.solve(reduced);
   std::vector<FeContactPressure> rows;
   for (const ContactPressureOutput& output : spindle.contact_pressures) {
-    const Eigen::VectorXd normals = normals_of(section, rules, output.contact, terms.stiffness_N_per_m.rows());
-    const Eigen::VectorXd forces = terms.stiffness_N_per_m * normals;
-    Eigen::VectorXd reduced = Eigen::VectorXd::Zero(body.stiffness_N_per_m.rows());
-    for (std::size_t i = 0; i < body.reduced.size(); ++i) {
-      if (body.reduced[i] >= 0) reduced[body.reduced[i]] += forces[static_cast<Eigen::Index>(i)];
-    }
-    const Eigen::VectorXd adjoint = solver.solve(reduced);
-    const Eigen::VectorXd row =
-        (terms.thermal_load_N_per_K.transpose() * normals - body.thermal_load_N_per_K.transpose() * adjoint) /
-        area_of(rules, output.contact);
+    const auto i = static_cast<Eigen::Index>(rows.size());
+    const Eigen::VectorXd row = (terms.thermal_load_N_per_K.transpose() * normals.col(i) -
+                                 body.thermal_load_N_per_K.transpose() * adjoints.col(i)) /
+                                area_of(rules, output.contact);
     rows.push_back({output.name, assembly_pressure_Pa(spindle, spindle.contacts[output.contact]), row});
   }
   return rows;

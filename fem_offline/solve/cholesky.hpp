@@ -7,13 +7,13 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Factors of one sparse symmetric positive definite matrix, A = L Lᵀ (CHOLMOD; supernodal for large
-/// ones if the BLAS may be called by several threads). The symbolic analysis can
-/// be handed on to other matrices of the same pattern.
+/// Factors of one sparse symmetric positive definite matrix, A = L D Lᵀ (CHOLMOD; large ones are made block by block on
+/// the BLAS if several threads may call it at once). The symbolic analysis can be handed on to other matrices of the
+/// same pattern. The calling program's OpenBLAS is held to one thread from its start.
 class CholeskyFactor {
  public:
   /// Analyses and factorises. `lower` holds the lower triangle. Throws std::runtime_error if A is not positive
-  /// definite.
+  /// definite, the second constructor too.
   explicit CholeskyFactor(const SparseMatrix& lower);
   /// Takes the analysis of `pattern`, whose matrix had the same entries.
   CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower);
@@ -23,8 +23,12 @@ class CholeskyFactor {
 
   /// A x = b. Not for two threads on one factor at once: it keeps its workspace.
   void solve(const Eigen::VectorXd& right_hand_side, Eigen::VectorXd& solution);
+  /// A X = B, all columns in one pass over the factor; the same warning.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides);
 
  private:
+  void solve(const double* loads, Eigen::Index columns, double* solutions);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -24,6 +24,8 @@ fem_offline::FeModel reference_model(double element_size_mm, bool thermal_only) 
   spindle.mesh.element_size_m = 1e-3 * element_size_mm;
   if (thermal_only) {
     spindle.deformations.clear();
+    spindle.contact_pressures.clear();
+    spindle.stress_probes.clear();
     spindle.supports.clear();
   }
   return {spindle, fem_offline::build_section(spindle)};

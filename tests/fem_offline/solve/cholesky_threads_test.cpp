@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "fem_offline/solve/cholesky.hpp"
@@ -25,11 +27,11 @@ SparseMatrix grid_matrix(int side, int rows) {
   return lower;
 }
 
-// 200 factors on each of two threads, on both sides of the size from which the BLAS is used.
-TEST(CholeskyThreads, two_threads_factorise_at_once_without_a_wrong_answer) {
-  constexpr int factors = 200;
-  constexpr int side = 20;
-  for (const int rows : {200, 2600}) {
+// On both sides of the size from which the BLAS is used: long strips stay below it, squares do not.
+TEST(CholeskyThreads, several_threads_factorise_at_once_without_a_wrong_answer) {
+  constexpr int factors = 12;
+  constexpr std::size_t threads = 4;
+  for (const auto& [side, rows] : {std::pair{20, 200}, std::pair{200, 200}}) {
     const SparseMatrix lower = grid_matrix(side, rows);
     const Eigen::VectorXd load = Eigen::VectorXd::LinSpaced(lower.rows(), -1.0, 2.0);
     std::atomic<int> wrong{0};
@@ -47,10 +49,31 @@ TEST(CholeskyThreads, two_threads_factorise_at_once_without_a_wrong_answer) {
         ++wrong;
       }
     };
-    std::thread first(work), second(work);
-    first.join();
-    second.join();
+    std::vector<std::jthread> running;
+    for (std::size_t i = 0; i < threads; ++i) running.emplace_back(work);
+    running.clear();
     EXPECT_EQ(wrong, 0) << "grid of " << side << " x " << rows;
+  }
+}
+
+TEST(CholeskyThreads, all_columns_at_once_are_the_single_solutions) {
+  const SparseMatrix lower = grid_matrix(30, 40);
+  const Eigen::MatrixXd loads = Eigen::MatrixXd::NullaryExpr(
+      lower.rows(), 7, [](Eigen::Index i, Eigen::Index j) { return std::sin(static_cast<double>(i * (j + 1))); });
+  CholeskyFactor factor(lower);
+  const Eigen::MatrixXd solutions = factor.solve(loads);
+  Eigen::VectorXd single;
+  for (Eigen::Index j = 0; j < loads.cols(); ++j) {
+    factor.solve(loads.col(j), single);
+    EXPECT_LE((solutions.col(j) - single).norm(), 1e-14 * single.norm());
+  }
+}
+
+TEST(CholeskyThreads, a_matrix_that_is_not_positive_definite_is_an_error_for_small_and_large) {
+  for (const auto& [side, rows] : {std::pair{20, 20}, std::pair{200, 200}}) {
+    SparseMatrix lower = grid_matrix(side, rows);
+    lower.coeffRef(lower.rows() / 2, lower.rows() / 2) = -5.0;
+    EXPECT_THROW(CholeskyFactor{lower}, std::runtime_error) << side << " x " << rows;
   }
 }
 
