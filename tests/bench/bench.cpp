@@ -54,8 +54,13 @@ void print_row(const std::string& what, double value, const std::string& unit, c
 
 }  // namespace spindle_twin::bench
 
-int main() {
+/// bench_rows: all rows of our own. bench_rows --step SPINDLE.toml: processor seconds of one transient step of 0.5 s.
+int main(int count, char** arguments) {
   omp_set_max_active_levels(0);
+  if (count == 3 && std::string(arguments[1]) == "--step") {
+    std::printf("%.6f\n", spindle_twin::bench::step_seconds(arguments[2]));
+    return 0;
+  }
   spindle_twin::bench::print_fem_rows();
   spindle_twin::bench::print_network_rows();
 }

@@ -18,6 +18,9 @@ double process_seconds(const std::function<void()>& work);
 
 void print_row(const std::string& what, double value, const std::string& unit, const std::string& goal = "");
 
+/// Processor seconds of one transient step with its factor kept, at the operating state.
+double step_seconds(const std::string& spindle_path);
+
 void print_fem_rows();
 void print_network_rows();
 
