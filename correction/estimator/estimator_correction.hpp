@@ -74,7 +74,6 @@ struct ParameterEstimate {
 /// All that the estimator remembers; plain numbers, for a checkpoint. Its sizes depend on network and options.
 struct EstimatorState {
   std::vector<double> mean, root, sensitivities, lagged;
-  double fused_s = 0.0;
 };
 
 /// The estimator: a filter over parameters θ (ln factors of heats, contacts and films, environment biases, bearing
@@ -136,8 +135,8 @@ class EstimatorCorrection {
 
   /// Sizes `state` on the first call, then cycle-safe.
   void save(EstimatorState& state) const;
-  /// After reset(). False, and nothing changed, where the sizes are not those of this network and these options or an
-  /// entry is not finite.
+  /// After reset() with the nodes of the same instant. False, and nothing changed, where the sizes are not those of
+  /// this network and these options or an entry is not finite.
   bool restore(const EstimatorState& state);
 
  private:

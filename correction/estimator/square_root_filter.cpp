@@ -23,8 +23,9 @@ void SquareRootFilter::pass_time(const Eigen::VectorXd& centre, const Eigen::Vec
                                  const Eigen::VectorXd& variance) {
   const Eigen::Index n = size();
   for (Eigen::Index i = 0; i < n; ++i) {
+    if (keep[i] == 1.0) continue;
     mean_[i] = centre[i] + keep[i] * (mean_[i] - centre[i]);
-    if (keep[i] != 1.0) root_.row(i) *= keep[i];
+    root_.row(i) *= keep[i];
   }
   // Column by column: Eigen's product of whole matrices may take its buffers from the heap.
   for (Eigen::Index column = 0; column < n; ++column) {

@@ -11,12 +11,20 @@ namespace spindle_twin::bench {
 namespace {
 
 constexpr double micrometres_per_metre = 1e6;
+// Every correction restarts CVODE; the daemon's tolerance would cost most of the campaign for a tenth of a millikelvin.
+constexpr double tolerance_K = 1e-4;
+
+std::unique_ptr<rom::FallbackStepper> make_stepper(const rom::Network& network) {
+  rom::CvodeSettings settings;
+  settings.tolerance_K = tolerance_K;
+  return rom::make_runtime_stepper(network, settings);
+}
 
 /// One twin in time: the network, what it says, and the inputs it is given.
 struct Twin {
   explicit Twin(const rom::Network& the_network)
       : network(the_network),
-        stepper(rom::make_runtime_stepper(the_network)),
+        stepper(make_stepper(the_network)),
         outputs(rom::make_network_outputs(the_network)),
         values(correction::make_boundary_values(the_network.boundaries)) {
     evaluate();
@@ -118,7 +126,7 @@ Score run_paper(const rom::Network& network, const Truth& truth, int sensors) {
   correction::PaperOptions options;
   options.groups = correction::common_heat_group(network);
   options.groups.front().key_points.resize(static_cast<std::size_t>(sensors));
-  correction::PaperCorrection law(network, options, [&] { return rom::make_runtime_stepper(network); });
+  correction::PaperCorrection law(network, options, [&] { return make_stepper(network); });
   const auto valid =
       Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(static_cast<Eigen::Index>(network.key_points.size()), true)
           .eval();

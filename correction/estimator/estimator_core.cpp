@@ -1,0 +1,292 @@
+#include "correction/estimator/estimator_core.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "correction/estimator/check_options.hpp"
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double time_slack_s = 1e-6;
+constexpr double seconds_per_hour = 3600.0;
+// A held period ends where the inputs have changed by more than this.
+constexpr double speed_share = 2e-3;
+constexpr double load_change = 0.01;
+constexpr double flow_share = 2e-3;
+
+bool differs(double a, double b, double share) { return std::abs(a - b) > share * std::max(std::abs(a), std::abs(b)); }
+
+}  // namespace
+
+EstimatorCore::EstimatorCore(const rom::Network& the_network, EstimatorOptions the_options)
+    : network(the_network),
+      options(checked(the_network, std::move(the_options))),
+      shared(std::make_shared<const rom::NetworkOperator>(the_network)),
+      parameters(the_network, options.priors),
+      sensitivities(the_network, shared, parameters),
+      outputs(the_network, sensitivities, parameters.count()) {
+  const Eigen::Index p = parameters.count();
+  const auto m = static_cast<Eigen::Index>(options.sensors.size());
+  const auto nodes = shared->nodes();
+  prior_mean = Eigen::VectorXd::Zero(p + m);
+  prior_mean.head(p) = parameters.mean();
+  prior_covariance = Eigen::MatrixXd::Zero(p + m, p + m);
+  prior_covariance.topLeftCorner(p, p) = parameters.covariance();
+  for (Eigen::Index s = 0; s < m; ++s) {
+    const double offset_K = options.sensors[static_cast<std::size_t>(s)].offset_K;
+    prior_covariance(p + s, p + s) = offset_K * offset_K;
+  }
+  filter = SquareRootFilter(prior_mean, prior_covariance);
+  prior_root = filter.root();
+  keep = Eigen::VectorXd::Ones(p + m);
+  growth = Eigen::VectorXd::Zero(p + m);
+  row = Eigen::VectorXd::Zero(p + m);
+  theta = theta_before = theta_step = Eigen::VectorXd::Zero(p);
+  neutral_mean = Eigen::VectorXd::Zero(p + m);
+  factors = no_correction(network.boundaries);
+  bias_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
+  rises_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.sources.size()));
+  values = make_boundary_values(network.boundaries);
+  held_state = corrected_state = network.boundaries.operating;
+  start_K = corrected_K = nodes_K = Eigen::VectorXd::Zero(nodes);
+  for (const EstimatorSensor& sensor : options.sensors) {
+    SensorWindow window;
+    window.internal = Eigen::VectorXd::Zero(nodes);
+    sensitivities.internal_row(sensor.row, window.internal);
+    window.sensitivity = window.lagged_sensitivity = window.sensitivity_before = Eigen::VectorXd::Zero(p);
+    windows.push_back(std::move(window));
+  }
+  for (const rom::DeformationOutput& output : network.deformations) {
+    displacement_rows.emplace_back(Eigen::VectorXd::Zero(nodes));
+    sensitivities.internal_row(output.row_m_per_K, displacement_rows.back());
+  }
+  displacement_row = Eigen::VectorXd::Zero(p);
+}
+
+void EstimatorCore::forget() {
+  filter.set_mean(prior_mean);
+  filter.set_root(prior_root);
+  theta = prior_mean.head(parameters.count());
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    windows[s].record = {};
+    windows[s].record.offset_deviation_K = options.sensors[s].offset_K;
+  }
+  displacement_pending = false;
+}
+
+void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
+  forget();
+  sensitivities.clear();
+  for (std::size_t s = 0; s < windows.size(); ++s) windows[s].start(options.sensors[s].row.dot(nodes));
+  started = true;
+  period_open = false;
+  fused_s = time_s;
+  due_s = time_s + options.period_s;
+  seen_s = time_s;
+  nodes_K = nodes;
+  publish_factors(operating);
+  outputs.evaluate(sensitivities, filter, nodes_K);
+}
+
+void EstimatorCore::publish_factors(const rom::OperatingState& operating) {
+  sensitivities.source_rises(nodes_K, rises_K);
+  parameters.apply(theta, operating.speed_rpm, rises_K, factors, bias_K);
+}
+
+bool EstimatorCore::inputs_changed(const rom::OperatingState& operating) const {
+  if (differs(operating.speed_rpm, held_state.speed_rpm, speed_share)) return true;
+  if (std::abs(operating.load - held_state.load) > load_change) return true;
+  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
+    if (differs(operating.flow_kg_per_s[c], held_state.flow_kg_per_s[c], flow_share)) return true;
+  }
+  return false;
+}
+
+void EstimatorCore::open_period(double time_s, const rom::OperatingState& operating) {
+  held_state.speed_rpm = operating.speed_rpm;
+  held_state.load = operating.load;
+  held_state.environment_K = operating.environment_K;
+  held_state.flow_kg_per_s = operating.flow_kg_per_s;
+  corrected_state = held_state;
+  corrected_state.environment_K += bias_K;
+  evaluate_boundaries(network.boundaries, corrected_state, factors, values);
+  start_K = nodes_K;
+  opened_s = time_s;
+  period_open = true;
+}
+
+void EstimatorCore::close_period(double time_s) {
+  if (!period_open) return;
+  period_open = false;
+  const double period_s = time_s - opened_s;
+  for (SensorWindow& window : windows) sensitivities.of_row(window.internal, window.sensitivity_before);
+  if (!sensitivities.advance({period_s, held_state.speed_rpm, start_K, nodes_K, values, theta}, parameters)) {
+    ++failures;
+  }
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    sensitivities.of_row(windows[s].internal, windows[s].sensitivity);
+    windows[s].lag_sensitivity(period_s, options.sensors[s].lag_s);
+  }
+}
+
+void EstimatorCore::pass_time(double elapsed_s) {
+  const Eigen::Index p = parameters.count();
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
+    if (parameter.memory_s > 0.0) {
+      keep[i] = std::exp(-elapsed_s / parameter.memory_s);
+      growth[i] = parameter.deviation * parameter.deviation * (1.0 - keep[i] * keep[i]);
+    } else {
+      growth[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
+    }
+  }
+  const double offset_walk = options.offset_walk_K_per_root_hour * options.offset_walk_K_per_root_hour;
+  for (Eigen::Index i = p; i < growth.size(); ++i) growth[i] = offset_walk * elapsed_s / seconds_per_hour;
+  filter.pass_time(prior_mean, keep, growth);
+}
+
+void EstimatorCore::fuse(SensorRecord& record, double innovation, double noise) {
+  record.innovation_K = innovation;
+  record.variance_K2 = filter.variance_of(row) + noise;
+  record.test_ratio = innovation * innovation / (options.gate * options.gate * record.variance_K2);
+  record.rejected = !(record.test_ratio <= 1.0);
+  record.fused = !record.rejected && filter.update(row, innovation, noise);
+  record.rejected_in_a_row = record.rejected ? record.rejected_in_a_row + 1 : 0;
+}
+
+void EstimatorCore::fuse_sensor(Eigen::Index s, double time_s) {
+  SensorWindow& window = windows[static_cast<std::size_t>(s)];
+  const EstimatorSensor& sensor = options.sensors[static_cast<std::size_t>(s)];
+  SensorRecord& record = window.record;
+  record.rejected = record.fused = false;
+  record.observation_K = std::numeric_limits<double>::quiet_NaN();
+  if (window.samples == 0) return;
+  const Eigen::Index p = parameters.count();
+  row.setZero();
+  row.head(p) = window.lagged_sensitivity;
+  row[p + s] = 1.0;
+  theta_step = filter.mean().head(p) - theta_before;
+  const double count = window.samples;
+  record.observation_K = window.measured_K / count;
+  const double innovation =
+      window.residual_K / count - window.lagged_sensitivity.dot(theta_step) - filter.mean()[p + s];
+  const double interval_s = std::max(time_s - window.fused_s, options.period_s);
+  const double noise = (sensor.noise_K * sensor.noise_K / count + options.floor_K * options.floor_K) *
+                       std::max(1.0, options.correlation_s / interval_s);
+  fuse(record, innovation, noise);
+  if (record.fused) window.fused_s = time_s;
+}
+
+void EstimatorCore::fuse_displacement() {
+  const Eigen::Index p = parameters.count();
+  const rom::DeformationOutput& output = network.deformations[static_cast<std::size_t>(displacement_index)];
+  sensitivities.of_row(displacement_rows[static_cast<std::size_t>(displacement_index)], displacement_row);
+  row.setZero();
+  row.head(p) = displacement_row;
+  theta_step = filter.mean().head(p) - theta_before;
+  const double predicted_m = output.row_m_per_K.dot(nodes_K) -
+                             output.row_m_per_K.sum() * network.boundaries.reference_temperature_K +
+                             displacement_row.dot(theta_step);
+  displacement_record.observation_K = displacement_m;
+  fuse(displacement_record, displacement_m - predicted_m, displacement_variance_m2);
+  displacement_pending = false;
+}
+
+bool EstimatorCore::update(double time_s) {
+  const Eigen::Index p = parameters.count();
+  pass_time(time_s - fused_s);
+  fused_s = time_s;
+  theta_before = filter.mean().head(p);
+  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(windows.size()); ++s) fuse_sensor(s, time_s);
+  if (displacement_pending) fuse_displacement();
+  theta = filter.mean().head(p);
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
+    theta[i] = std::clamp(theta[i], parameter.minimum, parameter.maximum);
+  }
+  filter.set_first(theta);
+  theta_step = theta - theta_before;
+  corrected_K = nodes_K;
+  const bool moved = theta_step.squaredNorm() > 0.0;
+  if (moved) sensitivities.correct(theta_step, corrected_K);
+  nodes_K = corrected_K;
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    windows[s].lagged_K += windows[s].lagged_sensitivity.dot(theta_step);
+    windows[s].temperature_K += windows[s].sensitivity.dot(theta_step);
+    windows[s].clear();
+    const Eigen::Index b = p + static_cast<Eigen::Index>(s);
+    windows[s].record.offset_K = filter.mean()[b];
+    windows[s].record.offset_deviation_K = filter.deviation(b);
+  }
+  outputs.evaluate(sensitivities, filter, nodes_K);
+  ++updates;
+  return moved;
+}
+
+EstimatorStep EstimatorCore::step(const EstimatorSample& sample) {
+  if (!started) reset(sample.time_s, sample.nodes_K, sample.operating);
+  if (standing_by) {
+    standing_by = false;
+    fused_s = sample.time_s;
+    due_s = sample.time_s + options.period_s;
+    for (SensorWindow& window : windows) window.clear();
+  }
+  nodes_K = sample.nodes_K;
+  const double elapsed_s = sample.time_s - seen_s;
+  seen_s = sample.time_s;
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    const auto index = static_cast<Eigen::Index>(s);
+    windows[s].predict(options.sensors[s].row.dot(nodes_K), elapsed_s, options.sensors[s].lag_s);
+    if (sample.valid[index]) windows[s].observe(sample.measured_K[index]);
+  }
+  const bool due = sample.time_s >= due_s - time_slack_s;
+  if (due || inputs_changed(sample.operating)) close_period(sample.time_s);
+  EstimatorStep result;
+  if (due) {
+    result.corrected = result.state_corrected = update(sample.time_s);
+    due_s += options.period_s;
+    if (due_s <= sample.time_s) due_s = sample.time_s + options.period_s;
+  }
+  publish_factors(sample.operating);
+  if (!period_open) open_period(sample.time_s, sample.operating);
+  return result;
+}
+
+void EstimatorCore::stand_by(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
+  if (!started) reset(time_s, nodes, operating);
+  if (!standing_by) {
+    forget();
+    filter.set_mean(neutral_mean);
+    theta.setZero();
+    standing_by = true;
+  }
+  nodes_K = nodes;
+  const double elapsed_s = time_s - seen_s;
+  seen_s = time_s;
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    windows[s].predict(options.sensors[s].row.dot(nodes_K), elapsed_s, options.sensors[s].lag_s);
+  }
+  factors.heat.setOnes();
+  factors.conductance.setOnes();
+  bias_K.setZero();
+  if (time_s >= opened_s + options.period_s - time_slack_s || inputs_changed(operating)) {
+    close_period(time_s);
+    outputs.evaluate(sensitivities, filter, nodes_K);
+  }
+  if (!period_open) open_period(time_s, operating);
+}
+
+void EstimatorCore::note_displacement(int index, double value_m, double deviation_m) {
+  if (index < 0 || index >= static_cast<int>(displacement_rows.size())) return;
+  if (!std::isfinite(value_m) || !(deviation_m > 0.0)) return;
+  displacement_index = index;
+  displacement_m = value_m;
+  displacement_variance_m2 = deviation_m * deviation_m;
+  displacement_pending = true;
+}
+
+}  // namespace spindle_twin::correction

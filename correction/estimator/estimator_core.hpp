@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "correction/estimator/estimator_correction.hpp"
+#include "correction/estimator/sensitivities.hpp"
+#include "correction/estimator/sensor_window.hpp"
+#include "correction/estimator/square_root_filter.hpp"
+
+namespace spindle_twin::correction {
+
+/// The inside of EstimatorCorrection, whose members are described there.
+struct EstimatorCore {
+  EstimatorCore(const rom::Network& the_network, EstimatorOptions the_options);
+
+  void reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating);
+  EstimatorStep step(const EstimatorSample& sample);
+  void stand_by(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating);
+  void note_displacement(int index, double value_m, double deviation_m);
+  void save(EstimatorState& state) const;
+  bool restore(const EstimatorState& state);
+
+ private:
+  void forget();
+  void publish_factors(const rom::OperatingState& operating);
+  bool inputs_changed(const rom::OperatingState& operating) const;
+  /// A held period: from here on S is owed, until close_period() pays it with the model's temperatures at both ends.
+  void open_period(double time_s, const rom::OperatingState& operating);
+  void close_period(double time_s);
+  void pass_time(double elapsed_s);
+  /// Sets `to` and takes the innovation in unless the gate rejects it.
+  void fuse(SensorRecord& to, double innovation, double noise);
+  void fuse_sensor(Eigen::Index s, double time_s);
+  void fuse_displacement();
+  bool update(double time_s);
+
+ public:
+  const rom::Network& network;
+  EstimatorOptions options;
+  std::shared_ptr<const rom::NetworkOperator> shared;
+  ParameterModel parameters;
+  Sensitivities sensitivities;
+  DeviationOfOutputs outputs;
+  SquareRootFilter filter;
+  Eigen::VectorXd prior_mean, neutral_mean, keep, growth, row;
+  Eigen::MatrixXd prior_covariance, prior_root;
+  Eigen::VectorXd theta, theta_before, theta_step;
+  rom::CorrectionFactors factors;
+  Eigen::VectorXd bias_K, rises_K;
+  rom::BoundaryValues values;
+  rom::OperatingState held_state, corrected_state;
+  Eigen::VectorXd start_K, nodes_K, corrected_K;
+  std::vector<SensorWindow> windows;
+  std::vector<Eigen::VectorXd> displacement_rows;
+  Eigen::VectorXd displacement_row;
+  SensorRecord displacement_record;
+  int displacement_index = 0;
+  double displacement_m = 0.0, displacement_variance_m2 = 1.0;
+  double opened_s = 0.0, fused_s = 0.0, due_s = 0.0, seen_s = 0.0;
+  bool started = false, period_open = false, standing_by = false, displacement_pending = false;
+  long updates = 0, failures = 0;
+};
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+
+#include "correction/estimator/estimator_core.hpp"
+
+namespace spindle_twin::correction {
+namespace {
+
+/// Calls visit(numbers, their place in the state) for everything that is remembered.
+template <class Visit>
+void remembered(const EstimatorCore& core, EstimatorState& state, const Visit& visit) {
+  const Eigen::Index p = core.parameters.count();
+  visit(core.filter.mean(), state.mean, Eigen::Index{0});
+  visit(core.filter.root().reshaped(), state.root, Eigen::Index{0});
+  visit(core.sensitivities.transposed().reshaped(), state.sensitivities, Eigen::Index{0});
+  for (std::size_t s = 0; s < core.windows.size(); ++s) {
+    visit(core.windows[s].lagged_sensitivity, state.lagged, static_cast<Eigen::Index>(s) * p);
+  }
+}
+
+}  // namespace
+
+void EstimatorCore::save(EstimatorState& state) const {
+  const auto n = static_cast<std::size_t>(filter.size());
+  state.mean.resize(n);
+  state.root.resize(n * n);
+  state.sensitivities.resize(static_cast<std::size_t>(sensitivities.transposed().size()));
+  state.lagged.resize(windows.size() * static_cast<std::size_t>(parameters.count()));
+  remembered(*this, state, [](const auto& numbers, std::vector<double>& to, Eigen::Index at) {
+    for (Eigen::Index i = 0; i < numbers.size(); ++i) to[static_cast<std::size_t>(at + i)] = numbers[i];
+  });
+}
+
+bool EstimatorCore::restore(const EstimatorState& state) {
+  const auto n = static_cast<std::size_t>(filter.size());
+  const auto p = static_cast<std::size_t>(parameters.count());
+  const auto fits = [](const std::vector<double>& numbers, std::size_t count) {
+    return numbers.size() == count &&
+           std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+  };
+  if (!started || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, windows.size() * p) ||
+      !fits(state.sensitivities, static_cast<std::size_t>(sensitivities.transposed().size()))) {
+    return false;
+  }
+  const auto size = static_cast<Eigen::Index>(n);
+  filter.set_mean(Eigen::Map<const Eigen::VectorXd>(state.mean.data(), size));
+  filter.set_root(Eigen::Map<const Eigen::MatrixXd>(state.root.data(), size, size));
+  sensitivities.set_transposed(
+      Eigen::Map<const Eigen::MatrixXd>(state.sensitivities.data(), parameters.count(), shared->nodes()));
+  theta = filter.mean().head(parameters.count());
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    sensitivities.of_row(windows[s].internal, windows[s].sensitivity);
+    windows[s].lagged_sensitivity = Eigen::Map<const Eigen::VectorXd>(state.lagged.data() + s * p, parameters.count());
+    const auto b = parameters.count() + static_cast<Eigen::Index>(s);
+    windows[s].record.offset_K = filter.mean()[b];
+    windows[s].record.offset_deviation_K = filter.deviation(b);
+  }
+  outputs.evaluate(sensitivities, filter, nodes_K);
+  return true;
+}
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,38 @@
+#include <gtest/gtest.h>
+
+#include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/rom/heap_calls.hpp"
+
+namespace spindle_twin::correction::test {
+namespace {
+
+TEST(Estimator, step_never_calls_the_heap) {
+  // 201 nodes: as large as a spindle's network.
+  const rom::Network network = rom::tests::make_synthetic_network({8, 5, 5, true}, 5);
+  EstimatorCorrection estimator(network, {});
+  const auto sensors = static_cast<Eigen::Index>(estimator.sensors().size());
+  const auto valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(sensors, true).eval();
+  rom::OperatingState operating = network.boundaries.operating;
+  const Eigen::VectorXd nodes_K = Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), 305.0);
+  const Eigen::VectorXd measured_K = Eigen::VectorXd::Constant(sensors, 305.1);
+  EstimatorState state;
+  estimator.reset(0.0, nodes_K, operating);
+  estimator.save(state);
+  int updates = 0;
+  const long before = rom::tests::heap_calls();
+  for (int second = 0; second <= 60; ++second) {
+    if (second == 25) estimator.note_displacement(0, 1e-5, 1e-6);
+    operating.speed_rpm = second < 33 ? 6000.0 : 9000.0;
+    updates += estimator.step({static_cast<double>(second), measured_K, valid, nodes_K, operating}, 1.0).corrected;
+  }
+  for (int second = 61; second <= 90; ++second) {
+    estimator.stand_by(static_cast<double>(second), nodes_K, operating, 1.0);
+  }
+  estimator.save(state);
+  EXPECT_EQ(rom::tests::heap_calls() - before, 0);
+  EXPECT_EQ(updates, 6);
+  EXPECT_EQ(estimator.failures(), 0);
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test

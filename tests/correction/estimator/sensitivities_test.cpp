@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include "tests/correction/estimator/plant_and_twin.hpp"
+
+namespace spindle_twin::correction::test {
+namespace {
+
+constexpr double end_s = 600.0;
+constexpr double integration_K = 3e-5;  // that CVODE is exact to, over all nodes
+
+/// Node temperatures after end_s of a run with a speed step, nothing measured, at these parameters.
+Eigen::VectorXd run(const rom::Network& network, const Eigen::VectorXd& theta, double cycle_s, double period_s,
+                    Eigen::MatrixXd* sensitivities = nullptr) {
+  EstimatorOptions options;
+  options.period_s = period_s;
+  options.priors.environment_memory_s = 0.0;
+  Pair pair(network, options);
+  pair.cycle_s = cycle_s;
+  pair.valid.setConstant(false);
+  pair.estimator.reset(0.0, pair.twin.stepper.temperatures_K(), pair.operating);
+  pair.estimator.set_parameters(theta);
+  pair.operating.environment_K[0] += 3.0;
+  while (pair.time_s < end_s - 1e-9) {
+    pair.operating.speed_rpm = pair.time_s < 0.5 * end_s ? 9000.0 : 4000.0;
+    pair.estimator.set_parameters(theta);
+    pair.cycle();
+  }
+  pair.cycle();  // the sensitivities of the last period are carried on at its end
+  if (sensitivities != nullptr) *sensitivities = pair.estimator.sensitivities_K();
+  return pair.estimator.corrected_nodes_K();
+}
+
+TEST(Sensitivities, equal_differences_of_the_integrated_network_for_every_parameter) {
+  const rom::Network network = plates();
+  const EstimatorCorrection estimator(network, {});
+  Eigen::VectorXd theta = estimator.parameters().mean();
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
+    theta[i] += (i % 2 == 0 ? 0.5 : -0.5) * estimator.parameters().list()[static_cast<std::size_t>(i)].deviation;
+  }
+  Eigen::MatrixXd sensitivities;
+  run(network, theta, 1.0, 2.0, &sensitivities);
+  for (Eigen::Index i = 0; i < theta.size(); ++i) {
+    const double step = 2e-2 * estimator.parameters().list()[static_cast<std::size_t>(i)].deviation;
+    Eigen::VectorXd high = theta, low = theta;
+    high[i] += step;
+    low[i] -= step;
+    const Eigen::VectorXd difference = (run(network, high, 1.0, 2.0) - run(network, low, 1.0, 2.0)) / (2.0 * step);
+    EXPECT_LT((sensitivities.col(i) - difference).norm(), 0.02 * difference.norm() + integration_K / step)
+        << estimator.parameters().list()[static_cast<std::size_t>(i)].name;
+  }
+}
+
+TEST(Sensitivities, converge_with_the_period) {
+  const rom::Network network = plates();
+  const EstimatorCorrection estimator(network, {});
+  const Eigen::VectorXd theta = estimator.parameters().mean();
+  Eigen::MatrixXd coarse, middle, fine;
+  run(network, theta, 1.0, 20.0, &coarse);
+  run(network, theta, 1.0, 10.0, &middle);
+  run(network, theta, 1.0, 2.0, &fine);
+  const double coarse_error = (coarse - fine).norm(), middle_error = (middle - fine).norm();
+  EXPECT_LT(middle_error, 0.5 * coarse_error);
+  EXPECT_LT(middle_error, 0.01 * fine.norm());
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test

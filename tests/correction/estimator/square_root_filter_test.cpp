@@ -1,0 +1,92 @@
+#include "correction/estimator/square_root_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <random>
+#include <stdexcept>
+
+namespace spindle_twin::correction::test {
+namespace {
+
+Eigen::VectorXd random_vector(std::mt19937_64& random, Eigen::Index n) {
+  std::normal_distribution<double> normal(0.0, 1.0);
+  return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+}
+
+Eigen::MatrixXd random_covariance(std::mt19937_64& random, Eigen::Index n) {
+  Eigen::MatrixXd root(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) root.col(i) = random_vector(random, n);
+  return root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(n, n);
+}
+
+TEST(SquareRootFilter, scalar_after_scalar_gives_the_bayes_posterior_of_all_at_once) {
+  constexpr Eigen::Index n = 12, measurements = 40;
+  std::mt19937_64 random(3);
+  const Eigen::VectorXd prior = random_vector(random, n);
+  const Eigen::MatrixXd covariance = random_covariance(random, n);
+  SquareRootFilter filter(prior, covariance);
+  Eigen::MatrixXd information = covariance.inverse();
+  Eigen::VectorXd weighted = information * prior;
+  for (Eigen::Index k = 0; k < measurements; ++k) {
+    const Eigen::VectorXd h = random_vector(random, n);
+    const double noise = 0.05 + 0.01 * static_cast<double>(k);
+    const double y = random_vector(random, 1)[0];
+    information += h * h.transpose() / noise;
+    weighted += h * y / noise;
+    ASSERT_TRUE(filter.update(h, y - h.dot(filter.mean()), noise));
+  }
+  const Eigen::MatrixXd posterior = information.inverse();
+  EXPECT_LT((filter.covariance() - posterior).norm(), 1e-10 * posterior.norm());
+  EXPECT_LT((filter.mean() - posterior * weighted).norm(), 1e-10);
+}
+
+TEST(SquareRootFilter, time_adds_its_variance_and_forgets_towards_the_centre) {
+  constexpr Eigen::Index n = 6;
+  std::mt19937_64 random(5);
+  const Eigen::VectorXd prior = random_vector(random, n), centre = random_vector(random, n);
+  const Eigen::MatrixXd covariance = random_covariance(random, n);
+  SquareRootFilter filter(prior, covariance);
+  const Eigen::VectorXd keep = Eigen::VectorXd::LinSpaced(n, 0.5, 1.0),
+                        growth = Eigen::VectorXd::LinSpaced(n, 0.0, 2.0);
+  filter.pass_time(centre, keep, growth);
+  Eigen::MatrixXd expected = keep.asDiagonal() * covariance * keep.asDiagonal();
+  expected.diagonal() += growth;
+  EXPECT_LT((filter.covariance() - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_LT((filter.mean() - (centre + keep.cwiseProduct(prior - centre))).norm(), 1e-12);
+}
+
+TEST(SquareRootFilter, covariance_stays_positive_over_three_days_of_nearly_perfect_readings) {
+  constexpr Eigen::Index n = 20;
+  constexpr int updates = 3 * 8640;
+  std::mt19937_64 random(9);
+  SquareRootFilter filter(Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd keep = Eigen::VectorXd::Ones(n);
+  Eigen::VectorXd growth = Eigen::VectorXd::Constant(n, 1e-9);
+  growth.tail(n / 2).setZero();
+  const Eigen::VectorXd seen = random_vector(random, n);
+  for (int k = 0; k < updates; ++k) {
+    filter.pass_time(Eigen::VectorXd::Zero(n), keep, growth);
+    // The same direction again and again, with a noise of a hundred thousandth of the prior.
+    ASSERT_TRUE(filter.update(seen + 1e-3 * random_vector(random, n), 0.0, 1e-10));
+  }
+  const Eigen::MatrixXd covariance = filter.covariance();
+  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).eigenvalues();
+  EXPECT_TRUE(covariance.allFinite());
+  EXPECT_GT(values[0], -1e-16);
+  for (Eigen::Index i = 0; i < n; ++i) EXPECT_GT(filter.deviation(i), 0.0);
+}
+
+TEST(SquareRootFilter, refuses_what_is_no_covariance_and_what_is_no_measurement) {
+  EXPECT_THROW(SquareRootFilter(Eigen::VectorXd::Zero(2), -Eigen::MatrixXd::Identity(2, 2)), std::invalid_argument);
+  EXPECT_THROW(SquareRootFilter(Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(3, 3)), std::invalid_argument);
+  SquareRootFilter filter(Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(2, 2));
+  const Eigen::VectorXd h = Eigen::VectorXd::Ones(2);
+  EXPECT_FALSE(filter.update(h, std::numeric_limits<double>::quiet_NaN(), 1.0));
+  EXPECT_FALSE(filter.update(h, 1.0, 0.0));
+  EXPECT_EQ(filter.mean(), Eigen::VectorXd::Zero(2));
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test
