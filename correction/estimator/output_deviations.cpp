@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rom/integrate/output_uncertainty.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
@@ -10,12 +12,10 @@ constexpr double metres_per_micrometre = 1e-6;
 
 /// Entry i of a list that older files lack; there the group's own worst error stands for it.
 double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, double group_worst) {
-  return i < list.size() ? certificate_deviation(list[i]) : certificate_deviation({group_worst, 0.0, 0.0});
+  return rom::certificate_deviation(i < list.size() ? list[i] : rom::OutputError{group_worst, 0.0, 0.0});
 }
 
 }  // namespace
-
-double certificate_deviation(const rom::OutputError& error) { return std::hypot(0.5 * error.worst, error.mesh); }
 
 DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities,
                                        Eigen::Index parameters)

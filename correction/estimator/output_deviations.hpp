@@ -9,10 +9,6 @@
 
 namespace spindle_twin::correction {
 
-/// 1σ of what the certificate says of one output. The worst error over the cases and all of their instants counts as
-/// 2σ: what a published band of ±2σ has to cover. The mesh error is the same in every case, so it counts in full.
-double certificate_deviation(const rom::OutputError& error);
-
 /// 1σ of every published temperature and deformation.
 struct OutputDeviations {
   Eigen::VectorXd key_points_K;

@@ -1,6 +1,6 @@
 #include "host_tools/commands/network_facts.hpp"
 
-#include <cmath>
+#include <map>
 #include <sstream>
 
 namespace spindle_twin::host_tools {
@@ -134,6 +134,16 @@ void add_outputs(const rom::Network& network, Facts& facts) {
   }
 }
 
+/// The k-th ring of a part is "part", "part 2", ...
+void add_outlines(const rom::Network& network, Facts& facts) {
+  std::map<std::string, int> rings;
+  for (const rom::OutlineRing& ring : network.outlines) {
+    const int count = ++rings[ring.part];
+    facts.start("outline", count == 1 ? ring.part : ring.part + " " + std::to_string(count));
+    facts.add("points_m", ring.points_m);
+  }
+}
+
 void add_certificate(const rom::Network& network, Facts& facts) {
   const rom::Certificate& certificate = network.certificate;
   facts.start("certificate", "");
@@ -167,6 +177,7 @@ std::vector<Fact> network_facts(const Inspection& inspection) {
   add_network(inspection, facts);
   add_boundaries(inspection.network, facts);
   add_outputs(inspection.network, facts);
+  add_outlines(inspection.network, facts);
   add_certificate(inspection.network, facts);
   for (Eigen::Index i = 0; i < inspection.time_constants_s.size(); ++i) {
     facts.start("time constant", std::to_string(i + 1));

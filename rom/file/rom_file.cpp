@@ -96,7 +96,13 @@ Network decode_network(const std::vector<std::uint8_t>& bytes, const std::string
 
 void write_network(const Network& network, const std::string& path) {
   check_network(network, path);
-  write_whole_file(path, encode_network(network));
+  const std::vector<std::uint8_t> bytes = encode_network(network);
+  if (bytes.size() + signature_block_size > rom_largest_file_bytes) {
+    throw InputError({path, 0}, "",
+                     "would have " + std::to_string(bytes.size()) + " bytes, and no file above " +
+                         std::to_string(rom_largest_file_bytes) + " is read; fewer nodes make it smaller");
+  }
+  write_whole_file(path, bytes);
 }
 
 RomFile read_rom_file(const std::string& path) {

@@ -6,6 +6,11 @@
 
 namespace spindle_twin::rom {
 
+/// 1σ of what the certificate says of one output: σ² = (worst/2)² + mesh². The worst error over the cases and all of
+/// their instants counts as 2σ: what a published band of ±2σ has to cover. The mesh error is the same in every case, so
+/// it counts in full. Independent of heats, contacts and sensors, whose variances add.
+double certificate_deviation(const OutputError& error);
+
 /// Standard deviations that the network itself adds to each of its outputs, in the order of NetworkOutputs. Not a
 /// number where the certificate says nothing.
 struct OutputUncertainty {
@@ -16,10 +21,9 @@ struct OutputUncertainty {
   Eigen::VectorXd contact_pressures_Pa;
 };
 
-/// σ = (worst + mesh) / 2, per output. |network − exact| <= |network − FE| + |FE − finer FE| <= worst + mesh over the
-/// certificate's cases, so that ±2σ holds every case that was measured. Files of before there were errors per output
-/// know the worst key point, the worst part maximum and the nose alone; these stand for their kind, without a mesh
-/// error. It is independent of heats, contacts and sensors: variances add. All NaN without a certificate. Allocates.
+/// All of an output's kind: σ of what its certificate says. Files of before there were errors per output know the worst
+/// key point, the worst part maximum and the nose alone; these stand for their kind, a part's maximum also for its
+/// mean, without a mesh error. All NaN without a certificate. Allocates.
 OutputUncertainty output_uncertainty(const Network& network);
 
 }  // namespace spindle_twin::rom

@@ -278,7 +278,7 @@ class BadInput(unittest.TestCase):
 
     def test_check_accepts_a_good_configuration(self):
         result = run_daemon("--check", self.config)
-        self.assertEqual((result.returncode, result.stdout), (0, f"{self.config}: ok, small with 5 nodes\n"))
+        self.assertEqual((result.returncode, result.stdout), (0, f"{self.config}: ok, small with 5 nodes, certified, not signed\n"))
 
     def test_a_missing_configuration(self):
         self.assertEqual(self.error_of(self.folder / "none.toml"),
