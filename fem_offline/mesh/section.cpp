@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem_offline/mesh/piece_track.hpp"
 #include "fem_offline/mesh/section_detail.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -51,6 +52,14 @@ void check_heats(const Spindle& spindle, const Section& section) {
   }
 }
 
+/// Whether the point lies between the chord of an arc that bulges out of the part and the arc, on it included.
+bool lies_under_arc(const ArcChord& arc, const Point& at) {
+  const PieceTrack chord({0, arc.start, arc.end}), bulge({0, arc.start, arc.end, PieceKind::axis, 0, 0, 0, {}, arc});
+  const double along_m = chord.along_m(at);
+  return along_m >= 0.0 && along_m <= chord.length_m() && chord.aside_m(at) >= 0.0 &&
+         bulge.aside_m(at) <= snap_mm * 1e-3;
+}
+
 /// The inner body of a fit touches the outer one on a cylinder of the fit's radius.
 void check_fits(const Spindle& spindle, const Section& section) {
   for (std::size_t i = 0; i < spindle.contacts.size(); ++i) {
@@ -89,7 +98,11 @@ void check_places(const Spindle& spindle, const Section& section) {
   }
   const auto check_point = [&](const rom::SourceLine& where, const std::string& field, std::size_t part,
                                const Point& at) {
-    if (covers(section.outlines[part], to_mm(at))) return;
+    const auto& arcs = section.outlines[part].arcs;
+    if (covers(section.outlines[part], to_mm(at)) ||
+        std::any_of(arcs.begin(), arcs.end(), [&](const ArcChord& arc) { return lies_under_arc(arc, at); })) {
+      return;
+    }
     throw rom::InputError(where, field,
                           printed(to_mm(at)) + " mm lies outside part \"" + spindle.parts[part].name + "\"");
   };

@@ -56,6 +56,7 @@ struct AffineModel {
   SparseMatrix capacity_J_per_K;
   SparseMatrix conduction_W_per_K;
   std::vector<SparseMatrix> conductance_terms_m2;
+  std::vector<int> held;                ///< the conductances that prescribe a temperature
   Eigen::MatrixXd source_distribution;  ///< n x sources
   std::vector<DofPlace> places;
   std::vector<std::string> air_names;  ///< of the last unknowns

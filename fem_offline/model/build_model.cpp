@@ -138,6 +138,10 @@ struct FeModel::Impl {
         exchange_terms(spindle, section, rules, unknowns, sorted.environment_of, sorted.air_unknown);
     affine.conductance_terms_m2 = std::move(exchange.matrices_m2);
     affine.boundaries.conductances = std::move(exchange.conductances);
+    for (std::size_t i = 0; i < spindle.films.size(); ++i) {
+      if (spindle.films[i].kind != FilmKind::prescribed_temperature) continue;
+      affine.held.push_back(static_cast<int>(spindle.contacts.size() + spindle.gap_films.size() + i));
+    }
     fill_circuits(spindle, sorted.environment_of, affine.boundaries);
     SourceTerms sources = source_terms(spindle, section, rules, unknowns, volume.function_volume_m3);
     affine.boundaries.sources = std::move(sources.sources);
@@ -154,7 +158,7 @@ struct FeModel::Impl {
     solver.emplace(bond_and_support(spindle, section, rules, fe_places, elastic));
     affine.deformations = deformation_rows(spindle, section, rules, discretisation, *solver);
     for (FeDeformation& output : affine.deformations) output.row_m_per_K = enlarged(output.row_m_per_K, unknowns);
-    affine.contact_pressures = contact_pressure_rows(spindle, section, rules, elastic, *solver);
+    affine.contact_pressures = contact_pressure_rows(spindle, section, rules, fe_places, elastic, *solver);
     for (FeContactPressure& output : affine.contact_pressures) {
       output.row_Pa_per_K = enlarged(output.row_Pa_per_K, unknowns);
     }

@@ -56,7 +56,7 @@ std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Sectio
 /// taken as the mean of both sides. One adjoint solve each. At a corner where a contact meets another one, half an
 /// element of the neighbour's shear counts in; pressures are positive, a negative sum means that the joint would open.
 std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, const Section& section,
-                                                     const SurfaceRules& rules, const ElasticTerms& terms,
-                                                     const ElasticSolver& solver);
+                                                     const SurfaceRules& rules, const std::vector<DofPlace>& places,
+                                                     const ElasticTerms& terms, const ElasticSolver& solver);
 
 }  // namespace spindle_twin::fem_offline

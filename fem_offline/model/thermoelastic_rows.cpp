@@ -1,5 +1,6 @@
 #include <map>
 
+#include "fem_offline/mesh/piece_track.hpp"
 #include "fem_offline/model/exchange_terms.hpp"
 #include "fem_offline/model/thermoelastic.hpp"
 #include "fem_offline/solve/cholesky.hpp"
@@ -58,11 +59,6 @@ class OutputWeights {
   double total_ = 0.0;
 };
 
-/// The unit normal out of the part: it lies to the left of the piece.
-Eigen::Vector2d outward(const BoundaryPiece& piece) {
-  return Eigen::Vector2d(piece.end.z_m - piece.start.z_m, -(piece.end.r_m - piece.start.r_m)).normalized();
-}
-
 /// Normals on the nodes of a contact. Pieces in one line or around a curve share a node's normal; those that meet at a
 /// corner both count there.
 class NodeNormals {
@@ -96,17 +92,21 @@ double area_of(const SurfaceRules& rules, std::size_t contact) {
   return area_m2;
 }
 
-Eigen::VectorXd normals_of(const Section& section, const SurfaceRules& rules, std::size_t contact, Eigen::Index size) {
+Eigen::VectorXd normals_of(const Section& section, const SurfaceRules& rules, const std::vector<DofPlace>& places,
+                           std::size_t contact) {
   NodeNormals normals[2];
   for (std::size_t p = 0; p < section.pieces.size(); ++p) {
     const BoundaryPiece& piece = section.pieces[p];
     if (piece.kind != PieceKind::contact || piece.index != contact) continue;
-    const Eigen::Vector2d normal = outward(piece);
+    const PieceTrack track(piece);
     for (const SurfacePoint& point : rules.pieces[p]) {
-      for (const int dof : point.trace.dofs) normals[piece.side].add(dof, normal);
+      for (const int dof : point.trace.dofs) {
+        const Point normal = track.outward({places[dof].r_m, places[dof].z_m});
+        normals[piece.side].add(dof, {normal.r_m, normal.z_m});
+      }
     }
   }
-  Eigen::VectorXd field = Eigen::VectorXd::Zero(size);
+  Eigen::VectorXd field = Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(places.size()));
   for (const NodeNormals& of_side : normals) of_side.add_half_to(field);
   return field;
 }
@@ -152,14 +152,13 @@ std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Sectio
 }
 
 std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, const Section& section,
-                                                     const SurfaceRules& rules, const ElasticTerms& terms,
-                                                     const ElasticSolver& solver) {
+                                                     const SurfaceRules& rules, const std::vector<DofPlace>& places,
+                                                     const ElasticTerms& terms, const ElasticSolver& solver) {
   const ElasticBody& body = solver.body();
   const auto count = static_cast<Eigen::Index>(spindle.contact_pressures.size());
   Eigen::MatrixXd normals(terms.stiffness_N_per_m.rows(), count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    normals.col(i) =
-        normals_of(section, rules, spindle.contact_pressures[static_cast<std::size_t>(i)].contact, normals.rows());
+    normals.col(i) = normals_of(section, rules, places, spindle.contact_pressures[static_cast<std::size_t>(i)].contact);
   }
   const Eigen::MatrixXd forces = terms.stiffness_N_per_m * normals;
   Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(body.stiffness_N_per_m.rows(), count);

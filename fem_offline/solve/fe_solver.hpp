@@ -15,9 +15,16 @@ Eigen::VectorXd solve_steady(const AffineModel& model, const rom::BoundaryValues
 struct HeatBalance {
   double heat_in_W = 0.0;
   double heat_out_W = 0.0;
+  double heat_through_W = 0.0;  ///< sources and what flows in from outside; of steady_heat_balance only
 };
 HeatBalance heat_balance(const AffineModel& model, const rom::BoundaryValues& values,
                          const Eigen::VectorXd& temperatures_K);
+
+/// The same of a steady field, to rounding also where temperatures are prescribed: the heat through those faces is what
+/// the equations of their unknowns leave over (the reaction), for the drop of temperature over such a film drowns in
+/// the digits of an absolute temperature.
+HeatBalance steady_heat_balance(const AffineModel& model, const rom::BoundaryValues& values,
+                                const Eigen::VectorXd& temperatures_K);
 
 /// Where a transient starts: every part at its own initial temperature if it has one, all else at `otherwise_K`. [K]
 Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_K);

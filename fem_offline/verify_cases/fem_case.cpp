@@ -16,6 +16,7 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr double kelvin_at_0_degC = 273.15;
+constexpr double largest_imbalance = 1e-9;
 
 /// A field with the inputs that hold beside it.
 struct Instant {
@@ -111,7 +112,8 @@ CheckedFigure check(const Expectation& expected, double result, double span_K) {
   // "stress_zz_MPa" has its unit at the end, "flux_W_per_m2" after the first word.
   const std::size_t unit_at =
       expected.quantity.starts_with("stress_") ? expected.quantity.rfind('_') : expected.quantity.find('_');
-  figure.figure = expected.quantity.substr(0, unit_at) + " " + expected.of;
+  figure.figure = expected.quantity.substr(0, unit_at);
+  figure.figure.append(" ").append(expected.of);
   figure.unit = expected.quantity.substr(unit_at + 1);
   if (expected.time_s) {
     std::ostringstream text;
@@ -124,6 +126,21 @@ CheckedFigure check(const Expectation& expected, double result, double span_K) {
   figure.tolerance = expected.tolerance;
   figure.passed = std::abs(figure.error) <= figure.tolerance;
   figure.source = expected.source;
+  return figure;
+}
+
+/// What flows in against what flows out.
+CheckedFigure check_balance(const AffineModel& model, const Instant& instant) {
+  const HeatBalance balance = steady_heat_balance(model, instant.values, instant.temperatures_K);
+  CheckedFigure figure;
+  figure.figure = std::string("heat balance");
+  figure.unit = std::string("W");
+  figure.target = balance.heat_in_W;
+  figure.result = balance.heat_out_W;
+  figure.error = balance.heat_through_W > 0.0 ? (figure.result - figure.target) / balance.heat_through_W : 0.0;
+  figure.tolerance = largest_imbalance;
+  figure.passed = std::abs(figure.error) <= figure.tolerance;
+  figure.source = std::string("heat in is heat out; the error is a fraction of the heat that passes");
   return figure;
 }
 
@@ -159,6 +176,7 @@ CaseResult run_case(const std::string& path, double mesh_factor) {
     const Instant& instant = expected.time_s ? instants.at(*expected.time_s) : *in_steady_state;
     result.figures.push_back(check(expected, figure_of(fe, instant, expected), verification.temperature_span_K));
   }
+  if (in_steady_state && !model.imposed_rises_K) result.figures.push_back(check_balance(model, *in_steady_state));
   return result;
 }
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double least_value_order = 2.8;
 constexpr double least_gradient_order = 1.9;
+constexpr double least_stress_order = 2.5;
 
 // I₀(κr) cos(κz) solves Laplace's equation in a body of revolution; κ gives it about one wave over the part.
 constexpr double wave_number_per_m = 60.0;
@@ -94,13 +95,33 @@ FieldError displacement_error(const FeModel& fe, const Spindle& spindle) {
   return fe.error_against(ring_displacement(spindle), radial_m);
 }
 
+/// Relative error in L2 of the hoop stress λ tr ε + 2μ u/r − (3λ + 2μ) α ΔT, of which the ring's is the largest.
+double stress_error(const FeModel& fe, const Spindle& spindle) {
+  const AffineModel& model = fe.affine();
+  const ExactField moved = ring_displacement(spindle);
+  const Box ring = spindle.supports[0].face;
+  const Material& material = spindle.materials[spindle.parts[0].material];
+  const double nu = material.poisson_ratio, mu_Pa = 0.5 * material.youngs_modulus_Pa / (1.0 + nu);
+  const double lambda_Pa = 2.0 * mu_Pa * nu / (1.0 - 2.0 * nu);
+  const auto hoop_Pa = [=](const Point& at) {
+    const double hoop = moved.value(at) / at.r_m, radial = moved.gradient(at)[0];
+    const double rise_K = ring_rise_K * std::log(ring.r1_m / at.r_m) / std::log(ring.r1_m / ring.r0_m);
+    return lambda_Pa * (hoop + radial) + 2.0 * mu_Pa * hoop -
+           (3.0 * lambda_Pa + 2.0 * mu_Pa) * material.expansion_per_K * rise_K;
+  };
+  const Eigen::VectorXd temperatures_K = model.imposed_rises_K->array() + model.boundaries.reference_temperature_K;
+  const auto no_gradient = [](const Point&) { return std::array<double, 2>{0.0, 0.0}; };
+  return fe.error_against({hoop_Pa, no_gradient}, fe.stresses_Pa(temperatures_K).col(2)).value;
+}
+
 struct Measured {
   double element_size;  // mean side, but for a factor: one over the root of the number of elements
   FieldError error;
+  double stress_error = 0.0;  // of an elastic case
 };
 
-double order_between(const Measured& coarse, const Measured& fine, double FieldError::*error) {
-  return std::log(coarse.error.*error / (fine.error.*error)) / std::log(coarse.element_size / fine.element_size);
+double order_between(const Measured& coarse, const Measured& fine, double coarse_error, double fine_error) {
+  return std::log(coarse_error / fine_error) / std::log(coarse.element_size / fine.element_size);
 }
 
 CheckedFigure order_figure(const std::string& figure, double order, double least) {
@@ -134,15 +155,21 @@ std::vector<CaseResult> run_orders(const std::string& directory) {
       const ExactField exact = harmonic();
       measured.push_back({1.0 / std::sqrt(static_cast<double>(fe.lattice().cells.size())),
                           elastic ? displacement_error(fe, spindle)
-                                  : fe.error_against(exact, solved_with_boundary(fe.affine(), exact))});
+                                  : fe.error_against(exact, solved_with_boundary(fe.affine(), exact)),
+                          elastic ? stress_error(fe, spindle) : 0.0});
       result.unknowns = fe.affine().places.size();
     }
+    const Measured &coarse = measured[1], &fine = measured.back();
     result.figures.push_back(order_figure(elastic ? "displacement in L2" : "temperature in L2",
-                                          order_between(measured[1], measured.back(), &FieldError::value),
+                                          order_between(coarse, fine, coarse.error.value, fine.error.value),
                                           least_value_order));
     result.figures.push_back(order_figure(elastic ? "strain in L2" : "flux in L2",
-                                          order_between(measured[1], measured.back(), &FieldError::gradient),
+                                          order_between(coarse, fine, coarse.error.gradient, fine.error.gradient),
                                           least_gradient_order));
+    if (elastic) {
+      result.figures.push_back(order_figure(
+          "stress in L2", order_between(coarse, fine, coarse.stress_error, fine.stress_error), least_stress_order));
+    }
     results.push_back(std::move(result));
   }
   return results;

@@ -305,6 +305,9 @@ void run_field(const FeModel& model, const SolveOptions& options) {
     values.conductance_W_per_m2K.setZero();
   }
   Report report = report_of(affine, values, temperatures_K, datum_K);
+  if (!affine.imposed_rises_K && !options.uniform_rise_K) {
+    report.heat = fem_offline::steady_heat_balance(affine, values, temperatures_K);
+  }
   report.stresses = model.probed_stresses(temperatures_K);
   if (options.json) {
     nlohmann::json json = as_json(affine, report);

@@ -43,6 +43,46 @@ TEST(Arcs, a_disc_of_chords_loses_less_than_its_sagitta) {
   EXPECT_GT(area_m2, pi * radius_m * radius_m - 2.0 * pi * radius_m * spindle.mesh.arc_sagitta_m);
 }
 
+/// The mesh gives back what the chords take: area of the parabolas through ends and middles of the arcs, 2/3 of chord
+/// times sagitta each, against that of the disc.
+TEST(Arcs, bent_sides_enclose_the_disc) {
+  const SectionMesh mesh = meshed(parse_spindle(disc_in_ring("planar"), "s.toml"));
+  const double radius_m = 0.01;
+  double area_m2 = 0.0;
+  for (std::size_t q = 0; q < mesh.quads.size(); ++q) {
+    if (mesh.part_of_quad[q] != 0) continue;
+    Polygon quad;
+    for (const std::size_t corner : mesh.quads[q]) quad.push_back(mesh.points[corner]);
+    area_m2 += volume_within(quad, Geometry::planar);
+  }
+  std::size_t of_disc = 0;
+  for (const BentSide& side : mesh.bent_sides) {
+    const Point &a = mesh.points[side.a], &b = mesh.points[side.b];
+    const double chord_m = std::hypot(b.r_m - a.r_m, b.z_m - a.z_m);
+    const double distance_m = std::hypot(a.r_m - side.centre.r_m, a.z_m - side.centre.z_m);
+    EXPECT_NEAR(std::hypot(b.r_m - side.centre.r_m, b.z_m - side.centre.z_m), distance_m, 2e-9);
+    if (mesh.part_of_quad[0] != 0 || std::abs(distance_m - radius_m) > 1e-6) continue;
+    const double sagitta_m = radius_m - std::sqrt(radius_m * radius_m - 0.25 * chord_m * chord_m);
+    // The ring's bore is bent with the disc, so every side comes twice.
+    area_m2 += 0.5 * 2.0 / 3.0 * chord_m * sagitta_m;
+    ++of_disc;
+  }
+  EXPECT_GT(of_disc, 8U);
+  EXPECT_NEAR(area_m2, pi * radius_m * radius_m, 1e-6 * pi * radius_m * radius_m);
+}
+
+TEST(MeshSize, default_is_a_fortieth_of_the_root_of_the_area) {
+  const std::string text = replaced(disc_in_ring("planar"), "\nelement_size_mm = 2", "");
+  const double disc_and_ring_m2 = pi * 0.015 * 0.015;
+  const Spindle spindle = parse_spindle(text, "s.toml"), halved = parse_spindle(text, "s.toml", 0.5);
+  // The area is that of octagons at least.
+  EXPECT_LE(spindle.mesh.element_size_m, std::sqrt(disc_and_ring_m2) / 40.0);
+  EXPECT_GE(spindle.mesh.element_size_m, std::sqrt(0.9 * disc_and_ring_m2) / 40.0);
+  EXPECT_DOUBLE_EQ(halved.mesh.element_size_m, 0.5 * spindle.mesh.element_size_m);
+  EXPECT_DOUBLE_EQ(halved.mesh.arc_sagitta_m, 0.25 * spindle.mesh.arc_sagitta_m);
+  EXPECT_GT(halved.parts[0].shapes[0].size(), spindle.parts[0].shapes[0].size() * 3 / 2);
+}
+
 TEST(Arcs, parts_that_share_an_arc_get_the_same_chords) {
   const Section section = build_section(parse_spindle(disc_in_ring("planar"), "s.toml"));
   std::array<double, 2> touching_m{};
