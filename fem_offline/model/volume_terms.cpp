@@ -62,38 +62,46 @@ VolumeTerms volume_terms(const Discretisation<dim>& discretisation, const Spindl
   std::vector<dealii::types::global_dof_index> dofs(per_cell);
   VolumeTerms terms;
   terms.function_volume_m3.assign(spindle.parts.size(), Eigen::VectorXd::Zero(n));
+  // One column per function, points (times directions) down: every entry of a cell's matrices is a product of two
+  // columns.
+  const auto columns = static_cast<Eigen::Index>(per_cell);
+  const auto points = static_cast<Eigen::Index>(values.n_quadrature_points);
+  Eigen::MatrixXd shape(points, columns), gradient(dim * points, columns);
+  Eigen::VectorXd weight_m3(points), gradient_weight(dim * points);
+  Eigen::MatrixXd weighted_shape(points, columns), weighted_gradient(dim * points, columns);
   Triplets capacity, conduction;
+  capacity.reserve(static_cast<std::size_t>(columns * columns) * discretisation.triangulation.n_active_cells());
+  conduction.reserve(capacity.capacity());
   for (const auto& cell : discretisation.dof_handler.active_cell_iterators()) {
     values.reinit(cell);
     cell->get_dof_indices(dofs);
     const std::size_t part = cell->material_id();
     const Material& material = spindle.materials[spindle.parts[part].material];
-    dealii::Tensor<1, dim> conductivity;
-    for (unsigned c = 0; c < dim; ++c) conductivity[c] = material.conductivity_r_W_per_mK;
-    conductivity[dim - 1] = material.conductivity_z_W_per_mK;
     const double heat_capacity_J_per_m3K = material.density_kg_per_m3 * material.heat_capacity_J_per_kgK;
-    Eigen::MatrixXd cell_capacity = Eigen::MatrixXd::Zero(per_cell, per_cell);
-    Eigen::MatrixXd cell_conduction = Eigen::MatrixXd::Zero(per_cell, per_cell);
     for (const unsigned q : values.quadrature_point_indices()) {
-      const double weight_m3 =
-          values.JxW(q) * revolution_factor<dim>(discretisation.geometry, values.quadrature_point(q));
+      weight_m3[q] = values.JxW(q) * revolution_factor<dim>(discretisation.geometry, values.quadrature_point(q));
+      for (unsigned c = 0; c < dim; ++c) {
+        gradient_weight[dim * q + c] =
+            weight_m3[q] * (c + 1 < dim ? material.conductivity_r_W_per_mK : material.conductivity_z_W_per_mK);
+      }
       for (unsigned i = 0; i < per_cell; ++i) {
-        terms.function_volume_m3[part][static_cast<Eigen::Index>(dofs[i])] += weight_m3 * values.shape_value(i, q);
-        for (unsigned j = 0; j < per_cell; ++j) {
-          cell_capacity(i, j) +=
-              weight_m3 * heat_capacity_J_per_m3K * values.shape_value(i, q) * values.shape_value(j, q);
-          double flux = 0.0;
-          for (unsigned c = 0; c < dim; ++c) {
-            flux += conductivity[c] * values.shape_grad(i, q)[c] * values.shape_grad(j, q)[c];
-          }
-          cell_conduction(i, j) += weight_m3 * flux;
-        }
+        shape(q, i) = values.shape_value(i, q);
+        const dealii::Tensor<1, dim> at_point = values.shape_grad(i, q);
+        for (unsigned c = 0; c < dim; ++c) gradient(dim * q + c, i) = at_point[c];
       }
     }
+    weighted_shape = weight_m3.asDiagonal() * shape;
+    weighted_gradient = gradient_weight.asDiagonal() * gradient;
     for (unsigned i = 0; i < per_cell; ++i) {
-      for (unsigned j = 0; j < per_cell; ++j) {
-        capacity.emplace_back(dofs[i], dofs[j], cell_capacity(i, j));
-        conduction.emplace_back(dofs[i], dofs[j], cell_conduction(i, j));
+      terms.function_volume_m3[part][static_cast<Eigen::Index>(dofs[i])] += weighted_shape.col(i).sum();
+      for (unsigned j = 0; j <= i; ++j) {
+        const double c_ij = heat_capacity_J_per_m3K * weighted_shape.col(i).dot(shape.col(j));
+        const double k_ij = weighted_gradient.col(i).dot(gradient.col(j));
+        capacity.emplace_back(dofs[i], dofs[j], c_ij);
+        conduction.emplace_back(dofs[i], dofs[j], k_ij);
+        if (i == j) continue;
+        capacity.emplace_back(dofs[j], dofs[i], c_ij);
+        conduction.emplace_back(dofs[j], dofs[i], k_ij);
       }
     }
   }
@@ -111,30 +119,39 @@ ElasticTerms elastic_terms(const Discretisation<dim>& discretisation, const Spin
       discretisation.mapping, element, dealii::QGauss<dim>(element.degree + 2),
       dealii::update_values | dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> dofs(per_cell);
-  Strains strains(strain_count, static_cast<Eigen::Index>(dim * per_cell));
+  const auto unknowns = static_cast<Eigen::Index>(dim * per_cell);
+  const auto points = static_cast<Eigen::Index>(values.n_quadrature_points);
+  Strains strains(strain_count, unknowns);
   Eigen::Matrix<double, strain_count, 1> isotropic_strain;
   isotropic_strain << 1.0, 1.0, 1.0, 0.0, 0.0, 0.0;
+  // Points down, so that a cell's matrices are one product each.
+  Eigen::MatrixXd strain_at(strain_count * points, unknowns), stress_at(strain_count * points, unknowns);
+  Eigen::MatrixXd pressure_at(points, unknowns), shape_at(points, static_cast<Eigen::Index>(per_cell));
+  Eigen::MatrixXd cell_stiffness(unknowns, unknowns), cell_load(unknowns, static_cast<Eigen::Index>(per_cell));
   Triplets stiffness, thermal_load;
+  const std::size_t cells = discretisation.triangulation.n_active_cells();
+  stiffness.reserve(static_cast<std::size_t>(cell_stiffness.size()) * cells);
+  thermal_load.reserve(static_cast<std::size_t>(cell_load.size()) * cells);
   for (const auto& cell : discretisation.dof_handler.active_cell_iterators()) {
     values.reinit(cell);
     cell->get_dof_indices(dofs);
     const Material& material = spindle.materials[spindle.parts[cell->material_id()].material];
     const auto stress_per_strain = isotropic_stiffness(material);
-    Eigen::MatrixXd cell_stiffness = Eigen::MatrixXd::Zero(strains.cols(), strains.cols());
-    Eigen::MatrixXd cell_load = Eigen::MatrixXd::Zero(strains.cols(), per_cell);
-    Eigen::RowVectorXd shape(per_cell);
     for (const unsigned q : values.quadrature_point_indices()) {
       const double weight_m3 =
           values.JxW(q) * revolution_factor<dim>(discretisation.geometry, values.quadrature_point(q));
       fill_strains<dim>(values, q, discretisation.geometry, strains);
-      for (unsigned i = 0; i < per_cell; ++i) shape[i] = values.shape_value(i, q);
-      const Eigen::MatrixXd weighted_stress = weight_m3 * (stress_per_strain * strains);
-      cell_stiffness.noalias() += strains.transpose() * weighted_stress;
-      cell_load.noalias() += material.expansion_per_K * (weighted_stress.transpose() * isotropic_strain) * shape;
+      for (unsigned i = 0; i < per_cell; ++i) shape_at(q, i) = values.shape_value(i, q);
+      auto stress = stress_at.middleRows<strain_count>(static_cast<Eigen::Index>(strain_count * q));
+      stress.noalias() = weight_m3 * stress_per_strain * strains;
+      strain_at.middleRows<strain_count>(static_cast<Eigen::Index>(strain_count * q)) = strains;
+      pressure_at.row(q).noalias() = material.expansion_per_K * isotropic_strain.transpose() * stress;
     }
+    cell_stiffness.noalias() = strain_at.transpose() * stress_at;
+    cell_load.noalias() = pressure_at.transpose() * shape_at;
     const auto global = [&](int local) { return dim * static_cast<int>(dofs[local / dim]) + local % dim; };
-    for (int i = 0; i < strains.cols(); ++i) {
-      for (int j = 0; j < strains.cols(); ++j) stiffness.emplace_back(global(i), global(j), cell_stiffness(i, j));
+    for (int i = 0; i < unknowns; ++i) {
+      for (int j = 0; j < unknowns; ++j) stiffness.emplace_back(global(i), global(j), cell_stiffness(i, j));
       for (unsigned j = 0; j < per_cell; ++j) {
         thermal_load.emplace_back(global(i), static_cast<int>(dofs[j]), cell_load(i, j));
       }
