@@ -39,9 +39,9 @@ int main(int argc, char** argv) {
   add_sign(app);
   add_verify_signature(app);
   add_simulate(app);
+  add_export(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE
-  add_export(app);
   add_plant(app);
   add_report(app);
 #endif

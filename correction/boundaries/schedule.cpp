@@ -171,4 +171,13 @@ Schedule constant_schedule(const rom::Boundaries& boundaries, double duration_s)
   return schedule;
 }
 
+double rest_temperature_K(const rom::Boundaries& boundaries, const rom::OperatingState& state) {
+  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
+    if (boundaries.environments[i].kind == rom::EnvironmentKind::ambient) {
+      return state.environment_K[static_cast<Eigen::Index>(i)];
+    }
+  }
+  return state.environment_K.size() > 0 ? state.environment_K[0] : boundaries.reference_temperature_K;
+}
+
 }  // namespace spindle_twin::correction

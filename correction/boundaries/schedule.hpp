@@ -32,4 +32,8 @@ void state_at(const Schedule& schedule, double time_s, rom::OperatingState& stat
 /// A schedule that holds the description's operating state for duration_s.
 Schedule constant_schedule(const rom::Boundaries& boundaries, double duration_s);
 
+/// Where a spindle ends that stood long enough: the temperature of the first ambient environment, without one that of
+/// the first environment, without any the reference temperature.
+double rest_temperature_K(const rom::Boundaries& boundaries, const rom::OperatingState& state);
+
 }  // namespace spindle_twin::correction

@@ -13,6 +13,7 @@ void add_keys(CLI::App& app);
 void add_sign(CLI::App& app);
 void add_verify_signature(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_export(CLI::App& app);
 void add_registers(CLI::App& app);
 
 #ifdef SPINDLE_TWIN_OFFLINE
@@ -20,7 +21,6 @@ void add_solve(CLI::App& app);
 void add_build(CLI::App& app);
 void add_verify(CLI::App& app);
 void add_verify_fem(CLI::App& app);
-void add_export(CLI::App& app);
 void add_plant(CLI::App& app);
 void add_report(CLI::App& app);
 #endif

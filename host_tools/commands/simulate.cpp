@@ -74,16 +74,6 @@ void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outpu
   table += '\n';
 }
 
-/// The first ambient environment: where a spindle ends that stood long enough.
-double rest_temperature_K(const rom::Boundaries& boundaries, const rom::OperatingState& state) {
-  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
-    if (boundaries.environments[i].kind == rom::EnvironmentKind::ambient) {
-      return state.environment_K[static_cast<Eigen::Index>(i)];
-    }
-  }
-  return state.environment_K.size() > 0 ? state.environment_K[0] : boundaries.reference_temperature_K;
-}
-
 void simulate(const Options& options) {
   check_output(options.output, "--output");
   const rom::Network network = rom::read_network(options.network);
@@ -102,7 +92,7 @@ void simulate(const Options& options) {
   };
   hold(0.0);
   stepper->set_temperatures(
-      Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), rest_temperature_K(boundaries, state)));
+      Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), correction::rest_temperature_K(boundaries, state)));
   std::string table = header(network);
   rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
   add_row(table, 0.0, outputs, values.heat_W, rom::coolant_outlets(channels, values, stepper->temperatures_K()));

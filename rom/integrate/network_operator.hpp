@@ -28,6 +28,8 @@ class NetworkOperator {
   Eigen::Index circuits() const { return static_cast<Eigen::Index>(segments_.first.size()) - 1; }
   const CoolantSegments& segments() const { return segments_; }
   double reference_K() const { return reference_K_; }
+  /// L, lower triangle valid.
+  const Eigen::MatrixXd& capacity_root() const { return capacity_root_; }
 
   /// Square root of the mean node capacity, sqrt(1ᵀC1 / N) [sqrt(J/K)]: a capacity-weighted root mean square
   /// temperature error e [K] is a root mean square error e · internal_per_kelvin() in x.

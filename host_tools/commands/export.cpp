@@ -1,0 +1,117 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "correction/boundaries/schedule.hpp"
+#include "host_tools/commands/check_output.hpp"
+#include "host_tools/commands/commands.hpp"
+#include "host_tools/fmu/write_fmu.hpp"
+#include "host_tools/network_files/matrix_files.hpp"
+#include "host_tools/network_files/spice_netlist.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
+#include "rom/read/input_error.hpp"
+#ifdef SPINDLE_TWIN_OFFLINE
+#include "host_tools/commands/offline/export_decks.hpp"
+#endif
+
+// spindle-twin export reference.rom --spice net.cir --schedule day.csv --matrices matrices --fmu reference.fmu
+// spindle-twin export reference.toml --calculix ccx --freefem ff
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr double hour_s = 3600.0;
+
+struct Options {
+  std::string input;
+  std::string netlist;
+  std::string schedule;
+  std::string matrices;
+  std::string fmu;
+  std::string calculix_directory;
+  std::string freefem_directory;
+
+  bool of_network() const { return !netlist.empty() || !matrices.empty() || !fmu.empty(); }
+  bool of_description() const { return !calculix_directory.empty() || !freefem_directory.empty(); }
+};
+
+void export_network(const Options& options) {
+  const rom::Network network = rom::read_network(options.input);
+  if (!options.netlist.empty()) {
+    const correction::Schedule schedule = options.schedule.empty()
+                                              ? correction::constant_schedule(network.boundaries, hour_s)
+                                              : correction::read_schedule(options.schedule, network.boundaries);
+    const std::string data_file = std::filesystem::path(options.netlist).stem().string() + ".data";
+    rom::write_whole_file(options.netlist, spice_netlist(network, schedule, data_file, options.schedule));
+    std::printf("ngspice netlist in %s: %zu nodes, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(),
+                network.nodes.size(), schedule.end_s, options.netlist.c_str(), data_file.c_str());
+  }
+  if (!options.matrices.empty()) {
+    write_matrix_files(network, options.matrices);
+    std::printf("Matrix Market files in %s: %zu nodes\n", options.matrices.c_str(), network.nodes.size());
+  }
+  if (!options.fmu.empty()) {
+    write_fmu(network, rom::read_whole_file(options.input, rom::rom_largest_file_bytes), options.fmu);
+    std::printf("FMU (FMI 2.0, co-simulation, %s) in %s\n", fmu_platform(), options.fmu.c_str());
+  }
+}
+
+void run(const Options& options) {
+  const std::string extension = std::filesystem::path(options.input).extension().string();
+  if (!options.of_network() && !options.of_description()) {
+#ifdef SPINDLE_TWIN_OFFLINE
+    throw rom::InputError({options.input, 0}, "export",
+                          extension == ".toml" ? "needs --calculix DIR, --freefem DIR or both"
+                                               : "needs --spice FILE, --matrices DIR or --fmu FILE");
+#else
+    throw rom::InputError({options.input, 0}, "export", "needs --spice FILE, --matrices DIR or --fmu FILE");
+#endif
+  }
+  if (options.of_network() && (extension == ".toml" || options.of_description())) {
+    throw rom::InputError({options.input, 0}, "export",
+                          "--spice, --matrices and --fmu need a network file, .rom, and no deck beside them; "
+                          "spindle-twin build makes a network of a description");
+  }
+  if (options.of_description() && extension == ".rom") {
+    throw rom::InputError({options.input, 0}, "export",
+                          "--calculix and --freefem need a spindle description, .toml; a network has no geometry");
+  }
+  if (!options.netlist.empty()) check_output(options.netlist, "--spice");
+  if (!options.fmu.empty()) check_output(options.fmu, "--fmu");
+  if (options.of_network()) export_network(options);
+#ifdef SPINDLE_TWIN_OFFLINE
+  if (options.of_description()) {
+    export_decks(options.input, options.calculix_directory, options.freefem_directory);
+  }
+#endif
+}
+
+}  // namespace
+
+void add_export(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+#ifdef SPINDLE_TWIN_OFFLINE
+  CLI::App* command =
+      app.add_subcommand("export", "Write a network, or the FE model behind it, for other programs to run");
+  command->add_option("input", options->input, "network file, .rom; for decks a spindle description, .toml")
+      ->required();
+#else
+  CLI::App* command = app.add_subcommand("export", "Write a network for other programs to run");
+  command->add_option("input", options->input, "network file, .rom")->required();
+#endif
+  CLI::Option* spice = command->add_option("--spice", options->netlist, "netlist for ngspice to write");
+  command
+      ->add_option("--schedule", options->schedule,
+                   "what the netlist runs: CSV as for simulate; without it an hour of the operating state")
+      ->needs(spice);
+  command->add_option("--matrices", options->matrices, "new folder for Matrix Market files");
+  command->add_option("--fmu", options->fmu, "FMU to write: FMI 2.0, co-simulation");
+#ifdef SPINDLE_TWIN_OFFLINE
+  command->add_option("--calculix", options->calculix_directory, "folder for a CalculiX deck");
+  command->add_option("--freefem", options->freefem_directory, "folder for a FreeFEM deck");
+#endif
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,84 @@
+#include "host_tools/fmu/variables.hpp"
+
+#include <sodium.h>
+
+#include <array>
+
+#include "correction/boundaries/schedule.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+class List {
+ public:
+  void add(FmuRole role, FmuQuantity quantity, const std::string& name, const char* unit,
+           const std::string& description, double start = 0.0, Eigen::Index index = 0) {
+    variables_.push_back({name, description, unit, role, quantity, index, start});
+  }
+  /// One per item, named <prefix>.<item's name>.
+  template <class Items, class Start>
+  void add_each(FmuRole role, FmuQuantity quantity, const std::string& prefix, const char* unit,
+                const std::string& description, const Items& items, Start start) {
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const auto index = static_cast<Eigen::Index>(i);
+      add(role, quantity, std::string(prefix).append(".").append(items[i].name), unit, description, start(index),
+          index);
+    }
+  }
+  std::vector<FmuVariable> take() { return std::move(variables_); }
+
+ private:
+  std::vector<FmuVariable> variables_;
+};
+
+}  // namespace
+
+std::vector<FmuVariable> fmu_variables(const rom::Network& network) {
+  const rom::Boundaries& boundaries = network.boundaries;
+  const rom::OperatingState& operating = boundaries.operating;
+  const auto one = [](Eigen::Index) { return 1.0; };
+  const auto none = [](Eigen::Index) { return 0.0; };
+  List list;
+  using enum FmuRole;
+  using enum FmuQuantity;
+  list.add(input, speed_rpm, "speed", "rpm", "spindle speed", operating.speed_rpm);
+  list.add(input, load, "load", "", "fraction of the rated load", operating.load);
+  list.add_each(input, environment_K, "environment", "K", "temperature of ambient or of coolant at the inlet",
+                boundaries.environments, [&](Eigen::Index i) { return operating.environment_K[i]; });
+  list.add_each(input, FmuQuantity::flow_kg_per_s, "flow", "kg/s", "coolant flow, negative when it runs backwards",
+                boundaries.circuits, [&](Eigen::Index i) { return operating.flow_kg_per_s[i]; });
+  list.add(fixed_parameter, start_temperature_K, "start_temperature", "K", "uniform temperature at the start",
+           correction::rest_temperature_K(boundaries, operating));
+  list.add_each(tunable_parameter, heat_factor, "heat_factor", "", "factor on a heat source", boundaries.sources, one);
+  list.add_each(tunable_parameter, conductance_factor, "conductance_factor", "", "factor on a contact or film",
+                boundaries.conductances, one);
+  list.add_each(output, key_point_K, "temperature", "K", "key point", network.key_points, none);
+  list.add_each(output, part_mean_K, "mean_temperature", "K", "volume mean of a part", network.parts, none);
+  list.add_each(output, part_maximum_K, "maximum_temperature", "K", "maximum of a part", network.parts, none);
+  list.add_each(output, deformation_m, "deformation", "m", "positive when the spindle is longer", network.deformations,
+                none);
+  list.add_each(output, contact_pressure_Pa, "contact_pressure", "Pa", "mean pressure of a joint",
+                network.contact_pressures, none);
+  list.add_each(output, heat_W, "heat", "W", "heat of a source", boundaries.sources, none);
+  list.add_each(output, coolant_outlet_K, "coolant_outlet", "K", "coolant at the outlet", boundaries.circuits, none);
+  list.add_each(output, coolant_heat_W, "coolant_heat", "W", "heat that the coolant takes", boundaries.circuits, none);
+  return list.take();
+}
+
+std::string fmu_guid(std::span<const std::uint8_t> rom_file) {
+  std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
+  crypto_hash_sha256(hash.data(), rom_file.data(), rom_file.size());
+  std::array<char, 2 * crypto_hash_sha256_BYTES + 1> hex{};
+  sodium_bin2hex(hex.data(), hex.size(), hash.data(), hash.size());
+  const std::string digits(hex.data());
+  std::string guid = "{";
+  std::size_t from = 0;
+  for (const std::size_t length : {8, 4, 4, 4, 12}) {
+    if (from > 0) guid += '-';
+    guid += digits.substr(from, length);
+    from += length;
+  }
+  return guid += '}';
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "correction/boundaries/schedule.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::host_tools {
+
+/// The network as a netlist for ngspice: the voltage of a node is its rise over the reference temperature in K, a
+/// current is heat in W, a capacitance J/K, a conductance W/K.
+///   - C and what of K stays constant along the schedule: a mutual capacitor or resistor for every pair of nodes
+///     (negative ones occur: the nodes are those of a projection, not of a grid); films to their environment's node
+///   - conductances that follow the schedule: g F Fᵀ T as F (g (Fᵀ T)), with g a voltage; of F only the columns that
+///     carry more than 1e-10 of its largest
+///   - coolant circuits: the liquid's temperature handed on from segment to segment by controlled sources
+///   - heat: current sources, piecewise linear with steps of 1 ms where the schedule jumps
+///   - outputs as nodes: key_<name>, mean_<part> (rise in K), deformation_<name> (um), pressure_<name> (MPa)
+/// The run starts at rest as `spindle-twin simulate` does, writes `<data_file>` (time and all outputs) and ends with
+/// the schedule. Throws rom::InputError if a circuit's flow changes its sign along the schedule; `file` is only for
+/// messages.
+std::string spice_netlist(const rom::Network& network, const correction::Schedule& schedule,
+                          const std::string& data_file, const std::string& file);
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "rom/network.hpp"
+
+namespace spindle_twin::rom {
+
+/// A part, or an air volume, as one side of the heat flows.
+struct Body {
+  std::string name;
+  std::vector<Eigen::Index> nodes;
+};
+
+/// The parts that have nodes, in the network's order, then every node that belongs to no part.
+std::vector<Body> network_bodies(const Network& network);
+
+/// Heat that each body gives and takes at one instant, W. With 1_A the vector that is 1 at the nodes of body A:
+///   exchange(A, j) = gⱼ 1_Aᵀ Fⱼ Fⱼᵀ (T − 1 T_env(j))      what A loses by contact or film j
+///   conduction(A)  = 1_Aᵀ K₀ T                            what A loses to other bodies without a contact
+///   source(A, i)   = 1_Aᵀ B qᵢ
+///   stored(A)      = 1_Aᵀ C dT/dt = Σᵢ source − conduction − Σⱼ exchange
+/// for a segment of a coolant circuit T_env is the temperature of the liquid that enters it. The columns of `exchange`
+/// between bodies sum to zero, and conduction does. Built networks have a function per body in their basis: there
+/// conduction is rounding, and a contact between two bodies leaves nothing with any other.
+struct HeatFlows {
+  Eigen::MatrixXd exchange_W;    ///< bodies x conductances
+  Eigen::VectorXd conduction_W;  ///< bodies
+  Eigen::MatrixXd source_W;      ///< bodies x sources
+  Eigen::VectorXd stored_W;      ///< bodies
+};
+
+/// At these node temperatures and inputs. Allocates; not for the cycle.
+HeatFlows heat_flows(const Network& network, const std::vector<Body>& bodies, const BoundaryValues& values,
+                     const Eigen::VectorXd& temperatures_K);
+
+}  // namespace spindle_twin::rom

@@ -1,0 +1,47 @@
+#include "rom/integrate/sensitivity.hpp"
+
+#include <Eigen/LU>
+
+#include "rom/integrate/right_hand_side.hpp"
+
+namespace spindle_twin::rom {
+
+SteadySensitivities steady_sensitivities(std::shared_ptr<const NetworkOperator> coordinates,
+                                         const BoundaryValues& values, const Eigen::VectorXd& temperatures_K,
+                                         const Eigen::VectorXd& row) {
+  const Eigen::Index n = coordinates->nodes();
+  RightHandSide rhs(coordinates);
+  rhs.hold(values);
+  Eigen::MatrixXd matrix(n, n);
+  rhs.full(matrix);
+  // In internal coordinates y = (L⁻¹ row) · x.
+  const Eigen::VectorXd internal_row = coordinates->capacity_root().triangularView<Eigen::Lower>().solve(row);
+  const Eigen::VectorXd adjoint = matrix.transpose().partialPivLu().solve(internal_row);
+  Eigen::VectorXd state(n), residual(n), moved(n);
+  coordinates->to_internal(temperatures_K, state);
+  rhs.evaluate(state.data(), residual.data());
+
+  SteadySensitivities result;
+  result.conductance.resize(coordinates->conductances());
+  // f is affine in g except along coolant circuits, so a difference quotient of f is exact there to rounding.
+  constexpr double nudge = 1e-6;
+  for (Eigen::Index j = 0; j < result.conductance.size(); ++j) {
+    BoundaryValues nudged = values;
+    nudged.conductance_W_per_m2K[j] *= 1.0 + nudge;
+    rhs.hold(nudged);
+    rhs.evaluate(state.data(), moved.data());
+    result.conductance[j] = adjoint.dot(moved - residual) / nudge;
+  }
+  rhs.hold(values);
+  result.heat.resize(values.heat_W.size());
+  const Eigen::VectorXd held = rhs.drive();
+  for (Eigen::Index i = 0; i < result.heat.size(); ++i) {
+    BoundaryValues doubled = values;
+    doubled.heat_W[i] *= 2.0;
+    rhs.hold(doubled);
+    result.heat[i] = adjoint.dot(rhs.drive() - held);
+  }
+  return result;
+}
+
+}  // namespace spindle_twin::rom

@@ -1,0 +1,112 @@
+#include "rom/integrate/heat_flows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/integrate/coolant_outputs.hpp"
+#include "rom/integrate/sensitivity.hpp"
+#include "tests/rom/synthetic_network.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+BoundaryValues operating_values(const Network& network) {
+  BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating,
+                                  correction::no_correction(network.boundaries), values);
+  return values;
+}
+
+/// The first film becomes a coolant circuit's only segment, so that the liquid warms up along it.
+Network with_circuit(Network network) {
+  Boundaries& boundaries = network.boundaries;
+  for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
+    if (boundaries.conductances[j].environment < 0) continue;
+    boundaries.circuits.push_back({"water", boundaries.conductances[j].environment, 4180.0, {static_cast<int>(j)}});
+    boundaries.operating.flow_kg_per_s = Eigen::VectorXd::Constant(1, 0.01);
+    break;
+  }
+  return network;
+}
+
+void expect_closed(const Network& network) {
+  const auto coordinates = std::make_shared<const NetworkOperator>(network);
+  const BoundaryValues values = operating_values(network);
+  const std::vector<Body> bodies = network_bodies(network);
+  const HeatFlows flows = heat_flows(network, bodies, values, steady_temperatures_K(coordinates, values));
+  const double heat_in_W = values.heat_W.sum();
+  ASSERT_GT(heat_in_W, 1.0);
+  EXPECT_LT(flows.stored_W.cwiseAbs().maxCoeff(), 1e-9 * heat_in_W) << "a body's balance";
+  EXPECT_NEAR(flows.source_W.sum(), heat_in_W, 1e-12 * heat_in_W);
+  EXPECT_NEAR(flows.conduction_W.sum(), 0.0, 1e-12 * heat_in_W);
+  double heat_out_W = 0.0;
+  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
+    const double sum_W = flows.exchange_W.col(static_cast<Eigen::Index>(j)).sum();
+    if (network.boundaries.conductances[j].environment >= 0) {
+      heat_out_W += sum_W;
+    } else {
+      EXPECT_NEAR(sum_W, 0.0, 1e-12 * heat_in_W) << "what one body loses the other gains";
+    }
+  }
+  EXPECT_NEAR(heat_out_W, heat_in_W, 1e-9 * heat_in_W);
+}
+
+TEST(HeatFlows, balances_of_all_bodies_close_in_the_steady_state) {
+  const Network network = tests::make_synthetic_network({}, 5);
+  expect_closed(network);
+  expect_closed(with_circuit(network));
+}
+
+TEST(HeatFlows, what_is_stored_is_the_change_of_heat_content) {
+  const Network network = tests::make_synthetic_network({}, 6);
+  const BoundaryValues values = operating_values(network);
+  const auto n = static_cast<Eigen::Index>(network.nodes.size());
+  const Eigen::VectorXd temperatures_K = Eigen::VectorXd::LinSpaced(n, 295.0, 310.0);
+  const HeatFlows flows = heat_flows(network, network_bodies(network), values, temperatures_K);
+  Eigen::MatrixXd conduction = network.conduction_W_per_K;
+  Eigen::VectorXd heat_W = network.source_distribution * values.heat_W;
+  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
+    const Eigen::MatrixXd term = values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * network.factors_m[j] *
+                                 network.factors_m[j].transpose();
+    conduction += term;
+    const int environment = network.boundaries.conductances[j].environment;
+    if (environment >= 0) heat_W += term.rowwise().sum() * values.environment_K[environment];
+  }
+  const double expected_W = (heat_W - conduction * temperatures_K).sum();
+  EXPECT_NEAR(flows.stored_W.sum(), expected_W, 1e-7 * heat_W.cwiseAbs().sum());
+}
+
+TEST(Sensitivity, adjoint_equals_finite_differences) {
+  for (const bool circuit : {false, true}) {
+    const Network plain = tests::make_synthetic_network({}, 9);
+    const Network network = circuit ? with_circuit(plain) : plain;
+    const auto coordinates = std::make_shared<const NetworkOperator>(network);
+    const BoundaryValues values = operating_values(network);
+    const Eigen::VectorXd& row = network.deformations[0].row_m_per_K;
+    const Eigen::VectorXd temperatures_K = steady_temperatures_K(coordinates, values);
+    const SteadySensitivities found = steady_sensitivities(coordinates, values, temperatures_K, row);
+    const double largest_m = std::max(found.conductance.cwiseAbs().maxCoeff(), found.heat.cwiseAbs().maxCoeff());
+    ASSERT_GT(largest_m, 0.0);
+    constexpr double step = 1e-4;
+    const auto difference = [&](auto change) {
+      BoundaryValues up = values, down = values;
+      change(up, 1.0 + step);
+      change(down, 1.0 - step);
+      return row.dot(steady_temperatures_K(coordinates, up) - steady_temperatures_K(coordinates, down)) / (2.0 * step);
+    };
+    for (Eigen::Index j = 0; j < found.conductance.size(); ++j) {
+      const double expected_m =
+          difference([&](BoundaryValues& given, double factor) { given.conductance_W_per_m2K[j] *= factor; });
+      EXPECT_NEAR(found.conductance[j], expected_m, 1e-6 * largest_m) << "conductance " << j << " circuit " << circuit;
+    }
+    for (Eigen::Index i = 0; i < found.heat.size(); ++i) {
+      const double expected_m = difference([&](BoundaryValues& given, double factor) { given.heat_W[i] *= factor; });
+      EXPECT_NEAR(found.heat[i], expected_m, 1e-6 * largest_m) << "heat " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace spindle_twin::rom

@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""Rises and deformations of ngspice on an exported netlist beside those of spindle-twin simulate.
+compare.py NAME NETWORK.json NGSPICE.data SIMULATION.csv LIMIT: prints the largest differences; 1 if one is over LIMIT."""
+import bisect
+import csv
+import json
+import sys
+
+name, network, ngspice, simulation, limit = sys.argv[1:]
+reference_degC = json.load(open(network))["reference_temperature_degC"]
+
+
+def node(kind, text):
+    return f"v({kind}_" + "".join(c if c.isalnum() and c.isascii() else "_" for c in text.lower()) + ")"
+
+
+with open(ngspice) as file:
+    names = file.readline().split()
+    rows = [list(map(float, line.split())) for line in file if line.strip()]
+times = [row[0] for row in rows]
+
+
+def spice_at(column, time_s):
+    """Cubic through the four points around: the points lie as far apart as the solution allows."""
+    first = min(max(bisect.bisect_left(times, time_s) - 2, 0), len(times) - 4)
+    near = range(first, first + 4)
+    value = 0.0
+    for i in near:
+        weight = 1.0
+        for k in near:
+            if k != i:
+                weight *= (time_s - times[k]) / (times[i] - times[k])
+        value += weight * rows[i][column]
+    return value
+
+
+worst = {}
+with open(simulation, newline="") as file:
+    for row in csv.DictReader(file):
+        time_s = float(row["time_s"])
+        if time_s == 0.0:
+            continue
+        for column, text in row.items():
+            for kind, suffix, shift in (("key", "_degC", reference_degC), ("deformation", "_um", 0.0)):
+                wanted = node(kind, column.removesuffix(suffix))
+                if column.endswith(suffix) and wanted in names:
+                    error = abs(spice_at(names.index(wanted), time_s) - (float(text) - shift))
+                    worst[wanted] = max(worst.get(wanted, 0.0), error)
+assert worst, "the two have no output in common"
+for wanted, error in worst.items():
+    unit = "um" if wanted.startswith("v(deformation") else "K"
+    print(f"{name:10} {wanted:28} largest difference {error:.2e} {unit} over {times[-1]:.0f} s, {len(times)} points")
+sys.exit(1 if max(worst.values()) > float(limit) else 0)
