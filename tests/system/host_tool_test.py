@@ -102,6 +102,29 @@ class Network(Case):
         self.assertIn(f"network      {self.built['nodes']} nodes", table)
         self.assertIn("Certificate: 6 random cases", table)
 
+    def test_page_of_inspect_closes_its_balances_and_has_the_numbers_of_the_json(self):
+        page = self.folder / "page.html"
+        seen = self.json_of("inspect", self.rom, "--html", page)
+        text = page.read_text()
+        self.assertNotRegex(text, r'(src|href)="?https?:')
+        start = text.index("const data = ") + len("const data = ")
+        data = json.JSONDecoder().raw_decode(text, start)[0]
+        heat_in = sum(source["heat_W"] for source in data["sources"])
+        self.assertAlmostEqual(heat_in, sum(source["operating_W"] for source in seen["sources"]), delta=1e-9)
+        self.assertAlmostEqual(heat_in, sum(b["source_W"] for b in data["balance"]), delta=1e-9 * heat_in)
+        self.assertAlmostEqual(heat_in, sum(f["heat_W"] for f in data["flows"] if f["outside"]), delta=1e-9 * heat_in)
+        for body in data["balance"]:
+            self.assertLess(abs(body["left_W"]), 1e-9 * heat_in, body["name"])
+            self.assertLess(abs(body["conduction_W"]), 1e-9 * heat_in, "heat that leaks past the contacts of " + body["name"])
+            given = sum(f["heat_W"] for f in data["flows"] if f["from"] == body["name"])
+            taken = sum(f["heat_W"] for f in data["flows"] if f["to"] == body["name"])
+            self.assertAlmostEqual(body["source_W"] + taken, given, delta=1e-8 * heat_in, msg=body["name"])
+        for mode, time_constant_s in zip(data["modes"], seen["time_constants_s"]):
+            self.assertAlmostEqual(mode["time_constant_s"] / time_constant_s, 1.0, delta=1e-9)
+        self.assertEqual([node["name"] for node in data["nodes"]], [node["name"] for node in seen["nodes"]])
+        self.assertEqual(len({outline["part"] for outline in data["outlines"]}), 22)
+        self.assertEqual(data["certificate"]["cases"], seen["certificate"]["cases"])
+
     def test_simulate_follows_the_fe_model(self):
         schedule = self.text("hour.csv", HOUR)
         out = self.folder / "out.csv"
