@@ -141,6 +141,9 @@ CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const C
   check(CVodeSetLinearSolver(cvode.get(), solver.get(), matrix.get()), "its linear solver");
   check(CVodeSetLinSysFn(cvode.get(), coupled ? coupled_newton_matrix : newton_matrix), "its Newton matrix");
   check(CVodeSetMaxNumSteps(cvode.get(), settings.max_internal_steps), "its bound on steps");
+  // K̃ is the same from step to step, or nearly; a new γ or a slow Newton asks for a factor by itself. CVODE's 20 would
+  // factor for nothing, a fifth of a cycle with held inputs.
+  check(CVodeSetLSetupFrequency(cvode.get(), 200), "its bound on the age of a factor");
 }
 
 bool CvodeStepper::Impl::restart() {

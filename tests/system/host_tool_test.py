@@ -3,6 +3,7 @@ and looked at, and with a simulated spindle and the daemon becomes registers.
 
 host_tool_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest options]
 """
+import json
 import csv
 import pathlib
 import re
