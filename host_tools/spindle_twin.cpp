@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   add_verify_signature(app);
   add_simulate(app);
   add_export(app);
+  add_identify(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE
   add_plant(app);

@@ -104,6 +104,7 @@ Eigen::MatrixXd ParameterModel::covariance() const {
 }
 
 double ParameterModel::log_speed(double speed_rpm) const {
+  if (!(reference_speed_rpm_ > 0.0)) return 0.0;  // a network whose laws do not know speed
   return std::log(std::max(std::abs(speed_rpm) / reference_speed_rpm_, slowest_speed));
 }
 

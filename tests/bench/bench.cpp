@@ -63,4 +63,5 @@ int main(int count, char** arguments) {
   }
   spindle_twin::bench::print_fem_rows();
   spindle_twin::bench::print_network_rows();
+  spindle_twin::bench::print_estimator_rows();
 }

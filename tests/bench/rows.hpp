@@ -23,5 +23,6 @@ double step_seconds(const std::string& spindle_path);
 
 void print_fem_rows();
 void print_network_rows();
+void print_estimator_rows();
 
 }  // namespace spindle_twin::bench

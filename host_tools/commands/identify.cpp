@@ -1,0 +1,185 @@
+#include "correction/identify/identify.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/finite_range.hpp"
+#include "rom/file/rom_file.hpp"
+
+// spindle-twin identify reference.rom --sensors inner,middle,outer
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr double micrometres_per_metre = 1e6;
+constexpr double millimetres_per_metre = 1e3;
+constexpr std::size_t shown_places = 8;
+
+struct Options {
+  std::string network;
+  std::vector<std::string> sensors;
+  std::string schedule;
+  double hours = 1.0;
+  correction::IdentifyOptions identify;
+  bool json = false;
+};
+
+const char* kind_name(correction::ParameterKind kind) {
+  switch (kind) {
+    case correction::ParameterKind::heat:
+      return "heat";
+    case correction::ParameterKind::contact:
+      return "contact";
+    case correction::ParameterKind::film:
+      return "film";
+    case correction::ParameterKind::environment:
+      return "environment";
+    case correction::ParameterKind::bearing_temperature:
+      return "bearing temperature";
+    case correction::ParameterKind::speed_exponent:
+      return "speed exponent";
+  }
+  return "unknown";
+}
+
+nlohmann::ordered_json to_json(const correction::Placement& placement) {
+  return {{"place", placement.place.name},
+          {"part", placement.place.part},
+          {"r_m", placement.place.r_m},
+          {"z_m", placement.place.z_m},
+          {"deviation_um", micrometres_per_metre * placement.deformation_m}};
+}
+
+void print_json(const rom::Network& network, const std::vector<correction::SensorPlace>& sensors,
+                const correction::Identification& found) {
+  nlohmann::ordered_json result;
+  result["spindle"] = network.spindle;
+  result["deformation"] = network.deformations.front().name;
+  for (const correction::SensorPlace& sensor : sensors) result["sensors"].push_back(sensor.name);
+  result["growth_um"] = micrometres_per_metre * found.growth_m;
+  result["prior_deviation_um"] = micrometres_per_metre * found.prior_m;
+  result["posterior_deviation_um"] = micrometres_per_metre * found.posterior_m;
+  for (const correction::IdentifiedParameter& parameter : found.parameters) {
+    result["parameters"].push_back({{"name", parameter.name},
+                                    {"kind", kind_name(parameter.kind)},
+                                    {"prior_deviation", parameter.estimate.prior_deviation},
+                                    {"posterior_deviation", parameter.estimate.deviation},
+                                    {"determined", !parameter.estimate.undetermined()}});
+  }
+  for (const correction::Placement& placement : found.placements) result["placements"].push_back(to_json(placement));
+  for (const correction::Placement& placement : found.first_placement) {
+    result["next_sensor"].push_back(to_json(placement));
+  }
+  std::printf("%s\n", result.dump(2).c_str());
+}
+
+void print_place(const correction::Placement& placement) {
+  const correction::SensorPlace& place = placement.place;
+  std::printf("  %-28s %-20s", place.name.c_str(), place.part.c_str());
+  if (place.name == place.part) {
+    std::printf(" %18s", "mean of the part");
+  } else {
+    std::printf(" r %5.1f  z %6.1f", millimetres_per_metre * place.r_m, millimetres_per_metre * place.z_m);
+  }
+  std::printf(" %9.2f um\n", micrometres_per_metre * placement.deformation_m);
+}
+
+void print_table(const rom::Network& network, const std::vector<correction::SensorPlace>& sensors,
+                 const correction::Identification& found) {
+  std::string names;
+  for (const correction::SensorPlace& sensor : sensors) names.append(names.empty() ? "" : ", ").append(sensor.name);
+  std::printf("%s, %s at the end of the drive cycle: growth %.2f um\n", network.spindle.c_str(),
+              network.deformations.front().name.c_str(), micrometres_per_metre * found.growth_m);
+  std::printf("  standard deviation without sensors %6.2f um\n", micrometres_per_metre * found.prior_m);
+  std::printf("  with %-28s %6.2f um\n\n", names.c_str(), micrometres_per_metre * found.posterior_m);
+  std::printf("%-50s %8s %10s %6s\n", "ln of the factor on, standard deviation", "prior", "posterior", "ratio");
+  std::size_t open = 0;
+  for (const correction::IdentifiedParameter& parameter : found.parameters) {
+    const correction::ParameterEstimate& estimate = parameter.estimate;
+    std::printf("%-50s %8.3f %10.3f %6.2f%s\n", parameter.name.c_str(), estimate.prior_deviation, estimate.deviation,
+                estimate.deviation / estimate.prior_deviation, estimate.undetermined() ? "  not determined" : "");
+    open += estimate.undetermined() ? 1 : 0;
+  }
+  std::printf("\n%zu of %zu parameters are not determined: these sensors tell less than a tenth of their deviation.\n",
+              open, found.parameters.size());
+  if (found.placements.empty()) return;
+  std::printf("\nFurther sensors, one after another, and what is left of the standard deviation:\n");
+  for (const correction::Placement& placement : found.placements) print_place(placement);
+  std::printf("\nThe next one alone, the best places:\n");
+  for (std::size_t i = 0; i < std::min(shown_places, found.first_placement.size()); ++i) {
+    print_place(found.first_placement[i]);
+  }
+}
+
+void run(const Options& options) {
+  const rom::Network network = rom::read_network(options.network);
+  const correction::Schedule schedule = options.schedule.empty()
+                                            ? correction::constant_schedule(network.boundaries, 3600.0 * options.hours)
+                                            : correction::read_schedule(options.schedule, network.boundaries);
+  std::vector<std::string> names = options.sensors;
+  if (names.empty()) {
+    for (const rom::KeyPoint& point : network.key_points) names.push_back(point.name);
+  }
+  correction::find_places(network, options.identify.closed_parts, "--not-on");
+  const std::vector<correction::SensorPlace> sensors = correction::find_places(network, names, "--sensors");
+  const correction::Identification found = correction::identify(network, sensors, schedule, options.identify);
+  options.json ? print_json(network, sensors, found) : print_table(network, sensors, found);
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "identify", "What sensors can tell of heats, joints, films and nose, and where the next one helps most");
+  const auto options = std::make_shared<Options>();
+  correction::IdentifyOptions& identify = options->identify;
+  identify.priors = correction::constant_priors();
+  const CLI::Validator factor = finite_range(0.0, 2.0, "0 to 2");
+  const CLI::Validator kelvin = finite_range(0.0, 10.0, "0 to 10 K");
+  command->add_option("network", options->network, "network file, .rom")->required();
+  command
+      ->add_option("--sensors", options->sensors,
+                   "key points, parts (their mean) or nodes, with commas between; default: all key points")
+      ->delimiter(',');
+  command->add_option("--schedule", options->schedule, "drive cycle, CSV; default: the described operating state");
+  command->add_option("--hours", options->hours, "of the operating state, without a schedule")
+      ->capture_default_str()
+      ->check(finite_range(0.01, 1000.0, "0.01 to 1000 h"));
+  command->add_option("--heat", identify.priors.heat, "prior deviation of ln of each heat")
+      ->capture_default_str()
+      ->check(factor);
+  command->add_option("--heat-common", identify.priors.heat_common, "and of a factor on all heats together")
+      ->capture_default_str()
+      ->check(factor);
+  command->add_option("--contact", identify.priors.contact, "of each contact")->capture_default_str()->check(factor);
+  command->add_option("--film", identify.priors.film, "of each film")->capture_default_str()->check(factor);
+  command->add_option("--noise-K", identify.noise_K, "of one reading")
+      ->capture_default_str()
+      ->check(finite_range(1e-4, 10.0, "1e-4 to 10 K"));
+  command->add_option("--offset-K", identify.offset_K, "constant error of each sensor")
+      ->capture_default_str()
+      ->check(kelvin);
+  command->add_option("--floor-K", identify.floor_K, "what the network is wrong at a sensor")
+      ->capture_default_str()
+      ->check(kelvin);
+  command->add_option("--correlation-s", identify.correlation_s, "readings closer than this share one error")
+      ->capture_default_str()
+      ->check(finite_range(0.0, 3600.0, "0 to 3600 s"));
+  command->add_option("--sample-s", identify.sample_s, "between readings")
+      ->capture_default_str()
+      ->check(finite_range(0.1, 600.0, "0.1 to 600 s"));
+  command->add_option("--placements", identify.placements, "further sensors to look for")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 20));
+  command
+      ->add_option("--not-on", identify.closed_parts,
+                   "parts without room for a further sensor, with commas between: what turns")
+      ->delimiter(',');
+  command->add_flag("--json", options->json, "as JSON");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace spindle_twin::host_tools
