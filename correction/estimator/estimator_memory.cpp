@@ -45,8 +45,8 @@ bool EstimatorCore::restore(const EstimatorState& state) {
   const auto size = static_cast<Eigen::Index>(n);
   filter.set_mean(Eigen::Map<const Eigen::VectorXd>(state.mean.data(), size));
   filter.set_root(Eigen::Map<const Eigen::MatrixXd>(state.root.data(), size, size));
-  sensitivities.set_transposed(
-      Eigen::Map<const Eigen::MatrixXd>(state.sensitivities.data(), parameters.count(), shared->nodes()));
+  sensitivities.set_transposed(Eigen::Map<const Eigen::MatrixXd>(state.sensitivities.data(),
+                                                                 sensitivities.transposed().rows(), shared->nodes()));
   theta = filter.mean().head(parameters.count());
   for (std::size_t s = 0; s < windows.size(); ++s) {
     sensitivities.of_row(windows[s].internal, windows[s].sensitivity);

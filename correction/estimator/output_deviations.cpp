@@ -58,20 +58,20 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
                  sized(network.deformations.size()), sized(network.contact_pressures.size())};
 }
 
-double DeviationOfOutputs::deviation(const Eigen::VectorXd& internal, double certificate,
-                                     const Sensitivities& sensitivities, SquareRootFilter& filter) {
+double DeviationOfOutputs::deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
+                                     SquareRootFilter& filter) {
   sensitivities.of_row(internal, sensitivity_);
   return std::sqrt(filter.variance_of_first(sensitivity_) + certificate * certificate);
 }
 
-void DeviationOfOutputs::evaluate(const Rows& rows, const Sensitivities& sensitivities, SquareRootFilter& filter,
+void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter,
                                   Eigen::VectorXd& to) {
   for (std::size_t i = 0; i < rows.internal.size(); ++i) {
     to[static_cast<Eigen::Index>(i)] = deviation(rows.internal[i], rows.certificate[i], sensitivities, filter);
   }
 }
 
-void DeviationOfOutputs::evaluate(const Sensitivities& sensitivities, SquareRootFilter& filter,
+void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter,
                                   const Eigen::VectorXd& nodes_K) {
   evaluate(key_points_, sensitivities, filter, deviations_.key_points_K);
   evaluate(part_means_, sensitivities, filter, deviations_.part_mean_K);

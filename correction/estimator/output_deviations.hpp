@@ -25,7 +25,7 @@ class DeviationOfOutputs {
   /// Allocates; evaluate() does not.
   DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, Eigen::Index parameters);
 
-  void evaluate(const Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& nodes_K);
+  void evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& nodes_K);
   const OutputDeviations& deviations() const { return deviations_; }
 
  private:
@@ -34,8 +34,8 @@ class DeviationOfOutputs {
     std::vector<Eigen::VectorXd> internal;
     std::vector<double> certificate;
   };
-  void evaluate(const Rows& rows, const Sensitivities& sensitivities, SquareRootFilter& filter, Eigen::VectorXd& to);
-  double deviation(const Eigen::VectorXd& internal, double certificate, const Sensitivities& sensitivities,
+  void evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter, Eigen::VectorXd& to);
+  double deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
                    SquareRootFilter& filter);
 
   const rom::Network* network_;

@@ -15,7 +15,10 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
                              const ParameterModel& parameters)
     : operator_(std::move(the_operator)), network_(&network) {
   const Eigen::Index n = operator_->nodes();
-  const Eigen::Index p = parameters.count();
+  count_ = parameters.count();
+  // Vector instructions take four rows at a time; the rest would cost as much again.
+  const Eigen::Index p = (count_ + 3) / 4 * 4;
+  padded_ = Eigen::VectorXd::Zero(p);
   capacity_root_ = Eigen::LLT<Eigen::MatrixXd>(network.capacity_J_per_K).matrixL();
   const auto root = capacity_root_.triangularView<Eigen::Lower>();
   Eigen::Index columns = 0;
@@ -59,13 +62,15 @@ void Sensitivities::source_rises(const Eigen::VectorXd& nodes_K, Eigen::VectorXd
 }
 
 void Sensitivities::correct(const Eigen::VectorXd& theta_step, Eigen::VectorXd& nodes_K) {
-  shift_.noalias() = transposed_.transpose() * theta_step;
+  padded_.head(count_) = theta_step;
+  padded_.tail(padded_.size() - count_).setZero();
+  shift_.noalias() = transposed_.transpose() * padded_;
   capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace(shift_);
   nodes_K += shift_;
 }
 
 Eigen::MatrixXd Sensitivities::in_kelvin() const {
-  Eigen::MatrixXd result = transposed_.transpose();
+  Eigen::MatrixXd result = transposed_.topRows(count_).transpose();
   capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace(result);
   return result;
 }

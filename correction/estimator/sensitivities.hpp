@@ -31,9 +31,9 @@ struct HeldPeriod {
 /// by SDIRK2 (γ = 1 − 1/√2, L-stable, stiffly accurate), one factor and two pairs of triangular solves a period:
 ///   (1 + γhA) Y₁ = S + γhD,   (1 + γhA) S' = S + (1 − γ)/γ (Y₁ − S) + γhD
 /// D is taken in the middle of the period. Stored as Sᵀ (p x N): a state's sensitivities lie together, so that
-/// substitution runs through matrix-vector products, which never allocate, and three times as fast as column by column.
-/// With coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a film's
-/// derivative leaves out what it does to the segments downstream.
+/// substitution runs through matrix-vector products, which never allocate, and nearly twice as fast as column by
+/// column. With coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a
+/// film's derivative leaves out what it does to the segments downstream.
 class Sensitivities {
  public:
   /// Allocates; nothing else here does.
@@ -47,8 +47,9 @@ class Sensitivities {
   /// Per kelvin of a row on node temperatures, the row on x: row·(T − T_ref) = internal·x.
   void internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const;
   /// d(row·T)/dθ for a row on x.
-  void of_row(const Eigen::VectorXd& internal, Eigen::VectorXd& sensitivity) const {
-    sensitivity.noalias() = transposed_ * internal;
+  void of_row(const Eigen::VectorXd& internal, Eigen::VectorXd& sensitivity) {
+    padded_.noalias() = transposed_ * internal;
+    sensitivity = padded_.head(sensitivity.size());
   }
   /// T += dT of a step in θ.
   void correct(const Eigen::VectorXd& theta_step, Eigen::VectorXd& nodes_K);
@@ -58,6 +59,7 @@ class Sensitivities {
 
   /// dT/dθ, N x p. Allocates.
   Eigen::MatrixXd in_kelvin() const;
+  /// Sᵀ, below it rows of zeros that fill a multiple of four.
   const Eigen::MatrixXd& transposed() const { return transposed_; }
   void set_transposed(const Eigen::MatrixXd& transposed) { transposed_ = transposed; }
 
@@ -73,9 +75,11 @@ class Sensitivities {
   Eigen::VectorXd column_sums_;      // F_jᵀ1, likewise
   Eigen::MatrixXd sources_;          // L⁻¹B
   Eigen::MatrixXd source_rows_;      // Bᵀ, sources x N
-  Eigen::MatrixXd transposed_;       // Sᵀ
-  Eigen::MatrixXd stage_, drive_;    // p x N
-  Eigen::MatrixXd lower_, upper_;    // factor of 1 + γhA, and its transpose
+  Eigen::Index count_ = 0;           // p
+  Eigen::VectorXd padded_;
+  Eigen::MatrixXd transposed_;     // Sᵀ
+  Eigen::MatrixXd stage_, drive_;  // p x N
+  Eigen::MatrixXd lower_, upper_;  // factor of 1 + γhA, and its transpose
   Eigen::VectorXd packed_;
   Eigen::LLT<Eigen::MatrixXd> cholesky_;
   Eigen::VectorXd mean_K_, x_, projected_, rises_K_, shift_;
