@@ -91,7 +91,6 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
     into(parameters.exponent(i), heat_W * log_x);
     if (parameters.is_friction(i)) into(parameters.bearing(), -heat_W * rises_K_[i]);
   }
-  projected_.noalias() = factors_.transpose() * x_;
   const double reference_K = operator_->reference_K();
   const rom::Boundaries& boundaries = network_->boundaries;
   for (std::size_t j = 0; j + 1 < first_.size(); ++j) {
@@ -101,6 +100,7 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
     const int environment = boundaries.conductances[j].environment;
     const auto factor = factors_.middleCols(begin, count);
     auto flow = projected_.segment(begin, count);
+    flow.noalias() = factor.transpose() * x_;  // block by block: each comes from memory once
     if (environment >= 0) {
       flow -= (held.values.environment_K[environment] - reference_K) * column_sums_.segment(begin, count);
       const int bias = parameters.environment(environment);

@@ -63,7 +63,7 @@ void print_column(const Column& column, const char* heats) {
               column.middle([&](const RunResult& run) { return error(run) / bound(run); }),
               column.pooled(error) / column.pooled(bound),
               column.worst([&](const RunResult& run) { return error(run) / run.estimator[s].deviation_um; }),
-              100.0 * column.mean([s](const RunResult& run) { return run.estimator[s].inside; }) / 100.0,
+              column.mean([s](const RunResult& run) { return run.estimator[s].inside; }),
               100.0 * column.middle([&](const RunResult& run) { return error(run) / run.span_um; }),
               column.pooled([s](const RunResult& run) { return run.estimator[s].rotor_K; }),
               column.pooled([s](const RunResult& run) { return run.estimator[s].key_points_K; }), column.pooled(open),
@@ -104,6 +104,45 @@ void print_tables(const std::vector<RunResult>& results) {
           error_um, run.estimator[s].deviation_um, run.bound_um[s], run.paper[s].error_um, run.open_loop.error_um);
     }
   }
+}
+
+int print_limits(const std::vector<RunResult>& results) {
+  int missed = 0;
+  const auto limit = [&](const char* what, const char* set_up, double value, const char* relation, double wanted) {
+    const bool met = relation[0] == '<' ? value <= wanted : value >= wanted;
+    missed += met ? 0 : 1;
+    std::printf("  %-44s %-14s %8.3f  %s %.3g%s\n", what, set_up, value, relation, wanted, met ? "" : "   MISSED");
+  };
+  const std::array<double, set_ups.size()> median_limit{0.8, 1.0, 1.1}, pooled_limit{0.9, 1.1, 1.15},
+      inside_limit{0.93, 0.93, 0.92}, independent_limit{10.0, 4.5, 3.5}, common_limit{5.0, 3.5, 3.0};
+  std::printf("\nLimits, A and B together where nothing else is said:\n");
+  for (std::size_t s = 0; s < set_ups.size(); ++s) {
+    const char* name = set_ups[s].name;
+    Column all{{}, s}, independent{{}, s}, common{{}, s};
+    for (const RunResult& run : results) {
+      all.runs.push_back(&run);
+      (run.heats == HeatErrors::independent ? independent : common).runs.push_back(&run);
+    }
+    const auto error = [s](const RunResult& run) { return run.estimator[s].error_um; };
+    const auto bound = [s](const RunResult& run) { return run.bound_um[s]; };
+    const auto share = [s](const RunResult& run) { return 100.0 * run.estimator[s].error_um / run.span_um; };
+    limit("median error / bound", name, all.middle([&](const RunResult& run) { return error(run) / bound(run); }),
+          "<=", median_limit[s]);
+    limit("pooled error / bound", name, all.pooled(error) / all.pooled(bound), "<=", pooled_limit[s]);
+    limit("worst run, error / its own published sigma", name,
+          all.worst([&](const RunResult& run) { return error(run) / run.estimator[s].deviation_um; }), "<=", 2.2);
+    limit("truth inside 2 sigma", name, all.mean([s](const RunResult& run) { return run.estimator[s].inside; }),
+          ">=", inside_limit[s]);
+    limit("median error, % of span, A", name, independent.middle(share), "<=", independent_limit[s]);
+    limit("median error, % of span, B", name, common.middle(share), "<=", common_limit[s]);
+    limit("key points rms, K", name, all.pooled([s](const RunResult& run) { return run.estimator[s].key_points_K; }),
+          "<=", 0.03);
+    const auto paper = [s](const RunResult& run) { return run.paper[s].error_um; };
+    limit("% of runs better than the published law", name,
+          100.0 * all.mean([&](const RunResult& run) { return error(run) < paper(run) ? 1.0 : 0.0; }), ">=", 85.0);
+    if (s == 1) limit("published law / estimator, pooled", name, all.pooled(paper) / all.pooled(error), ">=", 3.0);
+  }
+  return missed;
 }
 
 Truth cached_truth(const std::string& cache, const fem_offline::AffineModel& model,

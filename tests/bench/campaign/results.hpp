@@ -31,4 +31,7 @@ Truth cached_truth(const std::string& cache, const fem_offline::AffineModel& mod
 
 void print_tables(const std::vector<RunResult>& results);
 
+/// Prints every limit with what was reached. Returns how many were missed.
+int print_limits(const std::vector<RunResult>& results);
+
 }  // namespace spindle_twin::bench
