@@ -19,7 +19,8 @@ struct RichBasis {
 
 /// FE solutions (K + sC)⁻¹ [heats, environments, output rows] at random parameter sets, two in five at corners of the
 /// box; of all snapshots those are kept whose distance to the span of the kept ones is largest (pivoted Cholesky of the
-/// Gram matrix). Scales loads.outputs in place to dual_weight of the primal snapshots.
+/// Gram matrix). Scales loads.outputs in place to the dual weights
+/// times the primal snapshots.
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
                               const Progress& progress);
 
@@ -36,8 +37,8 @@ struct RichModel {
 
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
 
-/// Coordinates, in the rich basis, of the network's orthonormal basis: the constant and the leading left singular
-/// vectors of primal and dual snapshots of the rich model at new parameter sets, nine shifts each.
+/// Coordinates, in the rich basis, of the network's nested orthonormal basis: the constant and all left singular
+/// vectors, largest first, of primal and dual snapshots of the rich model at new parameter sets, nine shifts each.
 Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries& boundaries,
                                     const ReduceOptions& options, const Progress& progress);
 

@@ -14,12 +14,12 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr int sets = 600;
-constexpr std::size_t most_candidates = 48;
-constexpr double good_enough_K = 0.03;
+constexpr std::size_t most_candidates = 96;
+constexpr double good_enough_K = 0.01;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
 /// Times after a change of the operating state at which fields are taken.
-constexpr std::array<double, 5> times_s = {2.0, 10.0, 60.0, 300.0, 1500.0};
+constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
 rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, RandomStream& random) {
   rom::OperatingState state = boundaries.operating;

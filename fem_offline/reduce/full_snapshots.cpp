@@ -53,16 +53,21 @@ struct Worker {
   }
 };
 
-void scale_outputs(Worker& worker, const rom::Boundaries& boundaries, double dual_weight, Loads& loads) {
-  const Eigen::VectorXd conductances = nominal_conductances(boundaries);
+void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions& options, Loads& loads) {
+  const Eigen::VectorXd conductances = nominal_conductances(model.boundaries);
   Eigen::MatrixXd primal = worker.solve(conductances, 0.0, loads.primal(conductances));
   Eigen::MatrixXd dual = worker.solve(conductances, 0.0, loads.outputs);
   remove_constant(primal);
   remove_constant(dual);
   const double size = primal.colwise().norm().mean();
+  const auto growth_at = static_cast<Eigen::Index>(model.key_points.size());
+  const auto pressures_at = growth_at + static_cast<Eigen::Index>(model.deformations.size());
   for (Eigen::Index i = 0; i < dual.cols(); ++i) {
+    const double weight = i < growth_at      ? options.dual_weight
+                          : i < pressures_at ? options.growth_dual_weight
+                                             : options.pressure_dual_weight;
     const double own = dual.col(i).norm();
-    if (own > 0.0) loads.outputs.col(i) *= dual_weight * size / own;
+    if (own > 0.0) loads.outputs.col(i) *= weight * size / own;
   }
 }
 
@@ -146,7 +151,7 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
                               const Progress& progress) {
   std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
   workers.front() = std::make_unique<Worker>(model);
-  scale_outputs(*workers.front(), model.boundaries, options.dual_weight, loads);
+  scale_outputs(*workers.front(), model, options, loads);
 
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();
   const Eigen::Index per_set = loads.heat_W.cols() + loads.film_columns + loads.outputs.cols();

@@ -51,10 +51,12 @@ Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_hi
     for (const int segment : circuit.segments)
       loads.film_column[static_cast<std::size_t>(segment)] = loads.film_columns++;
   }
-  loads.outputs.setZero(unknowns, static_cast<Eigen::Index>(model.key_points.size() + model.deformations.size()));
+  loads.outputs.setZero(unknowns, static_cast<Eigen::Index>(model.key_points.size() + model.deformations.size() +
+                                                            model.contact_pressures.size()));
   Eigen::Index column = 0;
   for (const FeKeyPoint& point : model.key_points) loads.outputs.col(column++) = point.row;
   for (const FeDeformation& deformation : model.deformations) loads.outputs.col(column++) = deformation.row_m_per_K;
+  for (const FeContactPressure& pressure : model.contact_pressures) loads.outputs.col(column++) = pressure.row_Pa_per_K;
   return loads;
 }
 

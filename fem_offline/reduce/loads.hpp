@@ -13,7 +13,7 @@ struct Loads {
   std::vector<Eigen::VectorXd> film_m2;  ///< Kⱼ1 per conductance; empty for exchange between bodies
   std::vector<int> film_column;          ///< per conductance, -1 for exchange between bodies
   int film_columns = 0;  ///< one per environment, then one per segment of a coolant circuit, whose liquid has its own
-  Eigen::MatrixXd outputs;  ///< Lᵀ of key points and deformations, scaled to the primal snapshots
+  Eigen::MatrixXd outputs;  ///< Lᵀ of key points, deformations and contact pressures, scaled
 
   /// [heats, one column per environment or coolant segment: Σⱼ gⱼ Kⱼ1 · environment_step_K]. Solutions with coolant
   /// that warms up on its way lie in the span of these (Woodbury), so that K stays symmetric here.

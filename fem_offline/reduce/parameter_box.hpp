@@ -22,7 +22,14 @@ struct ParameterBox {
 };
 
 /// What a random stream is for; streams of one seed never overlap.
-enum class StreamPurpose : std::uint32_t { full_snapshots = 1, rich_snapshots = 2, candidates = 3, verification = 4 };
+enum class StreamPurpose : std::uint32_t {
+  full_snapshots = 1,
+  rich_snapshots = 2,
+  candidates = 3,
+  verification = 4,
+  size_choice = 5,
+  drift = 6
+};
 
 /// Random numbers that depend on (seed, purpose, index) alone, so that item k is the same whatever runs beside it.
 class RandomStream {

@@ -1,5 +1,6 @@
 #include "fem_offline/reduce/reduce.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
@@ -37,51 +38,91 @@ Eigen::MatrixXd combine(const Eigen::MatrixXd& rich, const Eigen::MatrixXd& coor
 
 }  // namespace
 
-rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
-                          ReduceReport* report) {
+struct Reduction::Impl {
+  const AffineModel* model;
+  ReduceOptions options;
+  RichBasis full;
+  RichModel rich;
+  Eigen::MatrixXd coordinates;  ///< of the nested basis, in the rich one
+};
+
+namespace {
+
+/// Adds stage after stage with its time to a report.
+class StageClock {
+ public:
+  StageClock(ReduceReport* report, const Progress& progress) : report_(report), progress_(progress) {}
+  void finish(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    if (report_) report_->stages.push_back({stage, std::chrono::duration<double>(now - started_).count()});
+    started_ = now;
+    if (progress_) progress_(stage, 1.0);
+  }
+
+ private:
+  ReduceReport* report_;
+  const Progress& progress_;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
+                     ReduceReport* report)
+    : impl_(std::make_unique<Impl>(Impl{&model, options, {}, {}, {}})) {
   check_options(model, options);
-  ReduceReport unused;
-  ReduceReport& out = report != nullptr ? *report : unused;
-  out = {};
-  out.full_unknowns = static_cast<int>(model.capacity_J_per_K.rows());
-  using Clock = std::chrono::steady_clock;
-  auto started = Clock::now();
-  const auto finish = [&](const std::string& stage) {
-    const auto now = Clock::now();
-    out.stages.push_back({stage, std::chrono::duration<double>(now - started).count()});
-    started = now;
-    if (progress) progress(stage, 1.0);
-  };
-
+  StageClock clock(report, progress);
   Loads loads = make_loads(model, options.box.speed_high_rpm, options.box.load_high);
-  RichBasis full = full_snapshot_basis(model, loads, options, progress);
-  out.snapshots = full.snapshots;
-  out.rich_states = static_cast<int>(full.columns.cols());
-  finish("FE snapshots");
+  impl_->full = full_snapshot_basis(model, loads, options, progress);
+  clock.finish("FE snapshots");
+  impl_->rich = project_model(model, loads, impl_->full.columns, options.threads);
+  impl_->rich.bodies = impl_->full.bodies;
+  clock.finish("projection");
+  impl_->coordinates = rich_snapshot_basis(impl_->rich, model.boundaries, options, progress);
+  clock.finish("network snapshots");
+  if (report == nullptr) return;
+  report->full_unknowns = static_cast<int>(model.capacity_J_per_K.rows());
+  report->snapshots = impl_->full.snapshots;
+  report->rich_states = static_cast<int>(impl_->full.columns.cols());
+}
 
-  RichModel rich = project_model(model, loads, full.columns, options.threads);
-  rich.bodies = full.bodies;
-  finish("projection");
+Reduction::~Reduction() = default;
+Reduction::Reduction(Reduction&&) noexcept = default;
+Reduction& Reduction::operator=(Reduction&&) noexcept = default;
 
-  const Eigen::MatrixXd coordinates = rich_snapshot_basis(rich, model.boundaries, options, progress);
-  finish("network snapshots");
+int Reduction::most_nodes() const { return static_cast<int>(impl_->coordinates.cols()); }
 
-  const NodalCoordinates nodal = choose_nodes(combine(full.columns, coordinates, options.threads));
-  full.columns.resize(0, 0);
-  out.condition = nodal.condition;
-  finish("nodes");
+rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress) const {
+  if (nodes < 2 || nodes > most_nodes()) {
+    throw std::invalid_argument("nodes: outside 2 to " + std::to_string(most_nodes()));
+  }
+  const AffineModel& model = *impl_->model;
+  const int threads = impl_->options.threads;
+  StageClock clock(report, progress);
+  const Eigen::MatrixXd coordinates = impl_->coordinates.leftCols(nodes);
+  const NodalCoordinates nodal = choose_nodes(combine(impl_->full.columns, coordinates, threads));
+  if (report) report->condition = nodal.condition;
+  clock.finish("nodes");
 
   rom::Network network;
   network.spindle = model.spindle;
   network.description_hash = model.description_hash;
   network.boundaries = model.boundaries;
-  project_network(rich, coordinates, model, nodal, options.threads, network);
+  project_network(impl_->rich, coordinates, model, nodal, threads, network);
   project_outputs(model, nodal, network);
-  finish("network");
+  clock.finish("network");
 
-  choose_candidates(model, nodal, options, network);
-  finish("part extremes");
+  choose_candidates(model, nodal, impl_->options, network);
+  clock.finish("part extremes");
   return network;
+}
+
+rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
+                          ReduceReport* report) {
+  check_options(model, options);
+  if (report) *report = {};
+  const Reduction reduction(model, options, progress, report);
+  return reduction.network(std::min(options.nodes, reduction.most_nodes()), report, progress);
 }
 
 }  // namespace spindle_twin::fem_offline

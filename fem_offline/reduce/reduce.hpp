@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,12 @@ struct ReduceOptions {
   int nodes = 160;
   std::uint64_t seed = 1;
   int threads = 2;
-  int full_sets = 60;        ///< random parameter sets at which the FE model is solved
-  int rich_states = 460;     ///< size of the richer Galerkin model between FE model and network
-  int rich_sets = 250;       ///< random parameter sets at which the richer model is solved
-  double dual_weight = 0.1;  ///< size of the adjoint snapshots relative to the primal ones
+  int full_sets = 60;                  ///< random parameter sets at which the FE model is solved
+  int rich_states = 460;               ///< size of the richer Galerkin model between FE model and network
+  int rich_sets = 250;                 ///< random parameter sets at which the richer model is solved
+  double dual_weight = 0.3;            ///< size of the adjoint snapshots of key points relative to the primal ones
+  double growth_dual_weight = 0.6;     ///< the same of deformations
+  double pressure_dual_weight = 0.03;  ///< the same of contact pressures
   ParameterBox box;
 };
 
@@ -31,20 +34,43 @@ struct ReduceReport {
   int full_unknowns = 0;
   int snapshots = 0;
   int rich_states = 0;
-  double condition =
-      0.0;  ///< of the orthonormal basis at the nodes; below 100 the node temperatures are good coordinates
+  /// Of the orthonormal basis at the nodes; below 100 the node temperatures are good coordinates.
+  double condition = 0.0;
   std::vector<StageTime> stages;
 };
 
 /// Called with the stage's name and the fraction of it that is done; from one thread at a time.
 using Progress = std::function<void(const std::string& stage, double fraction)>;
 
-/// Nodal RC network of an FE model by Galerkin projection T ≈ V T_nodes on one fixed basis that serves the whole box:
-///   C = VᵀC V,  K₀ = VᵀK₀V,  FⱼFⱼᵀ = VᵀKⱼV,  B = VᵀB,  rows y = y V
-/// with V(node i, :) = eᵢ and V 1 = 1, so that state i is the temperature of node i and heat is conserved to
-/// rounding. The same seed gives the same bits whatever the number of threads. The certificate stays empty.
-/// options.nodes must be in [2, unknowns]; fewer come out when the snapshots span fewer directions.
-/// Throws std::invalid_argument for options out of range, std::runtime_error when K is not positive definite.
+/// The nested basis of an FE model: its first N columns span the network of N nodes.
+class Reduction {
+ public:
+  /// Solves the FE model and the richer model between FE model and network at random parameter sets.
+  /// Throws std::invalid_argument for options out of range, std::runtime_error when K is not positive definite.
+  Reduction(const AffineModel& model, const ReduceOptions& options, const Progress& progress = {},
+            ReduceReport* report = nullptr);
+  ~Reduction();
+  Reduction(Reduction&&) noexcept;
+  Reduction& operator=(Reduction&&) noexcept;
+
+  /// Most nodes that network() can give.
+  int most_nodes() const;
+
+  /// Nodal RC network of the FE model by Galerkin projection T ≈ V T_nodes on one fixed basis that serves the whole
+  /// box:
+  ///   C = VᵀC V,  K₀ = VᵀK₀V,  FⱼFⱼᵀ = VᵀKⱼV,  B = VᵀB,  rows y = y V
+  /// with V(node i, :) = eᵢ and V 1 = 1, so that state i is the temperature of node i and heat is conserved to
+  /// rounding. The same seed gives the same bits whatever the number of threads. The certificate stays empty.
+  /// `nodes` in [2, most_nodes()], else std::invalid_argument.
+  rom::Network network(int nodes, ReduceReport* report = nullptr, const Progress& progress = {}) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Reduction and its network of options.nodes in one call; options.nodes must be in [2, unknowns]; fewer come out when
+/// the snapshots span fewer directions.
 rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options, const Progress& progress = {},
                           ReduceReport* report = nullptr);
 

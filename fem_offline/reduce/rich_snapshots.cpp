@@ -109,10 +109,9 @@ Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries
       Eigen::MatrixXd(moments.selfadjointView<Eigen::Lower>()).bottomRightCorner(others, others);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(rest);
   if (modes.info() != Eigen::Success) throw std::runtime_error("the snapshots' moments have no eigenvectors");
-  const Eigen::Index wanted = std::min<Eigen::Index>(std::max(options.nodes - fixed, Eigen::Index(0)), others);
-  Eigen::MatrixXd coordinates = Eigen::MatrixXd::Zero(states, wanted + fixed);
+  Eigen::MatrixXd coordinates = Eigen::MatrixXd::Zero(states, states);
   coordinates.topLeftCorner(fixed, fixed).setIdentity();
-  coordinates.block(fixed, fixed, others, wanted) = modes.eigenvectors().rightCols(wanted).rowwise().reverse();
+  coordinates.bottomRightCorner(others, others) = modes.eigenvectors().rowwise().reverse();
   return coordinates;
 }
 

@@ -15,11 +15,16 @@ constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
 // After a jump the steps start at about this length and then follow the time since the jump, doubling.
 constexpr double first_step_s = 0.7;
 constexpr double share_of_time_since_jump = 1.0 / 3.0;
-// Slower drifts of an environment are no jump.
+// Slower drifts of an environment or a conductance are no jump.
 constexpr double environment_jump_K = 0.5;
+constexpr double conductance_jump_share = 0.05;
 
 // About 10 MB each; two operating states with all their step lengths.
 constexpr std::size_t most_factors = 16;
+
+bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now) {
+  return ((now - before).array().abs() > conductance_jump_share * before.array().abs().max(now.array().abs())).any();
+}
 
 struct KeptFactor {
   double step_s;
@@ -53,8 +58,8 @@ struct FeStepper::Impl {
   void take(const rom::BoundaryValues& values) {
     const bool is_first = held.heat_W.size() == 0;
     const bool new_conductances = is_first || held.conductance_W_per_m2K != values.conductance_W_per_m2K;
-    const bool jump = new_conductances || held.coolant_W_per_K != values.coolant_W_per_K ||
-                      held.heat_W != values.heat_W ||
+    const bool jump = is_first || jumped(held.conductance_W_per_m2K, values.conductance_W_per_m2K) ||
+                      held.coolant_W_per_K != values.coolant_W_per_K || held.heat_W != values.heat_W ||
                       (held.environment_K - values.environment_K).lpNorm<Eigen::Infinity>() > environment_jump_K;
     if (new_conductances) system.set_conductances(values.conductance_W_per_m2K);
     if (jump) since_jump_s = 0.0;

@@ -4,6 +4,7 @@
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/reduce.hpp"
+#include "fem_offline/reduce/verify.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "tests/bench/rows.hpp"
@@ -51,6 +52,12 @@ void print_network_rows() {
   rom::Network network;
   const double reduce_s = process_seconds([&] { network = fem_offline::reduce_model(affine, {}); });
 
+  fem_offline::VerifyOptions verify;
+  verify.cases = 2;
+  verify.threads = 1;
+  const double cases = verify.cases;
+  const double certificate_s = process_seconds([&] { fem_offline::verify_network(network, affine, verify); });
+
   const auto shared = std::make_shared<const rom::NetworkOperator>(network);
   rom::CvodeStepper fast(shared);
   const double network_s = thread_seconds(1, [&] {
@@ -77,7 +84,9 @@ void print_network_rows() {
               affine.places.size(), element_size_mm);
   print_row("one steady FE solve (sum, analysis, factorisation, 2 solves)", steady_s, "s");
   print_row("network from the description / steady FE solves", (model_s + reduce_s) / steady_s, "x");
+  print_row("  one case of the certificate (1 to 2 h) / steady FE solves", certificate_s / cases / steady_s, "x");
   print_row("drive cycle of one hour: network, cycles of 1 s", network_s, "s");
+  print_row("  one of its cycles", 1e6 * network_s / seconds_per_hour, "us");
   print_row("FE transient, steps up to 10 s / network", full_s / network_s, "x");
   print_row("network / 3600 bare matrix-vector products of its size", network_s / products_s, "x");
 }

@@ -72,9 +72,20 @@ class Network(Case):
     def test_build_reports_what_it_wrote(self):
         self.assertEqual(BUILT["files"], ["reference.rom"])
         self.assertLessEqual(self.built["nodes"], 200)
-        self.assert_within_limits(self.built["certificate"]["worst"])
+        certificate = self.built["certificate"]
+        self.assert_within_limits(certificate["worst"])
+        self.assertEqual(certificate["box"], {"contacts": [0.1, 10.0], "films": [0.2, 5.0], "speed_high_rpm": 24000.0})
+        self.assertEqual(certificate["mesh"], {"element_size_mm": 4.0, "fe_unknowns": self.built["fe_unknowns"]})
+        for group, names in (("key_points_K", 3), ("part_mean_K", 22), ("part_max_K", 22), ("contact_pressures_Pa", 6)):
+            self.assertEqual(len(certificate["outputs"][group]), names)
+            for name, error in certificate["outputs"][group].items():
+                self.assertLessEqual(error["median"], error["worst"], name)
+                self.assertGreater(error["mesh"], 0.0, name)
+        stages = self.built["stages_s"]
+        for stage in ("FE model", "FE snapshots", "network snapshots", "verification", "mesh error"):
+            self.assertGreater(stages[stage], 0.0)
         for line in BUILT["progress"].splitlines():
-            self.assertRegex(line, r"^[A-Za-z ]+: done$")
+            self.assertRegex(line, r"^[A-Za-z ]+: (done|\d+ %(, about \d+ (s|min) left)?)$")
 
     def test_verify_stays_within_the_limits_for_any_seed(self):
         for seed in (11, 2026):
@@ -84,6 +95,12 @@ class Network(Case):
                 self.assert_within_limits(report[which])
                 self.assertGreater(report[which]["key_points_K"], 0.0)
             self.assertLessEqual(report["median"]["nose_um"], report["worst"]["nose_um"])
+            self.assertTrue(report["checks"]["passed"], report["checks"])
+            self.assertLess(report["checks"]["heat_balance"], 1e-9)
+
+    def test_verify_while_contacts_and_films_drift(self):
+        report = self.json_of("verify", self.rom, REFERENCE, "--cases", 1, "--seed", 11, "--drift")
+        self.assert_within_limits(report["worst"])
 
     def test_verify_against_another_description_is_refused(self):
         other = self.text("other.toml", REFERENCE.read_text() + "\n# changed\n")
@@ -101,7 +118,7 @@ class Network(Case):
         self.assertLess(seen["checks"]["conduction_row_sum"], 1e-9)
         table = self.good("inspect", self.rom).stdout
         self.assertIn(f"network      {self.built['nodes']} nodes", table)
-        self.assertIn("Certificate: 6 random cases", table)
+        self.assertIn("Certificate: 3 random cases", table)
 
     def test_page_of_inspect_closes_its_balances_and_has_the_numbers_of_the_json(self):
         page = self.folder / "page.html"

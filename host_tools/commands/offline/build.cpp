@@ -5,14 +5,18 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "fem_offline/look/section_outlines.hpp"
 #include "fem_offline/model/build_model.hpp"
+#include "fem_offline/reduce/choose_size.hpp"
+#include "fem_offline/reduce/mesh_error.hpp"
 #include "fem_offline/reduce/reduce.hpp"
 #include "fem_offline/reduce/verify.hpp"
 #include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
-#include "host_tools/commands/offline/certificate_json.hpp"
+#include "host_tools/commands/offline/accuracy_options.hpp"
+#include "host_tools/commands/offline/certificate_report.hpp"
 #include "host_tools/commands/offline/progress.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
@@ -25,9 +29,14 @@ struct BuildArguments {
   std::string spindle_path;
   std::string output_path;
   fem_offline::ReduceOptions reduce;
-  std::uint32_t certificate_cases = 6;
+  std::string tolerance;  ///< empty: the default one, which need not be reached
+  std::string box = "whole";
+  bool fixed_size = false;
+  std::uint32_t certificate_cases = 20;
   bool json = false;
 };
+
+constexpr const char* default_tolerance = "0.03K,0.015um,0.2K";
 
 void print_json(const BuildArguments& arguments, const rom::Network& network, const fem_offline::ReduceReport& report) {
   nlohmann::ordered_json result;
@@ -39,10 +48,7 @@ void print_json(const BuildArguments& arguments, const rom::Network& network, co
   result["condition"] = report.condition;
   result["seed"] = arguments.reduce.seed;
   for (const fem_offline::StageTime& stage : report.stages) result["stages_s"][stage.stage] = stage.seconds;
-  const rom::Certificate& certificate = network.certificate;
-  result["certificate"] = {{"cases", certificate.cases}, {"seed", certificate.seed}};
-  result["certificate"]["worst"] = to_json(certificate.worst);
-  result["certificate"]["median"] = to_json(certificate.median);
+  result["certificate"] = to_json(network);
   std::printf("%s\n", result.dump(2).c_str());
 }
 
@@ -58,9 +64,56 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
     std::printf("  no certificate measured\n");
     return;
   }
-  std::printf("  certificate, worst of %u cases: key points %.3f K, nose %.3f um, part maximum %.3f K\n",
-              certificate.cases, certificate.worst.key_points_K, certificate.worst.nose_um,
-              certificate.worst.part_max_K);
+  print_certificate(network);
+}
+
+/// The network of the wanted size, or of the size that reaches the tolerance.
+rom::Network reduce(const BuildArguments& arguments, const fem_offline::AffineModel& model,
+                    const fem_offline::ReduceOptions& options, const fem_offline::Progress& progress,
+                    fem_offline::ReduceReport& report) {
+  if (arguments.fixed_size) return fem_offline::reduce_model(model, options, progress, &report);
+  const bool asked = !arguments.tolerance.empty();
+  const fem_offline::Tolerance tolerance = parse_tolerance(asked ? arguments.tolerance : default_tolerance);
+  fem_offline::ReduceOptions any_size = options;
+  any_size.nodes = std::min(fem_offline::largest_size, static_cast<int>(model.capacity_J_per_K.rows()));
+  const fem_offline::Reduction reduction(model, any_size, progress, &report);
+  fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, tolerance, any_size, progress, &report);
+  if (choice.reached) return std::move(choice.network);
+  const fem_offline::TriedSize& last = choice.tried.back();
+  char reached[160];
+  std::snprintf(reached, sizeof reached,
+                "%d nodes reach %.3g K, %.3g um, %.3g K, less is wanted to keep it with a margin", last.nodes,
+                last.reached.key_points_K, last.reached.deformations_um, last.reached.part_max_K);
+  if (asked) throw rom::InputError({arguments.spindle_path, 0}, "--tolerance", reached);
+  std::fprintf(stderr, "note: the default tolerance %s is not kept: %s\n", default_tolerance, reached);
+  return std::move(choice.network);
+}
+
+void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
+             const fem_offline::ReduceOptions& reduce_options, const fem_offline::Progress& progress,
+             rom::Network& network, fem_offline::ReduceReport& report) {
+  const auto timed = [&](const std::string& stage, const auto& work) {
+    const auto started = std::chrono::steady_clock::now();
+    work();
+    report.stages.push_back({stage, std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count()});
+    progress(stage, 1.0);
+  };
+  timed("verification", [&] {
+    fem_offline::VerifyOptions options;
+    options.cases = arguments.certificate_cases;
+    options.seed = reduce_options.seed;
+    options.threads = reduce_options.threads;
+    options.drive.box = reduce_options.box;
+    network.certificate = fem_offline::verify_network(network, model.affine(), options, progress).certificate;
+    network.certificate.mesh_size_m = model.description().mesh.element_size_m;
+  });
+  timed("mesh error", [&] {
+    const fem_offline::Spindle finer = fem_offline::with_half_elements(model.description());
+    const fem_offline::FeModel fine(finer, fem_offline::build_section(finer));
+    progress("mesh error", 0.3);
+    fem_offline::measure_mesh_error(model.affine(), fine.affine(), reduce_options.threads, progress,
+                                    network.certificate);
+  });
 }
 
 void run(const BuildArguments& arguments) {
@@ -71,36 +124,23 @@ void run(const BuildArguments& arguments) {
   check_output(arguments.output_path, "--output");
   ProgressDisplay display;
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };
-  const auto timed = [](fem_offline::ReduceReport& report, const std::string& stage, const auto& work) {
-    const auto started = std::chrono::steady_clock::now();
-    work();
-    report.stages.push_back({stage, std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count()});
-  };
 
-  fem_offline::ReduceReport before, report;
-  std::unique_ptr<fem_offline::FeModel> model;
   progress("FE model", 0.0);
-  timed(before, "FE model",
-        [&] { model = std::make_unique<fem_offline::FeModel>(fem_offline::build_fe_model(arguments.spindle_path)); });
+  const auto started = std::chrono::steady_clock::now();
+  const fem_offline::FeModel model = fem_offline::build_fe_model(arguments.spindle_path);
+  const double model_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   progress("FE model", 1.0);
-  if (model->affine().deformations.empty()) {
+  if (model.affine().deformations.empty()) {
     throw rom::InputError({arguments.spindle_path, 0}, "deformation",
                           "a network needs at least one deformation output, the nose first");
   }
-  rom::Network network = fem_offline::reduce_model(model->affine(), arguments.reduce, progress, &report);
-  report.stages.insert(report.stages.begin(), before.stages.begin(), before.stages.end());
-  if (arguments.certificate_cases > 0) {
-    fem_offline::VerifyOptions options;
-    options.cases = arguments.certificate_cases;
-    options.seed = arguments.reduce.seed;
-    options.threads = arguments.reduce.threads;
-    options.box = arguments.reduce.box;
-    timed(report, "verification", [&] {
-      network.certificate = fem_offline::verify_network(network, model->affine(), options, progress).certificate;
-    });
-    progress("verification", 1.0);
-  }
-  network.outlines = fem_offline::section_outlines(model->description(), model->section());
+  fem_offline::ReduceOptions options = arguments.reduce;
+  options.box = named_box(arguments.box, model.affine().boundaries.reference_speed_rpm);
+  fem_offline::ReduceReport report;
+  rom::Network network = reduce(arguments, model.affine(), options, progress, report);
+  report.stages.insert(report.stages.begin(), {"FE model", model_s});
+  if (arguments.certificate_cases > 0) certify(arguments, model, options, progress, network, report);
+  network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);
   arguments.json ? print_json(arguments, network, report) : print_table(arguments, network, report);
 }
@@ -113,8 +153,21 @@ void add_build(CLI::App& app) {
   CLI::App* command = app.add_subcommand("build", "Build the nodal network of a spindle description");
   command->add_option("spindle", arguments->spindle_path, "spindle description, TOML")->required();
   command->add_option("-o,--output", arguments->output_path, "network file to write, .rom")->required();
-  command->add_option("--nodes", arguments->reduce.nodes, "nodes of the network")
-      ->check(CLI::Range(2, 400))
+  CLI::Option* nodes =
+      command->add_option("--nodes", arguments->reduce.nodes, "nodes of the network, in place of --tolerance")
+          ->check(CLI::Range(2, 400));
+  command
+      ->add_option("--tolerance", arguments->tolerance,
+                   std::string("largest errors of key points, deformations and part maxima; the smallest network that "
+                               "keeps them. Without it and --nodes ") +
+                       default_tolerance + " as far as it can be reached")
+      ->excludes(nodes)
+      ->check([](const std::string& text) {
+        parse_tolerance(text);
+        return std::string();
+      });
+  command->add_option("--box", arguments->box, "factors on contacts and films that the network is made for")
+      ->check(CLI::IsMember({"whole", "small"}))
       ->capture_default_str();
   command->add_option("--seed", arguments->reduce.seed, "seed of the random parameter sets and certificate cases")
       ->capture_default_str();
@@ -127,7 +180,10 @@ void add_build(CLI::App& app) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "as JSON");
-  command->callback([arguments] { run(*arguments); });
+  command->callback([arguments, nodes] {
+    arguments->fixed_size = nodes->count() > 0;
+    run(*arguments);
+  });
 }
 
 }  // namespace spindle_twin::host_tools

@@ -42,7 +42,7 @@ TEST(CoolantNetwork, follows_the_fe_model_while_the_flow_changes_stops_and_turns
   VerifyOptions options;
   options.cases = 4;
   options.seed = 11;
-  options.box = moderate();
+  options.drive.box = moderate();
   const VerifyReport report = verify_network(network(), jacket(), options);
   std::cout << "worst of 4 cases, seed 11: key points " << report.certificate.worst.key_points_K << " K, part maxima "
             << report.certificate.worst.part_max_K << " K, length " << report.certificate.worst.nose_um << " um\n";

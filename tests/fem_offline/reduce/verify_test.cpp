@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "grid_model.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -19,12 +21,12 @@ const rom::Network& network() {
   return built;
 }
 
-TEST(VerifyCase, stays_in_the_box) {
+TEST(DriveCase, stays_in_the_box) {
   const rom::Boundaries boundaries = make_grid_model().boundaries;
   const ParameterBox box;
   double smallest_contact = 1.0, largest_contact = 1.0, fastest_rpm = 0.0;
   for (std::uint32_t index = 0; index < 200; ++index) {
-    const VerifyCase drawn = random_case(boundaries, 5, index);
+    const DriveCase drawn = random_case(boundaries, 5, index);
     for (Eigen::Index j = 0; j < drawn.factors.conductance.size(); ++j) {
       const bool contact = boundaries.conductances[static_cast<std::size_t>(j)].kind == rom::ConductanceKind::contact;
       const double factor = drawn.factors.conductance[j];
@@ -54,13 +56,52 @@ TEST(VerifyCase, stays_in_the_box) {
   EXPECT_GT(fastest_rpm, 23000.0);
 }
 
-TEST(VerifyCase, depends_on_seed_and_index_alone) {
+TEST(DriveCase, depends_on_seed_and_index_alone) {
   const rom::Boundaries boundaries = make_grid_model().boundaries;
-  const VerifyCase first = random_case(boundaries, 5, 3), again = random_case(boundaries, 5, 3);
+  const DriveCase first = random_case(boundaries, 5, 3), again = random_case(boundaries, 5, 3);
   EXPECT_EQ(first.factors.conductance, again.factors.conductance);
   EXPECT_EQ(first.intervals.size(), again.intervals.size());
   EXPECT_NE(first.factors.conductance, random_case(boundaries, 5, 4).factors.conductance);
   EXPECT_NE(first.factors.conductance, random_case(boundaries, 6, 3).factors.conductance);
+}
+
+TEST(DriveCase, drift_is_bounded_in_rate_and_stays_in_the_box) {
+  const rom::Boundaries boundaries = make_grid_model().boundaries;
+  CaseOptions options;
+  options.drift = true;
+  double fastest = 0.0, largest_change = 0.0;
+  for (std::uint32_t index = 0; index < 20; ++index) {
+    const DriveCase drawn = random_case(boundaries, 5, index, options);
+    Eigen::ArrayXd before;
+    double at_s = 0.0, before_s = 0.0;
+    for (const HeldInterval& interval : drawn.intervals) {
+      const Eigen::ArrayXd now = interval.conductance_factors.array().log();
+      const double middle_s = at_s + 0.5 * interval.duration_s;
+      if (before.size() > 0) {
+        fastest = std::max(fastest, ((now - before) / (middle_s - before_s)).abs().maxCoeff());
+        largest_change = std::max(largest_change, (now - drawn.factors.conductance.array().log()).abs().maxCoeff());
+      }
+      for (Eigen::Index j = 0; j < now.size(); ++j) {
+        const bool contact = boundaries.conductances[static_cast<std::size_t>(j)].kind == rom::ConductanceKind::contact;
+        ASSERT_GE(now[j], std::log(contact ? 0.1 : 0.2) - 1e-12);
+        ASSERT_LE(now[j], std::log(contact ? 10.0 : 5.0) + 1e-12);
+      }
+      before = now;
+      before_s = middle_s;
+      at_s += interval.duration_s;
+    }
+  }
+  EXPECT_LE(fastest, std::log(2.0) / 600.0 * (1.0 + 1e-9));
+  EXPECT_GT(fastest, 0.9 * std::log(2.0) / 600.0);
+  EXPECT_GT(largest_change, std::log(2.0));
+}
+
+TEST(DriveCase, of_the_search_for_a_size_are_not_those_of_the_certificate) {
+  const rom::Boundaries boundaries = make_grid_model().boundaries;
+  CaseOptions options;
+  options.purpose = StreamPurpose::size_choice;
+  EXPECT_NE(random_case(boundaries, 5, 3).factors.conductance,
+            random_case(boundaries, 5, 3, options).factors.conductance);
 }
 
 TEST(Verify, network_follows_the_full_model_through_random_drive_cycles) {
@@ -74,6 +115,24 @@ TEST(Verify, network_follows_the_full_model_through_random_drive_cycles) {
   EXPECT_LT(report.certificate.worst.key_points_K, 0.2);
   EXPECT_LT(report.certificate.worst.part_max_K, 1.0);
   EXPECT_LE(report.certificate.median.key_points_K, report.certificate.worst.key_points_K);
+  ASSERT_EQ(report.certificate.key_points_K.size(), 3u);
+  ASSERT_EQ(report.certificate.part_maxima_K.size(), 6u);
+  double worst_K = 0.0;
+  for (const rom::OutputError& error : report.certificate.key_points_K) worst_K = std::max(worst_K, error.worst);
+  EXPECT_EQ(worst_K, report.certificate.worst.key_points_K);
+  EXPECT_EQ(report.certificate.deformations_m[0].worst, 1e-6 * report.certificate.worst.nose_um);
+  EXPECT_EQ(report.certificate.box.contact_high, 10.0);
+  EXPECT_EQ(report.certificate.fe_unknowns, 1273u);
+}
+
+TEST(Verify, network_follows_the_full_model_while_contacts_and_films_drift) {
+  VerifyOptions options;
+  options.cases = 1;
+  options.seed = 2;
+  options.drive.drift = true;
+  const VerifyReport report = verify_network(network(), make_grid_model(), options);
+  EXPECT_LT(report.certificate.worst.key_points_K, 0.2);
+  EXPECT_LT(report.certificate.worst.part_max_K, 1.0);
 }
 
 TEST(Verify, sees_a_network_with_a_wrong_source) {

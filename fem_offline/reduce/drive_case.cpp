@@ -1,8 +1,10 @@
+#include "fem_offline/reduce/drive_case.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
-#include "fem_offline/reduce/verify.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -12,16 +14,58 @@ constexpr double coolant_step_share = 1.0 / 3.0;
 constexpr double environment_spread_K = 5.0;
 constexpr double drift_high_K_per_s = 6.0 / 3600.0;
 
+/// Logarithms of the conductances' factors, which run at constant rates and turn round at the walls of the box.
+class DriftingFactors {
+ public:
+  DriftingFactors(const rom::Boundaries& boundaries, const ParameterBox& box, const Eigen::VectorXd& start,
+                  RandomStream random)
+      : random_(random), logarithms_(start.array().log()), rates_per_s_(start.size()) {
+    for (const rom::Conductance& item : boundaries.conductances) {
+      const bool contact = item.kind == rom::ConductanceKind::contact;
+      low_.push_back(std::log(contact ? box.contact_low : box.film_low));
+      high_.push_back(std::log(contact ? box.contact_high : box.film_high));
+    }
+  }
+
+  void new_rates() {
+    constexpr double fastest_per_s = std::numbers::ln2 / drift_doubling_s;
+    for (double& rate : rates_per_s_) rate = random_.uniform(-fastest_per_s, fastest_per_s);
+  }
+
+  void move(double duration_s) {
+    for (Eigen::Index j = 0; j < logarithms_.size(); ++j) {
+      const double low = low_[static_cast<std::size_t>(j)], high = high_[static_cast<std::size_t>(j)];
+      double& at = logarithms_[j];
+      at += rates_per_s_[j] * duration_s;
+      if (at < low || at > high) {
+        at = 2.0 * std::clamp(at, low, high) - at;
+        rates_per_s_[j] = -rates_per_s_[j];
+      }
+    }
+  }
+
+  Eigen::VectorXd factors() const { return logarithms_.array().exp(); }
+
+ private:
+  RandomStream random_;
+  Eigen::VectorXd logarithms_, rates_per_s_;
+  std::vector<double> low_, high_;
+};
+
 }  // namespace
 
-VerifyCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std::uint32_t index,
-                       const ParameterBox& box) {
-  RandomStream random(seed, StreamPurpose::verification, index);
-  VerifyCase result;
+DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std::uint32_t index,
+                      const CaseOptions& options) {
+  const ParameterBox& box = options.box;
+  RandomStream random(seed, options.purpose, index);
+  DriveCase result;
   result.factors = correction::no_correction(boundaries);
   result.factors.conductance = random_conductance_factors(boundaries, box, false, random);
   result.initial_temperature_K =
       boundaries.reference_temperature_K + random.uniform(-environment_spread_K, environment_spread_K);
+
+  DriftingFactors drifting(boundaries, box, result.factors.conductance,
+                           RandomStream(seed, StreamPurpose::drift, index));
 
   const Eigen::VectorXd base_K = boundaries.operating.environment_K;
   Eigen::VectorXd start_K = base_K;
@@ -53,10 +97,15 @@ VerifyCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, st
     const double drawn_s = random.uniform(60.0, 900.0);
     const double segment_end_s = time_s + longest_interval_s * std::max(2.0, std::round(drawn_s / longest_interval_s));
     double since_start_s = 0.0;
+    drifting.new_rates();
     while (time_s < std::min(segment_end_s, end_s)) {
       const double duration_s = std::clamp(since_start_s, 1.0, longest_interval_s);
       state.environment_K = start_K + (time_s + 0.5 * duration_s) * drift_K_per_s;
-      result.intervals.push_back({duration_s, state});
+      // The middle of the interval, as for the environments.
+      drifting.move(0.5 * duration_s);
+      result.intervals.push_back(
+          {duration_s, state, options.drift ? drifting.factors() : Eigen::VectorXd(), since_start_s});
+      drifting.move(0.5 * duration_s);
       since_start_s += duration_s;
       time_s += duration_s;
     }

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fem_offline/reduce/reduce.hpp"
+#include "fem_offline/reduce/verify.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// Largest errors wanted of a network in any case: of every key point, every deformation, every part's maximum.
+struct Tolerance {
+  double key_points_K = 0.03;
+  double deformations_um = 0.015;
+  double part_max_K = 0.2;
+};
+
+struct TriedSize {
+  int nodes = 0;
+  Tolerance reached;  ///< worst over the cases of the search
+};
+
+struct SizeChoice {
+  rom::Network network;
+  bool reached = false;  ///< false: the largest size tried misses the tolerance; `network` is that one
+  std::vector<TriedSize> tried;
+};
+
+/// Cases of the search: drawn for it alone, neither those of the snapshots nor those of the certificate.
+inline constexpr std::uint32_t size_choice_cases = 16;
+/// Share of the tolerance that the search asks for, since other cases may be somewhat worse than its own.
+inline constexpr double share_of_tolerance = 0.75;
+inline constexpr int size_step = 10;
+inline constexpr int largest_size = 320;
+
+/// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of `tolerance` in the FE cases of the
+/// search: bisection over the nested basis. `report` gets the stages of the network that was chosen.
+SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const Tolerance& tolerance,
+                       const ReduceOptions& options, const Progress& progress = {}, ReduceReport* report = nullptr,
+                       std::uint32_t cases = size_choice_cases);
+
+}  // namespace spindle_twin::fem_offline

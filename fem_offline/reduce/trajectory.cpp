@@ -1,0 +1,95 @@
+#include "fem_offline/reduce/trajectory.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "fem_offline/solve/fe_solver.hpp"
+#include "rom/integrate/cvode_stepper.hpp"
+#include "rom/integrate/outputs.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+/// Longest FE step, for an error in time well below that of the network (README.md has the command that shows it):
+/// short behind a jump, where the balls and the air follow within seconds.
+double fe_step_for_s(const HeldInterval& interval, double longest_s) {
+  constexpr double first_s = 0.125, share_of_time_since_jump = 1.0 / 8.0;
+  return std::clamp(share_of_time_since_jump * interval.since_jump_s, std::min(first_s, longest_s), longest_s);
+}
+
+/// Inputs of every interval in turn.
+template <typename Visit>
+void follow(const rom::Boundaries& boundaries, const DriveCase& drive, const Visit& visit) {
+  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::CorrectionFactors factors = drive.factors;
+  for (std::size_t i = 0; i < drive.intervals.size(); ++i) {
+    const HeldInterval& interval = drive.intervals[i];
+    if (interval.conductance_factors.size() > 0) factors.conductance = interval.conductance_factors;
+    correction::evaluate_boundaries(boundaries, interval.state, factors, values);
+    visit(static_cast<Eigen::Index>(i), interval, values);
+  }
+}
+
+}  // namespace
+
+OutputLayout output_layout(const AffineModel& model) {
+  return {static_cast<Eigen::Index>(model.key_points.size()), static_cast<Eigen::Index>(model.parts.size()),
+          static_cast<Eigen::Index>(model.deformations.size()),
+          static_cast<Eigen::Index>(model.contact_pressures.size())};
+}
+
+Eigen::VectorXd fe_outputs(const AffineModel& model, const Eigen::VectorXd& temperatures_K) {
+  const OutputLayout layout = output_layout(model);
+  Eigen::VectorXd outputs(layout.total());
+  Eigen::Index at = 0;
+  for (const FeKeyPoint& point : model.key_points) outputs[at++] = point.row.dot(temperatures_K);
+  for (const FePart& part : model.parts) outputs[at++] = part.mean_row.dot(temperatures_K);
+  for (const FePart& part : model.parts) {
+    double maximum_K = temperatures_K[part.dofs.front()];
+    for (const int unknown : part.dofs) maximum_K = std::max(maximum_K, temperatures_K[unknown]);
+    outputs[at++] = maximum_K;
+  }
+  const Eigen::VectorXd rises_K = temperatures_K.array() - model.boundaries.reference_temperature_K;
+  for (const FeDeformation& item : model.deformations) outputs[at++] = item.row_m_per_K.dot(rises_K);
+  for (const FeContactPressure& item : model.contact_pressures) {
+    outputs[at++] = item.assembly_pressure_Pa + item.row_Pa_per_K.dot(rises_K);
+  }
+  return outputs;
+}
+
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s) {
+  FeStepper stepper(model);
+  stepper.set_uniform_temperature(drive.initial_temperature_K);
+  Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
+  follow(model.boundaries, drive, [&](Eigen::Index i, const HeldInterval& interval, const rom::BoundaryValues& values) {
+    stepper.advance(interval.duration_s, fe_step_for_s(interval, fe_step_s), values);
+    outputs.col(i) = fe_outputs(model, stepper.temperatures_K());
+  });
+  return {std::move(drive), std::move(outputs)};
+}
+
+Eigen::VectorXd largest_errors(const rom::Network& network,
+                               const std::shared_ptr<const rom::NetworkOperator>& network_operator,
+                               const FeTrajectory& trajectory) {
+  rom::CvodeStepper stepper(network_operator);
+  stepper.set_temperatures(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(network.nodes.size()),
+                                                     trajectory.drive.initial_temperature_K));
+  rom::NetworkOutputs now = rom::make_network_outputs(network);
+  Eigen::VectorXd outputs(trajectory.outputs.rows());
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(outputs.size());
+  follow(network.boundaries, trajectory.drive,
+         [&](Eigen::Index i, const HeldInterval& interval, const rom::BoundaryValues& values) {
+           if (stepper.advance(interval.duration_s, values) != rom::StepStatus::ok) {
+             throw std::runtime_error("the network's integrator failed");
+           }
+           rom::evaluate_outputs(network, stepper.temperatures_K(), now);
+           outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m,
+               now.contact_pressures_Pa;
+           errors = errors.cwiseMax((outputs - trajectory.outputs.col(i)).cwiseAbs());
+         });
+  return errors;
+}
+
+}  // namespace spindle_twin::fem_offline

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/reduce/drive_case.hpp"
+#include "rom/integrate/network_operator.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::fem_offline {
+
+/// Outputs in one column, in this order: temperatures of the key points, means and maxima of the parts [K],
+/// deformations [m], contact pressures [Pa].
+struct OutputLayout {
+  Eigen::Index key_points = 0;
+  Eigen::Index parts = 0;
+  Eigen::Index deformations = 0;
+  Eigen::Index pressures = 0;
+
+  Eigen::Index means_at() const { return key_points; }
+  Eigen::Index maxima_at() const { return key_points + parts; }
+  Eigen::Index deformations_at() const { return key_points + 2 * parts; }
+  Eigen::Index pressures_at() const { return deformations_at() + deformations; }
+  Eigen::Index total() const { return pressures_at() + pressures; }
+};
+
+OutputLayout output_layout(const AffineModel& model);
+/// Every output of a field of FE temperatures; maxima are over all nodes of a part.
+Eigen::VectorXd fe_outputs(const AffineModel& model, const Eigen::VectorXd& temperatures_K);
+
+/// A drive cycle and what the FE model gives at the end of every interval.
+struct FeTrajectory {
+  DriveCase drive;
+  Eigen::MatrixXd outputs;  ///< one column per interval
+};
+
+/// `fe_step_s`: longest time step; after a jump they are shorter anyway.
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s);
+
+/// Largest |network − FE model| of every output over the run; the network runs with the runtime's own integrator. Its
+/// maxima are over its candidate points. std::runtime_error if the integrator fails.
+Eigen::VectorXd largest_errors(const rom::Network& network,
+                               const std::shared_ptr<const rom::NetworkOperator>& network_operator,
+                               const FeTrajectory& trajectory);
+
+}  // namespace spindle_twin::fem_offline

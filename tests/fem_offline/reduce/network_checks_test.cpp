@@ -1,0 +1,123 @@
+#include "fem_offline/reduce/network_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fem_offline/model/build_model.hpp"
+#include "fem_offline/reduce/choose_size.hpp"
+#include "fem_offline/reduce/mesh_error.hpp"
+#include "grid_model.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+ReduceOptions small_options(int nodes) {
+  ReduceOptions options;
+  options.nodes = nodes;
+  options.full_sets = 30;
+  options.rich_sets = 30;
+  options.rich_states = 160;
+  return options;
+}
+
+rom::Network grid_network(int nodes) { return reduce_model(make_grid_model(), small_options(nodes)); }
+
+rom::Network jacket_network() {
+  const FeModel model = build_fe_model(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/jacket_circuit.toml");
+  return reduce_model(model.affine(), small_options(30));
+}
+
+std::vector<DriveCase> drives(const rom::Network& network, bool drift) {
+  CaseOptions options;
+  options.drift = drift;
+  return {random_case(network.boundaries, 4, 0, options)};
+}
+
+TEST(NetworkChecks, a_reduced_network_keeps_its_laws) {
+  for (const bool drift : {false, true}) {
+    const rom::Network network = grid_network(40);
+    const NetworkChecks checks = check_laws(network, drives(network, drift));
+    EXPECT_TRUE(checks.passed());
+    EXPECT_LT(checks.heat_balance, 1e-9);
+    EXPECT_LT(checks.row_sum, 1e-12);
+  }
+}
+
+TEST(NetworkChecks, heat_balance_closes_with_a_coolant_circuit) {
+  const rom::Network network = jacket_network();
+  EXPECT_LT(heat_unbalanced(network, drives(network, false).front()), 1e-9);
+}
+
+TEST(NetworkChecks, see_conduction_that_loses_heat) {
+  rom::Network network = grid_network(40);
+  network.conduction_W_per_K(3, 3) += 1e-4 * network.conduction_W_per_K.cwiseAbs().maxCoeff();
+  const NetworkChecks checks = check_laws(network, drives(network, false));
+  EXPECT_FALSE(checks.passed());
+  EXPECT_GT(checks.row_sum, 1e-6);
+  EXPECT_GT(checks.heat_balance, 1e-7);
+}
+
+TEST(NetworkChecks, see_a_source_that_makes_heat_of_its_own) {
+  rom::Network network = grid_network(40);
+  network.source_distribution.col(3) *= 1.001;
+  const NetworkChecks checks = check_laws(network, drives(network, false));
+  EXPECT_GT(checks.source_sum, 1e-4);
+  EXPECT_GT(checks.heat_balance, 1e-5);
+}
+
+TEST(NetworkChecks, see_a_capacity_that_is_not_positive_definite) {
+  rom::Network network = grid_network(20);
+  network.capacity_J_per_K(5, 5) = -1.0;
+  EXPECT_FALSE(check_laws(network, {}).passed());
+}
+
+TEST(SizeChoice, takes_the_smallest_size_that_keeps_the_tolerance) {
+  const AffineModel model = make_grid_model();
+  const ReduceOptions options = small_options(2);
+  const Reduction reduction(model, options);
+  const auto nodes_for = [&](const Tolerance& tolerance) {
+    const SizeChoice choice = choose_size(model, reduction, tolerance, options, {}, nullptr, 2);
+    EXPECT_TRUE(choice.reached);
+    for (const TriedSize& tried : choice.tried) {
+      const bool kept = tried.reached.key_points_K <= share_of_tolerance * tolerance.key_points_K &&
+                        tried.reached.deformations_um <= share_of_tolerance * tolerance.deformations_um &&
+                        tried.reached.part_max_K <= share_of_tolerance * tolerance.part_max_K;
+      EXPECT_EQ(kept, tried.nodes >= static_cast<int>(choice.network.nodes.size())) << tried.nodes;
+    }
+    return choice.network.nodes.size();
+  };
+  EXPECT_LT(nodes_for({1.0, 1.0, 4.0}), nodes_for({0.2, 0.2, 0.8}));
+}
+
+TEST(SizeChoice, says_when_no_size_is_enough) {
+  const AffineModel model = make_grid_model();
+  ReduceOptions options = small_options(2);
+  options.rich_states = 40;
+  const Reduction reduction(model, options);
+  const SizeChoice choice = choose_size(model, reduction, {1e-9, 1e-9, 1e-9}, options, {}, nullptr, 1);
+  EXPECT_FALSE(choice.reached);
+  EXPECT_EQ(choice.network.nodes.size(), 40u);
+}
+
+TEST(MeshError, is_what_half_the_element_size_changes_and_falls_with_it) {
+  const auto nose_change_m = [](double element_size_m) {
+    Spindle spindle = read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/shaft_in_sleeve.toml");
+    spindle.mesh.element_size_m = element_size_m;
+    const Spindle finer = with_half_elements(spindle);
+    EXPECT_EQ(finer.mesh.element_size_m, 0.5 * element_size_m);
+    const FeModel model(spindle, build_section(spindle)), fine(finer, build_section(finer));
+    rom::Certificate certificate;
+    certificate.key_points_K.resize(model.affine().key_points.size());
+    certificate.part_means_K.resize(model.affine().parts.size());
+    certificate.part_maxima_K.resize(model.affine().parts.size());
+    certificate.deformations_m.resize(model.affine().deformations.size());
+    certificate.contact_pressures_Pa.resize(model.affine().contact_pressures.size());
+    measure_mesh_error(model.affine(), fine.affine(), 2, {}, certificate);
+    return certificate.part_maxima_K.front().mesh;
+  };
+  const double coarse = nose_change_m(8e-3), fine = nose_change_m(4e-3);
+  EXPECT_GT(coarse, 0.0);
+  EXPECT_LT(fine, coarse);
+}
+
+}  // namespace
+}  // namespace spindle_twin::fem_offline
