@@ -80,8 +80,12 @@ void EstimatorCore::forget() {
 
 void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
   forget();
-  sensitivities.clear();
-  for (std::size_t s = 0; s < windows.size(); ++s) windows[s].start(options.sensors[s].row.dot(nodes));
+  sensitivities.start(parameters);
+  for (std::size_t s = 0; s < windows.size(); ++s) {
+    windows[s].start(options.sensors[s].row.dot(nodes));
+    sensitivities.of_row(windows[s].internal, windows[s].sensitivity);
+    windows[s].lagged_sensitivity = windows[s].sensitivity_before = windows[s].sensitivity;
+  }
   started = true;
   period_open = false;
   fused_s = time_s;

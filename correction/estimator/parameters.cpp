@@ -35,6 +35,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   require(priors.bearing_mean_per_K, 0.1, "prior.bearing_mean_per_K");
   require(priors.bearing_per_K, 0.1, "prior.bearing_per_K");
   require(priors.speed_exponent, 1.0, "prior.speed_exponent");
+  require(priors.start_K, 10.0, "prior.start_K");
   require(priors.walk_per_root_min, 1.0, "prior.walk_per_root_min");
 
   const rom::Boundaries& boundaries = network.boundaries;
@@ -79,6 +80,9 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
          priors.speed_exponent, 0.0, 0.0, -widest * priors.speed_exponent, widest * priors.speed_exponent},
         exponent_[i]);
   }
+  add({"start", ParameterKind::start, 0, 0.0, priors.start_K, 0.0, 0.0, -widest * priors.start_K,
+       widest * priors.start_K},
+      start_);
   mean_.resize(count());
   for (Eigen::Index i = 0; i < count(); ++i) mean_[i] = list_[static_cast<std::size_t>(i)].mean;
 }

@@ -17,6 +17,7 @@ enum class ParameterKind : std::uint8_t {
   environment,          ///< what has to be added to the reading of an environment [K]
   bearing_temperature,  ///< friction heat falls as exp(−β rise of the bearing) [1/K]
   speed_exponent,       ///< heat · (|n| / n_ref)^δ
+  start,                ///< what the whole spindle was warmer at the start than the model's start [K]
 };
 
 /// One entry of θ. A deviation of zero leaves it out.
@@ -43,6 +44,7 @@ struct EstimatorPriors {
   double bearing_mean_per_K = 0.010;
   double bearing_per_K = 0.005;
   double speed_exponent = 0.15;
+  double start_K = 0.2;
   double walk_per_root_min = 0.0075;  ///< of every ln factor
   /// A nominal value is the median of what machines have: start at the mean of the heats and of the resistances, which
   /// lie σ²/2 above in ln. Starting at the medians biases the nose by micrometres.
@@ -71,6 +73,7 @@ class ParameterModel {
   int conductance(Eigen::Index j) const { return conductance_[static_cast<std::size_t>(j)]; }
   int environment(Eigen::Index e) const { return environment_[static_cast<std::size_t>(e)]; }
   int bearing() const { return bearing_; }
+  int start() const { return start_; }
 
   /// ln of |n| / n_ref as the speed exponents use it: not below 1/20, where no heat is left to be wrong.
   double log_speed(double speed_rpm) const;
@@ -85,7 +88,7 @@ class ParameterModel {
   std::vector<Parameter> list_;
   Eigen::VectorXd mean_;
   std::vector<int> heat_, exponent_, conductance_, environment_;
-  int bearing_ = -1;
+  int bearing_ = -1, start_ = -1;
   std::vector<bool> friction_;
   double reference_speed_rpm_ = 0.0;
   double heat_common_ = 0.0;

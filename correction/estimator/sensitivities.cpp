@@ -51,6 +51,11 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   wall_rises_K_ = Eigen::VectorXd::Zero(segments);
 }
 
+void Sensitivities::start(const ParameterModel& parameters) {
+  transposed_.setZero();
+  if (parameters.start() >= 0) transposed_.row(parameters.start()) = capacity_root_.colwise().sum();  // Lᵀ 1
+}
+
 void Sensitivities::internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const {
   internal = row;
   capacity_root_.triangularView<Eigen::Lower>().solveInPlace(internal);

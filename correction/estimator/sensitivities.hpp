@@ -40,7 +40,8 @@ class Sensitivities {
   Sensitivities(const rom::Network& network, std::shared_ptr<const rom::NetworkOperator> the_operator,
                 const ParameterModel& parameters);
 
-  void clear() { transposed_.setZero(); }
+  /// At the start: nothing but the start itself has had an effect.
+  void start(const ParameterModel& parameters);
   /// Forgets nothing on failure: returns false and leaves S when the factor is not positive definite.
   bool advance(const HeldPeriod& held, const ParameterModel& parameters);
 

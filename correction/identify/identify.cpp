@@ -73,6 +73,7 @@ struct Run {
 Run run(const rom::Network& network, const ParameterModel& parameters, const Schedule& schedule,
         const std::vector<SensorPlace>& places, const IdentifyOptions& options) {
   Sensitivities sensitivities(network, std::make_shared<const rom::NetworkOperator>(network), parameters);
+  sensitivities.start(parameters);
   const auto stepper = rom::make_runtime_stepper(network);
   rom::CorrectionFactors factors = no_correction(network.boundaries);
   rom::BoundaryValues values = make_boundary_values(network.boundaries);
@@ -128,6 +129,7 @@ EstimatorPriors constant_priors() {
   priors.bearing_mean_per_K = 0.0;
   priors.bearing_per_K = 0.0;
   priors.speed_exponent = 0.0;
+  priors.start_K = 0.0;
   priors.walk_per_root_min = 0.0;
   priors.centred = false;
   return priors;

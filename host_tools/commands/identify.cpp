@@ -41,6 +41,8 @@ const char* kind_name(correction::ParameterKind kind) {
       return "bearing temperature";
     case correction::ParameterKind::speed_exponent:
       return "speed exponent";
+    case correction::ParameterKind::start:
+      return "start";
   }
   return "unknown";
 }

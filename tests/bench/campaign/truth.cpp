@@ -43,6 +43,7 @@ double drift(double time_s) { return std::log1p(drift_at_end * std::floor(time_s
 
 correction::EstimatorPriors priors_of(HeatErrors heats) {
   correction::EstimatorPriors priors;
+  priors.start_K = 0.0;  // truth and twin start at the reference temperature
   if (heats == HeatErrors::common) {
     priors.heat = 0.15;
     priors.heat_common = 0.5;

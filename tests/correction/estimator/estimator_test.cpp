@@ -15,7 +15,7 @@ TEST(Estimator, equals_batch_least_squares_where_the_model_is_linear) {
   const rom::Network network = plates();
   EstimatorOptions options;
   options.priors.heat = options.priors.contact = options.priors.film = options.priors.speed_exponent = 0.0;
-  options.priors.bearing_per_K = 0.0;
+  options.priors.bearing_per_K = options.priors.start_K = 0.0;
   options.priors.environment_K = 0.5;
   options.priors.environment_memory_s = 0.0;
   options.offset_walk_K_per_root_hour = 0.0;
@@ -190,6 +190,18 @@ TEST(Estimator, sensors_of_different_rates_and_lags_lead_to_the_same_temperature
   pair.run_until(2400.0);
   EXPECT_LT(pair.sensor_error_K(), 0.05);
   EXPECT_EQ(pair.estimator.record(0).rejected_in_a_row, 0);
+}
+
+TEST(Estimator, a_spindle_that_was_warmer_at_the_start_is_found_at_the_first_readings) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  pair.truth = pair.estimator.parameters().mean();
+  const double reference_K = network.boundaries.reference_temperature_K;
+  const Eigen::Index nodes = pair.twin.stepper.temperatures_K().size();
+  pair.plant.stepper.set_temperatures(Eigen::VectorXd::Constant(nodes, reference_K + 0.5));
+  pair.run_until(62.0);
+  EXPECT_LT(pair.sensor_error_K(), 0.05);
+  for (Eigen::Index s = 0; s < 4; ++s) EXPECT_TRUE(pair.estimator.record(s).fused) << s;
 }
 
 TEST(Estimator, switching_off_and_on_moves_no_temperature) {
