@@ -26,7 +26,7 @@ struct EstimatorOptions {
   double noise_K = 0.03;   ///< of the sensors that are made from key points
   double offset_K = 0.02;
   double lag_s = 0.0;
-  double floor_K = 0.05;        ///< 1σ of what the network itself is wrong at a sensor
+  double floor_K = 0.03;        ///< 1σ of what the network itself is wrong at a sensor
   double correlation_s = 60.0;  ///< errors closer than this in time count as one
   double offset_walk_K_per_root_hour = 0.002;
   double gate = 5.0;                     ///< an innovation beyond so many deviations is rejected

@@ -18,6 +18,8 @@
 namespace spindle_twin::bench {
 namespace {
 
+constexpr int first_common = 48;
+
 struct Options {
   int runs = 48;
   int nodes = 110;
@@ -101,14 +103,14 @@ int run(const Options& options) {
     estimator.priors.walk_per_root_min = options.walk;
     estimator.floor_K = options.floor_K;
     const correction::ParameterModel parameters(network, estimator.priors);
-    const std::uint64_t seed = 1000 * options.seed + static_cast<std::uint64_t>(i);
+    // The same spindles whatever the number of runs, and others for A than for B.
+    const int number = i < options.runs ? i : i - options.runs + first_common;
+    const std::uint64_t seed = 1000 * options.seed + static_cast<std::uint64_t>(number);
     const Truth truth = cached_truth(options.cache, fe.affine(), parameters, seed, heats);
     RunResult& result = results[static_cast<std::size_t>(i)];
     result.seed = seed;
     result.heats = heats;
-    const Eigen::Index judged = static_cast<Eigen::Index>(judged_from_s / sample_s);
-    const auto nose_m = truth.nose_m.tail(truth.nose_m.size() - judged);
-    result.span_um = 1e6 * (nose_m.maxCoeff() - nose_m.minCoeff());
+    result.span_um = 1e6 * (truth.nose_m.maxCoeff() - truth.nose_m.minCoeff());
     result.open_loop = run_open_loop(network, truth);
     for (std::size_t s = 0; s < set_ups.size(); ++s) {
       const SetUp& set_up = set_ups[s];

@@ -43,7 +43,7 @@ TEST(Estimator, equals_batch_least_squares_where_the_model_is_linear) {
     if (updated) {
       const Eigen::MatrixXd sensitivities = pair.estimator.sensitivities_K();
       // The first reading stands alone, each of the following shares the error of its minute.
-      const double noise = (0.03 * 0.03 / count + 0.05 * 0.05) * (pair.estimator.updates() == 1 ? 1.0 : 6.0);
+      const double noise = (0.03 * 0.03 / count + 0.03 * 0.03) * (pair.estimator.updates() == 1 ? 1.0 : 6.0);
       for (Eigen::Index s = 0; s < 4; ++s) {
         Eigen::VectorXd h = Eigen::VectorXd::Unit(n, 2 + s);
         h.head(2) = sensitivities.transpose() * network.key_points[static_cast<std::size_t>(s)].row;
