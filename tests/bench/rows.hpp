@@ -21,6 +21,9 @@ void print_row(const std::string& what, double value, const std::string& unit, c
 /// Processor seconds of one transient step with its factor kept, at the operating state.
 double step_seconds(const std::string& spindle_path);
 
+/// Processor seconds of a network over a schedule in cycles of 1 s, without reading the file.
+double schedule_seconds(const std::string& network_path, const std::string& schedule_path);
+
 void print_fem_rows();
 void print_network_rows();
 void print_estimator_rows();
