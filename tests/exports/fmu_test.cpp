@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -8,6 +10,7 @@
 #include "host_tools/fmu/write_fmu.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
+#include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "tests/exports/importer.hpp"
@@ -89,6 +92,43 @@ TEST_F(Fmu, gives_the_runtimes_own_numbers_bit_for_bit) {
   }
   EXPECT_GT(std::abs(outputs.deformations_m[0]), 0.0);
   FMI2_CALL(*importer_, fmi2FreeInstance)(slave);
+}
+
+TEST(FmuWithCircuit, outlet_and_heat_are_the_runtimes_own_while_the_flow_stops_and_turns) {
+  const rom::Network network = rom::tests::make_network_with_circuit({}, 9);
+  const std::string path = std::filesystem::temp_directory_path() / "spindle_twin_fmu_circuit_test.fmu";
+  write_fmu(network, rom::encode_network(network), path);
+  {
+    Importer importer(path);
+    fmi2Component slave = importer.instantiate("spindle");
+    ASSERT_NE(slave, nullptr);
+    ASSERT_EQ(importer.starts.at("flow.helix"), 0.03);
+    ASSERT_EQ(FMI2_CALL(importer, fmi2SetupExperiment)(slave, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
+    ASSERT_EQ(FMI2_CALL(importer, fmi2EnterInitializationMode)(slave), fmi2OK);
+    ASSERT_EQ(FMI2_CALL(importer, fmi2ExitInitializationMode)(slave), fmi2OK);
+    const auto coordinates = std::make_shared<const rom::NetworkOperator>(network);
+    const auto stepper = rom::make_runtime_stepper(network);
+    rom::BoundaryValues values = correction::make_boundary_values(network.boundaries);
+    rom::OperatingState state = network.boundaries.operating;
+    stepper->set_temperatures(Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(),
+                                                        correction::rest_temperature_K(network.boundaries, state)));
+    constexpr std::array<double, 3> flows_kg_per_s{0.03, 0.0, -0.02};
+    double most_heat_W = 0.0;
+    for (int second = 0; second < 90; ++second) {
+      state.flow_kg_per_s[0] = flows_kg_per_s[static_cast<std::size_t>(second / 30)];
+      ASSERT_EQ(importer.set(slave, "flow.helix", state.flow_kg_per_s[0]), fmi2OK);
+      ASSERT_EQ(FMI2_CALL(importer, fmi2DoStep)(slave, second, 1.0, 1), fmi2OK);
+      correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
+      ASSERT_EQ(stepper->advance(1.0, values), rom::StepStatus::ok);
+      const rom::CoolantOutlets coolant = rom::coolant_outlets(*coordinates, values, stepper->temperatures_K());
+      ASSERT_EQ(importer.get(slave, "coolant_outlet.helix"), coolant.outlet_K[0]) << "after " << second + 1 << " s";
+      ASSERT_EQ(importer.get(slave, "coolant_heat.helix"), coolant.heat_W[0]) << "after " << second + 1 << " s";
+      most_heat_W = std::max(most_heat_W, coolant.heat_W.cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT(most_heat_W, 0.0);
+    FMI2_CALL(importer, fmi2FreeInstance)(slave);
+  }
+  std::filesystem::remove(path);
 }
 
 TEST_F(Fmu, two_slaves_at_once_do_not_share_anything) {

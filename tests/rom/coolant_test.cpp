@@ -18,35 +18,6 @@
 namespace spindle_twin::rom::tests {
 namespace {
 
-/// The synthetic spindle with a circuit that wets one row of nodes of every plate, one after another.
-Network with_circuit(const SyntheticShape& shape, std::uint64_t seed) {
-  Network network = make_synthetic_network(shape, seed);
-  const Eigen::Index n = network.capacity_J_per_K.rows();
-  Boundaries& boundaries = network.boundaries;
-  CoolantCircuit circuit{"helix", 0, 4180.0, {}};
-  for (int body = 0; body < shape.bodies; ++body) {
-    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(n, shape.columns);
-    double area_m2 = 0.0;
-    for (int column = 0; column < shape.columns; ++column) {
-      const double part_m2 = 0.02 * (1.0 + 0.3 * column + 0.1 * body);
-      factor((body * shape.columns + column) * shape.rows, column) = std::sqrt(part_m2);
-      area_m2 += part_m2;
-    }
-    Conductance film;
-    film.name = "groove " + std::to_string(body);
-    film.kind = ConductanceKind::environment_film;
-    film.nominal_W_per_m2K = 900.0;
-    film.area_m2 = area_m2;
-    film.environment = 0;
-    circuit.segments.push_back(static_cast<int>(boundaries.conductances.size()));
-    boundaries.conductances.push_back(film);
-    network.factors_m.push_back(factor);
-  }
-  boundaries.circuits = {circuit};
-  boundaries.operating.flow_kg_per_s = Eigen::VectorXd::Constant(1, 0.03);
-  return network;
-}
-
 BoundaryValues values_at(const Network& network, const OperatingState& state) {
   BoundaryValues values = correction::make_boundary_values(network.boundaries);
   correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
@@ -155,7 +126,7 @@ TEST(Coolant, upstream_matrix_and_march_are_one_law) {
 }
 
 TEST(Coolant, network_carries_the_heat_that_the_liquid_takes_away) {
-  const Network network = with_circuit({4, 3, 3, true}, 5);
+  const Network network = make_network_with_circuit({4, 3, 3, true}, 5);
   for (const double flow_kg_per_s : {0.03, -0.03, 0.001}) {
     OperatingState state = network.boundaries.operating;
     state.flow_kg_per_s[0] = flow_kg_per_s;
@@ -190,7 +161,7 @@ TEST(Coolant, network_carries_the_heat_that_the_liquid_takes_away) {
 
 TEST(Coolant, cvode_and_exact_agree_while_the_flow_stops_and_turns) {
   const std::uint64_t seed = 41;
-  const Network network = with_circuit({4, 3, 3, true}, seed);
+  const Network network = make_network_with_circuit({4, 3, 3, true}, seed);
   FlowCycle cycle(network, seed);
   const auto shared = std::make_shared<const NetworkOperator>(network);
   CvodeStepper cvode(shared);
@@ -208,7 +179,7 @@ TEST(Coolant, cvode_and_exact_agree_while_the_flow_stops_and_turns) {
 }
 
 TEST(Coolant, circuit_at_great_flow_is_a_plain_film) {
-  Network network = with_circuit({3, 3, 3, true}, 8);
+  Network network = make_network_with_circuit({3, 3, 3, true}, 8);
   network.boundaries.operating.flow_kg_per_s[0] = 1e6;
   Network plain = network;
   plain.boundaries.circuits.clear();
@@ -221,7 +192,7 @@ TEST(Coolant, circuit_at_great_flow_is_a_plain_film) {
 }
 
 TEST(Coolant, no_heap_call_in_the_cycle_after_warm_up) {
-  const Network network = with_circuit({8, 5, 5, true}, 101);
+  const Network network = make_network_with_circuit({8, 5, 5, true}, 101);
   const auto stepper = make_runtime_stepper(network);
   FlowCycle cycle(network, 101);
   stepper->advance(1.0, cycle.next());
@@ -236,7 +207,7 @@ TEST(Coolant, no_heap_call_in_the_cycle_after_warm_up) {
 }
 
 TEST(Coolant, file_keeps_circuits_and_their_absence) {
-  const Network network = with_circuit({3, 2, 2, true}, 3);
+  const Network network = make_network_with_circuit({3, 2, 2, true}, 3);
   const Network read = decode_network(encode_network(network), "test.rom");
   ASSERT_EQ(read.boundaries.circuits.size(), 1u);
   const CoolantCircuit &is = read.boundaries.circuits[0], &should_be = network.boundaries.circuits[0];
@@ -253,7 +224,7 @@ TEST(Coolant, file_keeps_circuits_and_their_absence) {
 }
 
 TEST(Coolant, file_with_a_broken_circuit_is_refused) {
-  const Network good = with_circuit({3, 2, 2, true}, 3);
+  const Network good = make_network_with_circuit({3, 2, 2, true}, 3);
   const auto refused = [&](auto spoil) {
     Network bad = good;
     spoil(bad.boundaries.circuits[0]);

@@ -149,6 +149,34 @@ Network make_synthetic_network(const SyntheticShape& shape, std::uint64_t seed) 
   return network;
 }
 
+Network make_network_with_circuit(const SyntheticShape& shape, std::uint64_t seed) {
+  Network network = make_synthetic_network(shape, seed);
+  const Eigen::Index n = network.capacity_J_per_K.rows();
+  Boundaries& boundaries = network.boundaries;
+  CoolantCircuit circuit{"helix", 0, 4180.0, {}};
+  for (int body = 0; body < shape.bodies; ++body) {
+    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(n, shape.columns);
+    double area_m2 = 0.0;
+    for (int column = 0; column < shape.columns; ++column) {
+      const double part_m2 = 0.02 * (1.0 + 0.3 * column + 0.1 * body);
+      factor((body * shape.columns + column) * shape.rows, column) = std::sqrt(part_m2);
+      area_m2 += part_m2;
+    }
+    Conductance film;
+    film.name = "groove " + std::to_string(body);
+    film.kind = ConductanceKind::environment_film;
+    film.nominal_W_per_m2K = 900.0;
+    film.area_m2 = area_m2;
+    film.environment = 0;
+    circuit.segments.push_back(static_cast<int>(boundaries.conductances.size()));
+    boundaries.conductances.push_back(film);
+    network.factors_m.push_back(factor);
+  }
+  boundaries.circuits = {circuit};
+  boundaries.operating.flow_kg_per_s = Eigen::VectorXd::Constant(1, 0.03);
+  return network;
+}
+
 Network make_single_node() {
   Network network;
   network.spindle = "single node";

@@ -18,6 +18,10 @@ struct SyntheticShape {
 /// 10 kJ/K. bodies · columns · rows + 1 nodes. Same seed, same network.
 Network make_synthetic_network(const SyntheticShape& shape, std::uint64_t seed);
 
+/// The same with a coolant circuit that wets one row of nodes of every plate, one after another; 0.03 kg/s at the
+/// operating state.
+Network make_network_with_circuit(const SyntheticShape& shape, std::uint64_t seed);
+
 /// One node of 1000 J/K with a 25 W/K film (50 W/m2K on 0.5 m2) to an ambient of 300 K and one source of 100 W.
 Network make_single_node();
 
