@@ -45,7 +45,8 @@ struct DeckFilm {
 using DeckRow = std::vector<std::pair<std::size_t, double>>;
 
 /// What another FE program needs to solve the same spindle on the same mesh: only geometry, material numbers and loads,
-/// none of our matrices. Axisymmetric, eight-node quadrilaterals with straight sides, arcs as chords (`curved_arcs` false).
+/// none of our matrices. Axisymmetric, eight-node quadrilaterals with straight sides, arcs as chords (`curved_arcs`
+/// false).
 struct DeckModel {
   Section section;
   std::vector<Point> nodes;                          ///< corners, then midsides; no node is shared by two parts

@@ -13,9 +13,10 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr int sets = 600;
-constexpr std::size_t most_candidates = 96;
-constexpr double good_enough_K = 0.01;
+constexpr int sets = 1200;
+/// Seldom reached: a long shaft takes 270. Each is one more row to multiply per cycle.
+constexpr std::size_t most_candidates = 400;
+constexpr double good_enough_K = 0.003;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
 /// Times after a change of the operating state at which fields are taken.
