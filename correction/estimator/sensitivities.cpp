@@ -41,7 +41,8 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   transposed_ = stage_ = drive_ = Eigen::MatrixXd::Zero(p, n);
   lower_ = upper_ = Eigen::MatrixXd::Zero(n, n);
   packed_ = operator_->make_packed();
-  cholesky_ = Eigen::LLT<Eigen::MatrixXd>(n);
+  // Computed once so that it may be copied: a factor that never was has an indeterminate result.
+  cholesky_.compute(Eigen::MatrixXd::Identity(n, n));
   mean_K_ = x_ = shift_ = unused_drive_ = Eigen::VectorXd::Zero(n);
   projected_ = Eigen::VectorXd::Zero(columns);
   rises_K_ = Eigen::VectorXd::Zero(sources_.cols());

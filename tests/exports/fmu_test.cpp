@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/boundaries/schedule.hpp"
@@ -32,7 +34,7 @@ class Fmu : public ::testing::Test {
  protected:
   void SetUp() override {
     network_ = rom::tests::make_synthetic_network({}, 7);
-    path_ = std::filesystem::temp_directory_path() / "spindle_twin_fmu_test.fmu";
+    path_ = std::filesystem::temp_directory_path() / ("spindle_twin_fmu_test_" + std::to_string(::getpid()) + ".fmu");
     write_fmu(network_, rom::encode_network(network_), path_);
     importer_ = std::make_unique<Importer>(path_);
   }
@@ -96,7 +98,8 @@ TEST_F(Fmu, gives_the_runtimes_own_numbers_bit_for_bit) {
 
 TEST(FmuWithCircuit, outlet_and_heat_are_the_runtimes_own_while_the_flow_stops_and_turns) {
   const rom::Network network = rom::tests::make_network_with_circuit({}, 9);
-  const std::string path = std::filesystem::temp_directory_path() / "spindle_twin_fmu_circuit_test.fmu";
+  const std::string path =
+      std::filesystem::temp_directory_path() / ("spindle_twin_fmu_circuit_test_" + std::to_string(::getpid()) + ".fmu");
   write_fmu(network, rom::encode_network(network), path);
   {
     Importer importer(path);
