@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "correction/laws/channel_law.hpp"
-#include "correction/laws/speed_law.hpp"
+#include "rom/laws/channel_law.hpp"
+#include "rom/laws/speed_law.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -19,7 +19,7 @@ void apply_channel_law(const rom::Boundaries& boundaries, const rom::OperatingSt
     for (const int segment : circuit.segments) {
       double& film_W_per_m2K = values.conductance_W_per_m2K[segment];
       const double area_m2 = boundaries.conductances[static_cast<std::size_t>(segment)].area_m2;
-      film_W_per_m2K = channel_W_per_m2K(film_W_per_m2K, area_m2, flow_W_per_K);
+      film_W_per_m2K = rom::channel_W_per_m2K(film_W_per_m2K, area_m2, flow_W_per_K);
     }
   }
 }
@@ -48,12 +48,12 @@ void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::Operating
     const rom::Conductance& conductance = boundaries.conductances[static_cast<std::size_t>(j)];
     values.conductance_W_per_m2K[j] =
         factors.conductance[j] * conductance.nominal_W_per_m2K *
-        evaluate_speed_law(conductance.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
+        rom::evaluate_speed_law(conductance.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
   }
   for (Eigen::Index i = 0; i < values.heat_W.size(); ++i) {
     const rom::HeatSource& source = boundaries.sources[static_cast<std::size_t>(i)];
     values.heat_W[i] = factors.heat[i] * source.nominal_W *
-                       evaluate_speed_law(source.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
+                       rom::evaluate_speed_law(source.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
   }
   values.environment_K = state.environment_K;
   apply_channel_law(boundaries, state, values);

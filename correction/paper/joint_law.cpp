@@ -1,7 +1,8 @@
 #include "correction/paper/joint_law.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "rom/laws/interference_fit.hpp"
 
 namespace spindle_twin::correction {
 
@@ -11,7 +12,8 @@ double joint_resistance_ratio(const rom::JointFit& fit, double inner_rise_K, dou
       fit.pressure_per_inner_rise_Pa_per_K * inner_rise_K - fit.pressure_per_outer_rise_Pa_per_K * outer_rise_K;
   const double pressure_ratio = 1.0 + pressure_change_Pa / fit.assembly_pressure_Pa;
   if (pressure_ratio <= 0.0) return maximum;
-  return std::clamp(std::pow(pressure_ratio, -exponent), minimum, maximum);
+  const auto ratio = rom::pressure_resistance_ratio(rom::LawMode::as_published, pressure_ratio, 1.0, exponent);
+  return std::clamp(ratio.value, minimum, maximum);
 }
 
 }  // namespace spindle_twin::correction

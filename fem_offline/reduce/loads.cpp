@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "correction/laws/speed_law.hpp"
+#include "rom/laws/speed_law.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -35,8 +35,7 @@ Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_hi
   loads.heat_W = model.source_distribution;
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     const rom::HeatSource& source = boundaries.sources[i];
-    const double law =
-        correction::evaluate_speed_law(source.law, speed_high_rpm, boundaries.reference_speed_rpm, load_high);
+    const double law = rom::evaluate_speed_law(source.law, speed_high_rpm, boundaries.reference_speed_rpm, load_high);
     loads.heat_W.col(static_cast<Eigen::Index>(i)) *= source.nominal_W * std::max(law, 1.0);
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "correction/laws/channel_law.hpp"
-#include "correction/laws/speed_law.hpp"
+#include "rom/laws/channel_law.hpp"
+#include "rom/laws/speed_law.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -67,8 +67,8 @@ Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const Par
   Eigen::VectorXd conductances = random_conductance_factors(boundaries, box, corner, random);
   for (Eigen::Index j = 0; j < conductances.size(); ++j) {
     const rom::Conductance& item = boundaries.conductances[static_cast<std::size_t>(j)];
-    conductances[j] *= item.nominal_W_per_m2K *
-                       correction::evaluate_speed_law(item.law, speed_rpm, boundaries.reference_speed_rpm, load);
+    conductances[j] *=
+        item.nominal_W_per_m2K * rom::evaluate_speed_law(item.law, speed_rpm, boundaries.reference_speed_rpm, load);
   }
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     double factor = random.log_uniform(box.flow_low, box.flow_high);
@@ -76,7 +76,7 @@ Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const Par
     const rom::CoolantCircuit& circuit = boundaries.circuits[c];
     const double flow_W_per_K = factor * flow_scale_kg_per_s(boundaries, c) * circuit.heat_capacity_J_per_kgK;
     for (const int segment : circuit.segments) {
-      conductances[segment] = correction::channel_W_per_m2K(
+      conductances[segment] = rom::channel_W_per_m2K(
           conductances[segment], boundaries.conductances[static_cast<std::size_t>(segment)].area_m2, flow_W_per_K);
     }
   }

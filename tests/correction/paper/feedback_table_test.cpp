@@ -7,12 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "tests/correction/laws/law_checks.hpp"
 #include "tests/correction/paper/one_node.hpp"
+#include "tests/rom/laws/law_checks.hpp"
 
 /// The published law as a feedback loop: one node of 375 s corrected every 80 s, heat 4.95/2.29 times too large at the
 /// start, 2.29 K true rise. The table stands in correction/README.md.
 namespace spindle_twin::correction::test {
+
+using rom::test::expect_close;
+using rom::test::reference_rows;
+using rom::test::ReferenceRow;
+
 namespace {
 
 constexpr double excess = 4.95 / 2.29;
@@ -53,7 +58,7 @@ Outcome run(const PaperOptions& options, double noise_K = 0.0, unsigned seed = 0
   outcome.rms_error_K = std::sqrt(outcome.rms_error_K);
   double mean = 0.0;
   for (const double heat : tail) mean += heat / static_cast<double>(tail.size());
-  for (const double heat : tail) outcome.tail_deviation += square(heat - mean) / static_cast<double>(tail.size());
+  for (const double heat : tail) outcome.tail_deviation += rom::square(heat - mean) / static_cast<double>(tail.size());
   outcome.tail_deviation = std::sqrt(outcome.tail_deviation);
   return outcome;
 }
@@ -147,7 +152,7 @@ TEST(FeedbackTable, deviation_under_noise_is_that_of_the_linear_loop) {
     for (int k = 0; k < corrections; ++k) {
       loop.offset_K[0] = noise(engine);
       loop.cycle(80.0);
-      sum += square(std::log(loop.heat_ratio()));
+      sum += rom::square(std::log(loop.heat_ratio()));
     }
     EXPECT_NEAR(std::sqrt(sum / corrections) / expected, 1.0, 0.05) << "seed 7, gain " << gain;
   }
