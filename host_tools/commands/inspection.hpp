@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,8 @@ std::vector<CertifiedOutput> certified_outputs(const rom::Network& network);
 /// Reads and checks. Throws rom::InputError.
 Inspection inspect(const std::string& path);
 
-/// On stdout, for people and for programs.
+/// On stdout, for people and for programs; `steady_state` as network_page/steady_state.hpp makes it, or null.
 void print_table(const Inspection& result);
-void print_json(const Inspection& result);
+void print_json(const Inspection& result, const nlohmann::json& steady_state);
 
 }  // namespace spindle_twin::host_tools

@@ -45,7 +45,7 @@ nlohmann::json boundaries_json(const Inspection& result) {
 
 }  // namespace
 
-void print_json(const Inspection& result) {
+void print_json(const Inspection& result, const nlohmann::json& steady_state) {
   const rom::Network& network = result.network;
   nlohmann::json json = boundaries_json(result);
   json["spindle"] = network.spindle;
@@ -88,6 +88,7 @@ void print_json(const Inspection& result) {
         {"outlet_degC", result.coolant.outlet_K[index] - kelvin_at_0_degC},
         {"heat_W", result.coolant.heat_W[index]}};
   }
+  json["steady_state"] = steady_state;
   json["certificate"] = {{"cases", network.certificate.cases},
                          {"seed", network.certificate.seed},
                          {"worst", errors_json(network.certificate.worst)},

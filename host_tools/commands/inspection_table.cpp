@@ -56,9 +56,9 @@ void print_outputs(const Inspection& result) {
     std::printf("%-24s %14.4f\n", output.name.c_str(), micrometres_per_metre * output.row_m_per_K.sum());
   }
   if (network.contact_pressures.empty()) return;
-  std::printf("\n%-24s %14s %14s\n", "contact pressure", "assembly MPa", "MPa per K");
+  std::printf("\n%-32s %14s %14s\n", "contact pressure", "assembly MPa", "MPa per K");
   for (const rom::ContactPressureOutput& output : network.contact_pressures) {
-    std::printf("%-24s %14.4f %14.4f\n", output.name.c_str(), megapascal_per_pascal * output.assembly_pressure_Pa,
+    std::printf("%-32s %14.4f %14.4f\n", output.name.c_str(), megapascal_per_pascal * output.assembly_pressure_Pa,
                 megapascal_per_pascal * output.row_Pa_per_K.sum());
   }
 }
@@ -96,11 +96,16 @@ void print_certificate(const rom::Network& network) {
 }
 
 void print_nodes(const rom::Network& network) {
-  std::printf("\n%-32s %-24s %9s %9s %12s\n", "node", "part", "r mm", "z mm", "J/K");
+  std::printf("\n%-32s %-24s %9s %9s %14s\n", "node", "part", "r mm", "z mm", "row of C J/K");
   for (std::size_t i = 0; i < network.nodes.size(); ++i) {
     const rom::Node& node = network.nodes[i];
-    std::printf("%-32s %-24s %9.2f %9.2f %12.2f\n", node.name.c_str(), node.part.c_str(), 1e3 * node.r_m,
-                1e3 * node.z_m, network.capacity_J_per_K.row(static_cast<Eigen::Index>(i)).sum());
+    const double row_J_per_K = network.capacity_J_per_K.row(static_cast<Eigen::Index>(i)).sum();
+    std::printf("%-32s %-24s ", node.name.c_str(), node.part.c_str());
+    if (node.part.empty() && node.r_m == 0.0 && node.z_m == 0.0) {  // a volume of air without a place
+      std::printf("%9s %9s %14.2f\n", "", "", row_J_per_K);
+    } else {
+      std::printf("%9.2f %9.2f %14.2f\n", 1e3 * node.r_m, 1e3 * node.z_m, row_J_per_K);
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 network_file_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest options]
 """
 import json
+import math
 import pathlib
 import stat
 import subprocess
@@ -60,6 +61,39 @@ class NetworkFiles(host_tool_case.Case):
         self.assertGreater(last["winding_sensor_degC"], last["front_seat_degC"])
         self.assertGreater(last["nose_um"], 0.0)
         self.assertAlmostEqual(last["motor_loss_W"], 380.0, places=4)
+
+    def test_flows_and_balances_of_the_steady_state_close(self):
+        seen = self.json_of("inspect", self.assemble())["steady_state"]
+        self.assertEqual((seen["speed_rpm"], seen["load"]), (12000, 1))
+        self.assertEqual(len(seen["balance"]), 8)
+        given = sum(body["source_W"] for body in seen["balance"])
+        self.assertAlmostEqual(given, 95.0 + 380.0, places=6)
+        self.assertAlmostEqual(sum(flow["heat_W"] for flow in seen["flows"] if flow["outside"]), given, places=6)
+        for body in seen["balance"]:
+            passed_on = sum(flow["heat_W"] * ((flow["from"] == body["name"]) - (flow["to"] == body["name"]))
+                            for flow in seen["flows"]) + body["conduction_W"]
+            self.assertAlmostEqual(passed_on, body["source_W"], places=6, msg=body["name"])
+            self.assertLess(abs(body["residue_W"]), 1e-9)
+
+    def test_sensitivities_of_the_nose_are_those_of_a_changed_description(self):
+        """um per doubling of the jacket's film, 1400 W/m2K: ln 2 d(nose)/d(ln g), here by a central difference."""
+        def nose_um(coefficient):
+            rom = self.assemble(f"j{coefficient}.rom", ("= 1400.0", f"= {coefficient}"))
+            schedule = self.text("long.csv", "time_s,speed_rpm,load\n0,12000,1\n100000,12000,1\n")
+            out = self.folder / "steady.csv"
+            self.good("simulate", rom, "--schedule", schedule, "-o", out, "--period", 100, "--every", 100000)
+            rows = out.read_text().splitlines()
+            return float(dict(zip(rows[0].split(","), rows[-1].split(",")))["nose_um"])
+        told = {entry["name"]: entry["um_per_doubling"]
+                for entry in self.json_of("inspect", self.assemble())["steady_state"]["sensitivities"]}
+        expected = math.log(2) * (nose_um(1414.0) - nose_um(1386.0)) / math.log(1414.0 / 1386.0)
+        self.assertAlmostEqual(told["jacket"], expected, delta=0.002)
+
+    def test_speed_and_load_choose_the_steady_state_and_need_something_that_shows_it(self):
+        rom = self.assemble()
+        idle = self.json_of("inspect", rom, "--speed", 0, "--load", 0)["steady_state"]
+        self.assertAlmostEqual(sum(body["source_W"] for body in idle["balance"]), 0.0, places=9)
+        self.assertIn("--html or --json", self.error_of("inspect", rom, "--load", 0.5))
 
     def test_a_mistake_in_a_hand_written_network_is_one_line(self):
         path = self.text("bad.toml", EXAMPLE.read_text().replace('between = ["stator", "winding"]',
