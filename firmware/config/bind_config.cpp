@@ -83,6 +83,11 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
       throw rom::InputError(sensor.where, sensor.field, "\"" + sensor.key_point + "\" has a sensor already");
     }
     slot = {true, sensor.min_degC + zero_degC_K, sensor.max_degC + zero_degC_K, sensor.stale_after_s};
+    const correction::EstimatorOptions all = plan.cycle.estimator.value_or(correction::EstimatorOptions{});
+    slot.noise_K = sensor.noise_K.value_or(all.noise_K);
+    slot.offset_K = sensor.offset_K.value_or(all.offset_K);
+    slot.lag_s = sensor.lag_s.value_or(all.lag_s);
+    slot.interval_s = sensor.interval_s;
     plan.device.channels.push_back(sensor_channel(sensor, k));
   }
   for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, plan);

@@ -29,6 +29,10 @@ struct ConfiguredSensor {
   double min_degC = -20.0;
   double max_degC = 150.0;
   double stale_after_s = 3.0;
+  std::optional<double> noise_K;  ///< empty: as [correction] says of all sensors
+  std::optional<double> offset_K;
+  std::optional<double> lag_s;
+  double interval_s = 0.0;
 };
 
 struct ConfiguredSignal {

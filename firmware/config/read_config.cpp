@@ -1,5 +1,6 @@
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -14,6 +15,7 @@ using rom::TomlTable;
 
 constexpr double coldest_degC = -50.0;
 constexpr double hottest_degC = 300.0;
+constexpr double m_per_um = 1e-6;
 
 std::string beside(const std::string& config_path, const std::string& path) {
   return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
@@ -132,7 +134,12 @@ ConfiguredSensor read_sensor(const TomlTable& table) {
   sensor.min_degC = table.number_or("min_degC", sensor.min_degC, rom::between(coldest_degC, hottest_degC));
   sensor.max_degC = table.number_or("max_degC", sensor.max_degC, rom::between(coldest_degC, hottest_degC));
   if (sensor.max_degC <= sensor.min_degC) table.fail("max_degC", "must be above min_degC");
-  sensor.stale_after_s = table.number_or("stale_after_s", sensor.stale_after_s, rom::positive);
+  sensor.interval_s = table.number_or("interval_s", sensor.interval_s, rom::between(0.0, 3600.0));
+  sensor.stale_after_s =
+      table.number_or("stale_after_s", std::max(sensor.stale_after_s, 3.0 * sensor.interval_s), rom::positive);
+  sensor.noise_K = table.optional_number("noise_K", noise_range_K);
+  sensor.offset_K = table.optional_number("offset_K", offset_range_K);
+  sensor.lag_s = table.optional_number("lag_s", lag_range_s);
   return sensor;
 }
 
@@ -206,7 +213,11 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
   if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
 
-  if (const auto correction = root.optional_table("correction")) read_correction(*correction, config);
+  read_correction(root.optional_table("correction"), config);
+  if (const auto output = root.optional_table("output")) {
+    config.cycle.slew_m_per_s =
+        m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);
+  }
 
   const auto start = root.optional_table("start");
   if (start && start->has("temperature_degC")) {

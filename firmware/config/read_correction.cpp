@@ -1,5 +1,7 @@
 #include "firmware/config/read_correction.hpp"
 
+#include <algorithm>
+
 namespace spindle_twin::firmware {
 namespace {
 
@@ -27,14 +29,43 @@ void read_guards(const rom::TomlTable& table, correction::PaperGuards& guards) {
   guards.deadband = table.boolean_or("deadband", guards.deadband);
 }
 
-}  // namespace
+correction::EstimatorPriors read_priors(const rom::TomlTable& table) {
+  constexpr rom::Range ln_deviation = rom::between(0.0, 2.0);
+  correction::EstimatorPriors priors;
+  priors.heat = table.number_or("heat", priors.heat, ln_deviation);
+  priors.heat_common = table.number_or("heat_common", priors.heat_common, ln_deviation);
+  priors.contact = table.number_or("contact", priors.contact, ln_deviation);
+  priors.film = table.number_or("film", priors.film, ln_deviation);
+  priors.environment_K = table.number_or("environment_K", priors.environment_K, rom::between(0.0, 10.0));
+  priors.environment_memory_s =
+      table.number_or("environment_memory_s", priors.environment_memory_s, rom::between(0.0, 1e9));
+  priors.bearing_mean_per_K = table.number_or("bearing_mean_per_K", priors.bearing_mean_per_K, rom::between(0.0, 0.1));
+  priors.bearing_per_K = table.number_or("bearing_per_K", priors.bearing_per_K, rom::between(0.0, 0.1));
+  priors.speed_exponent = table.number_or("speed_exponent", priors.speed_exponent, rom::between(0.0, 1.0));
+  priors.start_K = table.number_or("start_K", priors.start_K, rom::between(0.0, 10.0));
+  priors.walk_per_root_min = table.number_or("walk_per_root_min", priors.walk_per_root_min, rom::between(0.0, 1.0));
+  priors.centred = table.boolean_or("centred", priors.centred);
+  return priors;
+}
 
-void read_correction(const rom::TomlTable& table, Config& config) {
-  const std::string law = table.choice("law", {"paper", "none"});
-  if (law == "none") return;
-  if (config.sensors.empty()) table.fail("law", "\"paper\" needs at least one [[sensor]]");
-  config.cycle.correction_enabled = table.boolean_or("enabled", true);
-  correction::PaperOptions paper;
+void read_estimator(const rom::TomlTable& table, Config& config) {
+  correction::EstimatorOptions& options = config.cycle.estimator.emplace();
+  const double shortest_s = std::max(1.0, config.cycle.period_s);
+  options.period_s =
+      table.number_or("period_s", std::max(options.period_s, shortest_s), rom::between(shortest_s, 60.0));
+  options.noise_K = table.number_or("noise_K", options.noise_K, noise_range_K);
+  options.offset_K = table.number_or("offset_K", options.offset_K, offset_range_K);
+  options.lag_s = table.number_or("lag_s", options.lag_s, lag_range_s);
+  options.floor_K = table.number_or("floor_K", options.floor_K, rom::between(0.0, 10.0));
+  options.correlation_s = table.number_or("correlation_s", options.correlation_s, rom::between(0.0, 3600.0));
+  options.offset_walk_K_per_root_hour =
+      table.number_or("offset_walk_K_per_root_hour", options.offset_walk_K_per_root_hour, rom::between(0.0, 1.0));
+  options.gate = table.number_or("gate", options.gate, rom::between(1.0, 1000.0));
+  if (const auto priors = table.optional_table("prior")) options.priors = read_priors(*priors);
+}
+
+void read_paper(const rom::TomlTable& table, Config& config) {
+  correction::PaperOptions& paper = config.cycle.paper.emplace();
   paper.period_s = table.number_or("period_s", paper.period_s, rom::between(config.cycle.period_s, 86400.0));
   paper.window_s = table.number_or("window_s", paper.window_s, rom::between(0.0, paper.period_s));
   paper.relaxation = table.number_or("relaxation", paper.relaxation, {0.0, 1.0, true, false});
@@ -49,7 +80,32 @@ void read_correction(const rom::TomlTable& table, Config& config) {
     config.groups.push_back(
         {name, group.where(), group.path("sensors"), group.strings("sensors"), group.strings("sources")});
   }
-  config.cycle.paper = paper;
+}
+
+}  // namespace
+
+void read_correction(const std::optional<rom::TomlTable>& table, Config& config) {
+  const std::string otherwise = config.sensors.empty() ? "none" : "estimator";
+  const std::string law = table ? table->choice_or("law", otherwise, {"estimator", "paper", "none"}) : otherwise;
+  config.cycle.estimator_corrects = law == "estimator";
+  if (law == "none") {
+    // It stands by for ever: how far the model can be trusted without correction follows from the same priors.
+    correction::EstimatorOptions& options = config.cycle.estimator.emplace();
+    const auto priors = table ? table->optional_table("prior") : std::nullopt;
+    if (priors) options.priors = read_priors(*priors);
+    return;
+  }
+  if (config.sensors.empty()) table->fail("law", "\"" + law + "\" needs at least one [[sensor]]");
+  if (!table) {
+    config.cycle.estimator.emplace().period_s = std::max(10.0, config.cycle.period_s);
+    return;
+  }
+  config.cycle.correction_enabled = table->boolean_or("enabled", true);
+  if (law == "paper") {
+    read_paper(*table, config);
+  } else {
+    read_estimator(*table, config);
+  }
 }
 
 }  // namespace spindle_twin::firmware

@@ -1,27 +1,88 @@
 #include "firmware/cycle/correct.hpp"
 
+#include <cmath>
+#include <utility>
+
 #include "correction/boundaries/evaluate_boundaries.hpp"
 
 namespace spindle_twin::firmware {
+namespace {
 
-Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper) {
-  Corrector corrector;
-  corrector.none = correction::no_correction(network.boundaries);
-  const auto key_points = static_cast<Eigen::Index>(network.key_points.size());
-  corrector.measured_K = Eigen::VectorXd::Constant(key_points, not_a_value);
-  corrector.valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(key_points, false);
-  corrector.enabled = plan.correction_enabled && plan.paper.has_value();
-  if (plan.paper) corrector.law.emplace(network, *plan.paper, [&] { return make_stepper(network); });
-  return corrector;
+static_assert(bits(CorrectionFreeze::too_few_sensors) == bits(correction::Freeze::too_few_sensors));
+static_assert(bits(CorrectionFreeze::base_failed) == bits(correction::Freeze::base_failed));
+
+void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector& corrector) {
+  correction::EstimatorOptions options = *plan.estimator;
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    const SensorPlan& sensor = plan.sensors[k];
+    if (!sensor.configured) continue;
+    const rom::KeyPoint& point = network.key_points[k];
+    options.sensors.push_back({point.name, point.row, sensor.noise_K, sensor.offset_K, sensor.lag_s});
+    corrector.channels.push_back(k);
+    corrector.interval_s.push_back(sensor.interval_s);
+  }
+  if (options.sensors.empty() && network.key_points.empty()) return;  // nowhere to look at
+  corrector.estimator.emplace(network, std::move(options));
+  corrector.taken_ns.assign(corrector.channels.size(), 0);
 }
 
-const rom::CorrectionFactors& correct(const SensedInputs& sensed, const Judgement& judgement,
-                                      const rom::OperatingState& operating, double time_s, double advance_s,
-                                      Model& model, Corrector& corrector) {
-  if (!corrector.law) return corrector.none;
+/// A reading that was taken before, or is a repeat of one, would count twice.
+bool is_new(const Corrector& corrector, std::size_t channel, const Sensed& reading) {
+  constexpr double slack_s = 1e-3;
+  const std::int64_t taken_ns = corrector.taken_ns[channel];
+  if (reading.time_ns == taken_ns) return false;
+  if (taken_ns == 0) return true;
+  return 1e-9 * static_cast<double>(reading.time_ns - taken_ns) * corrector.clock_rate >=
+         corrector.interval_s[channel] - slack_s;
+}
+
+void take_readings(const SensedInputs& sensed, const Judgement& judgement, Corrector& corrector) {
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    const std::size_t k = corrector.channels[c];
+    const Sensed& reading = sensed.sensors[k];
+    const bool take = judgement.sensors[k] == SensorQuality::good && is_new(corrector, c, reading);
+    const auto channel = static_cast<Eigen::Index>(c);
+    corrector.valid[channel] = take;
+    corrector.measured_K[channel] = reading.value;
+    if (take) corrector.taken_ns[c] = reading.time_ns;
+  }
+}
+
+CorrectionFreeze freeze_of(const correction::EstimatorCorrection& estimator, std::size_t channels) {
+  if (estimator.updates() == 0) return CorrectionFreeze::waiting;
+  for (std::size_t c = 0; c < channels; ++c) {
+    if (estimator.record(static_cast<Eigen::Index>(c)).fused) return CorrectionFreeze::none;
+  }
+  return CorrectionFreeze::too_few_sensors;
+}
+
+CorrectedInputs run_estimator(const SensedInputs& sensed, const Judgement& judgement,
+                              const rom::OperatingState& operating, double time_s, double advance_s, Model& model,
+                              Corrector& corrector) {
+  correction::EstimatorCorrection& estimator = *corrector.estimator;
   if (!corrector.enabled) {
-    corrector.law->stand_by(time_s, model.stepper->temperatures_K(), operating, advance_s);
-    return corrector.law->factors();
+    estimator.stand_by(time_s, model.stepper->temperatures_K(), operating, advance_s);
+    corrector.freeze = bits(CorrectionFreeze::waiting);
+    return {estimator.factors(), operating};
+  }
+  take_readings(sensed, judgement, corrector);
+  const long updates = estimator.updates();
+  const correction::EstimatorStep step = estimator.step(
+      {time_s, corrector.measured_K, corrector.valid, model.stepper->temperatures_K(), operating}, advance_s);
+  if (step.corrected) ++corrector.corrections;
+  if (step.state_corrected) model.stepper->set_temperatures(estimator.corrected_nodes_K());
+  if (estimator.updates() != updates) corrector.freeze = bits(freeze_of(estimator, corrector.channels.size()));
+  corrector.operating = operating;
+  corrector.operating.environment_K += estimator.environment_bias_K();
+  return {estimator.factors(), corrector.operating};
+}
+
+CorrectedInputs run_paper(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
+                          double time_s, double advance_s, Model& model, Corrector& corrector) {
+  if (!corrector.enabled) {
+    corrector.paper->stand_by(time_s, model.stepper->temperatures_K(), operating, advance_s);
+    corrector.freeze = bits(CorrectionFreeze::waiting);
+    return {corrector.paper->factors(), operating};
   }
   for (Eigen::Index k = 0; k < corrector.measured_K.size(); ++k) {
     const auto sensor = static_cast<std::size_t>(k);
@@ -29,12 +90,50 @@ const rom::CorrectionFactors& correct(const SensedInputs& sensed, const Judgemen
     corrector.valid[k] = judgement.sensors[sensor] == SensorQuality::good;
   }
   const correction::PaperStep step =
-      corrector.law->step({time_s, corrector.measured_K, corrector.valid, model.outputs.key_points_K,
-                           model.stepper->temperatures_K(), operating},
-                          advance_s);
+      corrector.paper->step({time_s, corrector.measured_K, corrector.valid, model.outputs.key_points_K,
+                             model.stepper->temperatures_K(), operating},
+                            advance_s);
   if (step.corrected) ++corrector.corrections;
-  if (step.state_rescaled) model.stepper->set_temperatures(corrector.law->rescaled_nodes_K());
-  return corrector.law->factors();
+  if (step.state_rescaled) model.stepper->set_temperatures(corrector.paper->rescaled_nodes_K());
+  corrector.freeze = static_cast<std::uint16_t>(corrector.paper->freeze(0));
+  return {corrector.paper->factors(), operating};
+}
+
+}  // namespace
+
+Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper) {
+  Corrector corrector;
+  corrector.none = correction::no_correction(network.boundaries);
+  corrector.operating = network.boundaries.operating;
+  corrector.clock_rate = plan.clock_rate;
+  corrector.freeze = bits(CorrectionFreeze::waiting);
+  auto readings = static_cast<Eigen::Index>(network.key_points.size());
+  if (plan.paper) {
+    corrector.paper.emplace(network, *plan.paper, [&] { return make_stepper(network); });
+  } else if (plan.estimator) {
+    add_estimator(network, plan, corrector);
+    if (corrector.estimator) readings = static_cast<Eigen::Index>(corrector.estimator->sensors().size());
+  }
+  corrector.measured_K = Eigen::VectorXd::Constant(readings, not_a_value);
+  corrector.valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(readings, false);
+  corrector.corrects = corrector.paper || (corrector.estimator && plan.estimator_corrects);
+  corrector.enabled = corrector.corrects && plan.correction_enabled;
+  return corrector;
+}
+
+CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
+                        double time_s, double advance_s, Model& model, Corrector& corrector) {
+  if (corrector.paper) return run_paper(sensed, judgement, operating, time_s, advance_s, model, corrector);
+  if (corrector.estimator) return run_estimator(sensed, judgement, operating, time_s, advance_s, model, corrector);
+  return {corrector.none, operating};
+}
+
+void take_displacement(int index, double value_m, double deviation_m, Corrector& corrector) {
+  if (!corrector.estimator || !corrector.enabled) return;
+  const bool exists = index >= 0 && index < corrector.estimator->deviations().deformations_m.size();
+  if (!exists || !std::isfinite(value_m) || !(deviation_m > 0.0)) return;
+  corrector.estimator->note_displacement(index, value_m, deviation_m);
+  ++corrector.displacements;
 }
 
 }  // namespace spindle_twin::firmware

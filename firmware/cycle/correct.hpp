@@ -1,33 +1,56 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "correction/estimator/estimator_correction.hpp"
 #include "correction/paper/paper_correction.hpp"
 #include "firmware/cycle/integrate.hpp"
 #include "firmware/cycle/judge.hpp"
 
 namespace spindle_twin::firmware {
 
-/// The correction law and what the cycle tells of it.
+/// The correction law and what the cycle tells of it. At most one of the two laws is there.
 struct Corrector {
-  std::optional<correction::PaperCorrection> law;
-  rom::CorrectionFactors none;  ///< all 1
-  Eigen::VectorXd measured_K;   ///< per key point
-  Eigen::Array<bool, Eigen::Dynamic, 1> valid;
+  std::optional<correction::PaperCorrection> paper;
+  std::optional<correction::EstimatorCorrection> estimator;
+  bool corrects = false;  ///< there is a law that may be switched on
   bool enabled = false;
   std::uint16_t corrections = 0;
+  std::uint16_t displacements = 0;
+  std::uint16_t freeze = 0;  ///< CorrectionFreeze
+
+  std::vector<std::size_t> channels;   ///< key point of each channel of the estimator
+  std::vector<double> interval_s;      ///< of each channel
+  std::vector<std::int64_t> taken_ns;  ///< time of the reading that each channel took last
+  double clock_rate = 1.0;
+  rom::CorrectionFactors none;    ///< all 1
+  rom::OperatingState operating;  ///< with what the estimator adds to the environments
+  Eigen::VectorXd measured_K;     ///< per key point, or per channel of the estimator
+  Eigen::Array<bool, Eigen::Dynamic, 1> valid;
+};
+
+/// What the model runs with for the coming period.
+struct CorrectedInputs {
+  const rom::CorrectionFactors& factors;
+  const rom::OperatingState& operating;
 };
 
 /// Allocates. Throws rom::InputError for an option out of range.
 Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
 
-/// Gives the law the measured and predicted key points of this instant; sets the model's state when the law rescales
-/// it, and returns the factors for the coming advance_s: the law's, all 1 while the correction is off.
-/// Neither switching moves a temperature. Off, the law stands by with the factors that the model runs with; on, it
-/// starts from these, all 1, and corrects first after a whole period.
+/// Gives the law what was measured and what the model says of this instant; sets the model's state when the law
+/// corrects it, and returns the inputs for the coming advance_s: the law's, and those as read with all factors 1 while
+/// the correction is off. Neither switching moves a temperature. Off, the law stands by with the inputs that the model
+/// runs with; on, it starts from these, and corrects first after a whole period. The estimator takes each reading once.
 /// Runs in the cycle, no allocation.
-const rom::CorrectionFactors& correct(const SensedInputs& sensed, const Judgement& judgement,
-                                      const rom::OperatingState& operating, double time_s, double advance_s,
-                                      Model& model, Corrector& corrector);
+CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
+                        double time_s, double advance_s, Model& model, Corrector& corrector);
+
+/// A measured length for the next update, in deformation output `index` from the reference temperature on. Left
+/// out while no estimator corrects, and where the output does not exist or the deviation is not above 0. Runs in the
+/// cycle.
+void take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
 
 }  // namespace spindle_twin::firmware

@@ -19,12 +19,13 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   take_orders(command);
 
   if (started_ || ready_to_start()) {
-    const rom::CorrectionFactors& factors =
+    const CorrectedInputs inputs =
         correct(sensed_, judgement_, operating_, snapshot_.model_time_s, advance_s, model_, corrector_);
-    note(integrate(network_, operating_, factors, advance_s, model_));
+    note(integrate(network_, inputs.operating, inputs.factors, advance_s, model_));
     predict(network_, model_);
-    publish_corrected(model_, snapshot_);
-    publish_correction(corrector_, factors, snapshot_);
+    publish_corrected(model_, plan_.slew_m_per_s * advance_s, snapshot_);
+    publish_correction(corrector_, inputs.factors, snapshot_);
+    publish_estimate(corrector_, snapshot_);
     if (plan_.compare_uncorrected) {
       integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
       predict(network_, uncorrected_);

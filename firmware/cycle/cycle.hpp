@@ -39,6 +39,7 @@ class Cycle {
   Eigen::VectorXd start_K_;
   Snapshot snapshot_;
   std::uint32_t tare_orders_ = 0;
+  std::uint32_t displacements_ = 0;
   bool started_ = false;
   double waited_s_ = 0.0;
 };

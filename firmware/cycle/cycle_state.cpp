@@ -41,11 +41,23 @@ void Cycle::start_from(double temperature_K) {
 }
 
 void Cycle::take_orders(const PlcCommand& command) {
-  corrector_.enabled = command.correction == CorrectionOrder::as_configured ? plan_.correction_enabled
-                                                                            : command.correction == CorrectionOrder::on;
+  const bool on = command.correction == CorrectionOrder::as_configured ? plan_.correction_enabled
+                                                                       : command.correction == CorrectionOrder::on;
+  corrector_.enabled = corrector_.corrects && on;
+  // Before the start there is no elongation yet: the orders wait.
+  if (started_ && command.displacements != displacements_) {
+    const Displacement& length = command.displacement;
+    const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
+    take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.sd_m, corrector_);
+    displacements_ = command.displacements;
+  }
   if (command.tare_orders == tare_orders_) return;
-  if (command.tare_order == TareOrder::take && !started_) return;  // there is no elongation yet; the order waits
-  snapshot_.tare_m = command.tare_order == TareOrder::take ? model_.outputs.deformations_m[0] : 0.0;
+  if (command.tare_order == TareOrder::take && !started_) return;
+  if (command.tare_order == TareOrder::take) {
+    tare(snapshot_);
+  } else {
+    snapshot_.tare_m = 0.0;
+  }
   ++snapshot_.tare_count;
   tare_orders_ = command.tare_orders;
 }
@@ -67,16 +79,16 @@ void Cycle::label(std::int64_t missed) {
   if (missed > 0) snapshot_.quality |= bits(Quality::overrun);
   if (snapshot_.tare_m != 0.0) snapshot_.quality |= bits(Quality::tared);
   if (network_.certificate.cases == 0) snapshot_.quality |= bits(Quality::uncertified);
-  if (!corrector_.law || !corrector_.enabled) {
+  if (!corrector_.enabled) {
     snapshot_.quality |= bits(Quality::correction_off);
-  } else if (snapshot_.correction_freeze > static_cast<std::uint16_t>(correction::Freeze::waiting) &&
-             snapshot_.correction_freeze != static_cast<std::uint16_t>(correction::Freeze::deadband)) {
+  } else if (corrector_.freeze > bits(CorrectionFreeze::waiting) &&
+             corrector_.freeze != bits(CorrectionFreeze::deadband)) {
     snapshot_.quality |= bits(Quality::correction_frozen);
   }
 
-  constexpr auto harmless =
-      static_cast<std::uint16_t>(bits(Quality::correction_off) | bits(Quality::correction_frozen) |
-                                 bits(Quality::overrun) | bits(Quality::tared) | bits(Quality::uncertified));
+  constexpr auto harmless = static_cast<std::uint16_t>(
+      bits(Quality::correction_off) | bits(Quality::correction_frozen) | bits(Quality::overrun) | bits(Quality::tared) |
+      bits(Quality::uncertified) | bits(Quality::slewing));
   const bool stopped = (snapshot_.fault & (bits(Fault::prediction_lost) | bits(Fault::start_timed_out))) != 0;
   if (stopped) {
     snapshot_.state = State::fault;

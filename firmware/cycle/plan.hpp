@@ -3,17 +3,22 @@
 #include <array>
 #include <optional>
 
+#include "correction/estimator/estimator_correction.hpp"
 #include "correction/paper/paper_correction.hpp"
 #include "firmware/cycle/snapshot.hpp"
 
 namespace spindle_twin::firmware {
 
-/// The sensor at one key point, and when its reading is believed.
+/// The sensor at one key point, when its reading is believed, and what the estimator assumes of it.
 struct SensorPlan {
   bool configured = false;
   double min_K = 253.15;
   double max_K = 423.15;
   double stale_after_s = 3.0;  ///< model time
+  double noise_K = 0.03;       ///< 1σ of one reading
+  double offset_K = 0.02;      ///< 1σ of its constant error
+  double lag_s = 0.0;          ///< first-order lag, model time
+  double interval_s = 0.0;     ///< the device renews it so often, readings in between are repeats; 0: each is new
 };
 
 enum class SignalSource { constant, device, plc };
@@ -34,9 +39,13 @@ struct CyclePlan {
   std::array<SensorPlan, slots::key_points> sensors;
   std::array<SignalPlan, signal_count> signals;   ///< flows that no circuit has are constants of 0
   bool correction_enabled = true;                 ///< until the PLC says otherwise
-  std::optional<correction::PaperOptions> paper;  ///< empty: no correction law
-  std::optional<double> start_temperature_K;      ///< empty: mean of the first good readings
-  double start_wait_s = 60.0;                     ///< model time until fewer sensors must do, or a fault is raised
+  std::optional<correction::PaperOptions> paper;  ///< the published law corrects
+  /// The estimator, without sensors: these come from `sensors`. Not together with `paper`.
+  std::optional<correction::EstimatorOptions> estimator;
+  bool estimator_corrects = true;             ///< false: it stands by for ever and only says how sure the open loop is
+  double slew_m_per_s = 5e-7;                 ///< published deformations follow the prediction no faster, model time
+  std::optional<double> start_temperature_K;  ///< empty: mean of the first good readings
+  double start_wait_s = 60.0;                 ///< model time until fewer sensors must do, or a fault is raised
 };
 
 }  // namespace spindle_twin::firmware

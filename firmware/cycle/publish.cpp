@@ -1,6 +1,8 @@
 #include "firmware/cycle/publish.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "rom/integrate/output_uncertainty.hpp"
 
@@ -10,6 +12,23 @@ namespace {
 template <std::size_t room>
 void copy(const Eigen::VectorXd& from, std::array<double, room>& to) {
   std::copy_n(from.data(), std::min(static_cast<std::size_t>(from.size()), room), to.begin());
+}
+
+/// Of a displacement the record's kelvin are metres. Before a channel's first update there is nothing to tell.
+void copy(const correction::SensorRecord& from, ChannelUpdate& to) {
+  to = {};
+  if (from.variance_K2 == 0.0) return;
+  to.observation = from.observation_K;
+  to.variance = from.variance_K2;
+  to.offset = from.offset_K;
+  to.offset_sd = from.offset_deviation_K;
+  constexpr int most = std::numeric_limits<std::uint16_t>::max() - 1;
+  to.rejected_in_a_row = static_cast<std::uint16_t>(std::min(from.rejected_in_a_row, most));
+  if (std::isnan(from.observation_K)) return;
+  to.innovation = from.innovation_K;
+  to.test_ratio = from.test_ratio;
+  if (from.fused) to.flags |= bits(Update::fused);
+  if (from.rejected) to.flags |= bits(Update::rejected);
 }
 
 }  // namespace
@@ -31,6 +50,10 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.uncorrected_K.fill(not_a_value);
   snapshot.part_maximum_K.fill(not_a_value);
   snapshot.deformation_m.fill(not_a_value);
+  snapshot.deformation_raw_m.fill(not_a_value);
+  snapshot.predicted_sd_K.fill(not_a_value);
+  snapshot.part_maximum_sd_K.fill(not_a_value);
+  snapshot.deformation_sd_m.fill(not_a_value);
   snapshot.heat_factor.fill(not_a_value);
   snapshot.conductance_factor.fill(not_a_value);
   return snapshot;
@@ -46,11 +69,22 @@ void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snap
   }
 }
 
-void publish_corrected(const Model& model, Snapshot& snapshot) {
+void publish_corrected(const Model& model, double most_m, Snapshot& snapshot) {
   copy(model.outputs.key_points_K, snapshot.predicted_K);
   copy(model.outputs.part_maximum_K, snapshot.part_maximum_K);
-  copy(model.outputs.deformations_m, snapshot.deformation_m);
+  copy(model.outputs.deformations_m, snapshot.deformation_raw_m);
+  for (std::size_t i = 0; i < snapshot.deformations; ++i) {
+    double& published_m = snapshot.deformation_m[i];
+    const double raw_m = snapshot.deformation_raw_m[i];
+    published_m = std::isnan(published_m) ? raw_m : std::clamp(raw_m, published_m - most_m, published_m + most_m);
+    if (published_m != raw_m) snapshot.quality |= bits(Quality::slewing);
+  }
   snapshot.nose_m = snapshot.deformation_m[0] - snapshot.tare_m;
+}
+
+void tare(Snapshot& snapshot) {
+  snapshot.deformation_m[0] = snapshot.deformation_raw_m[0];
+  snapshot.tare_m = snapshot.deformation_raw_m[0];
 }
 
 void publish_uncorrected(const Model& model, Snapshot& snapshot) {
@@ -63,10 +97,35 @@ void publish_uncorrected(const Model& model, Snapshot& snapshot) {
 void publish_correction(const Corrector& corrector, const rom::CorrectionFactors& factors, Snapshot& snapshot) {
   copy(factors.heat, snapshot.heat_factor);
   copy(factors.conductance, snapshot.conductance_factor);
-  snapshot.correction_configured = corrector.law.has_value();
-  snapshot.correction_enabled = corrector.law.has_value() && corrector.enabled;
+  snapshot.correction_configured = corrector.corrects;
+  snapshot.correction_enabled = corrector.enabled;
   snapshot.correction_count = corrector.corrections;
-  snapshot.correction_freeze = corrector.law ? static_cast<std::uint16_t>(corrector.law->freeze(0)) : std::uint16_t{0};
+  snapshot.correction_freeze = corrector.freeze;
+}
+
+void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
+  if (!corrector.estimator) return;
+  const correction::EstimatorCorrection& estimator = *corrector.estimator;
+  const correction::OutputDeviations& deviations = estimator.deviations();
+  copy(deviations.key_points_K, snapshot.predicted_sd_K);
+  copy(deviations.part_maximum_K, snapshot.part_maximum_sd_K);
+  for (std::size_t i = 0; i < snapshot.deformations; ++i) {
+    snapshot.deformation_sd_m[i] = std::hypot(deviations.deformations_m[static_cast<Eigen::Index>(i)],
+                                              snapshot.deformation_raw_m[i] - snapshot.deformation_m[i]);
+  }
+  if (!corrector.corrects) return;
+  snapshot.updates = static_cast<std::uint32_t>(estimator.updates());
+  const Eigen::Index parameters = estimator.parameters().count();
+  snapshot.parameters = static_cast<std::uint16_t>(parameters);
+  snapshot.parameters_determined = 0;
+  for (Eigen::Index i = 0; i < parameters; ++i) {
+    if (!estimator.estimate(i).undetermined()) ++snapshot.parameters_determined;
+  }
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    copy(estimator.record(static_cast<Eigen::Index>(c)), snapshot.sensor_update[corrector.channels[c]]);
+  }
+  snapshot.displacement_count = corrector.displacements;
+  if (corrector.displacements > 0) copy(estimator.displacement_record(), snapshot.displacement_update);
 }
 
 }  // namespace spindle_twin::firmware

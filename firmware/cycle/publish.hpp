@@ -4,15 +4,23 @@
 
 namespace spindle_twin::firmware {
 
-/// Copies a network's predictions into the snapshot; the nose minus snapshot.tare_m. Run in the cycle.
-void publish_corrected(const Model& model, Snapshot& snapshot);
+/// Copies a network's predictions into the snapshot; the nose minus snapshot.tare_m. A published deformation moves
+/// towards the prediction by most_m at most, so that a correction is no step for the machine. Run in the cycle.
+void publish_corrected(const Model& model, double most_m, Snapshot& snapshot);
 void publish_uncorrected(const Model& model, Snapshot& snapshot);
 
 /// Readings, quality and signals of this cycle.
 void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snapshot& snapshot);
 
+/// Takes the present prediction of the nose as its zero: what is published is zero at once, whatever the slew limit.
+void tare(Snapshot& snapshot);
+
 /// Factors in use and what the law says.
 void publish_correction(const Corrector& corrector, const rom::CorrectionFactors& factors, Snapshot& snapshot);
+
+/// Standard deviations and what became of each reading; of a deformation that is on its way to the prediction the way
+/// that is left counts too. After publish_corrected().
+void publish_estimate(const Corrector& corrector, Snapshot& snapshot);
 
 /// A snapshot with the network's counts, all values NaN.
 Snapshot first_snapshot(const rom::Network& network);

@@ -9,6 +9,7 @@ Sensed sensed_at(const Reading& reading, std::int64_t now_ns, double clock_rate)
   Sensed sensed;
   if (reading.time_ns == 0) return sensed;
   sensed.value = reading.value;
+  sensed.time_ns = reading.time_ns;
   // A reading that came in after the cycle woke up is of age 0.
   sensed.age_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now_ns - reading.time_ns)) * clock_rate;
   return sensed;
@@ -24,7 +25,7 @@ void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& co
   for (std::size_t s = 0; s < signal_count; ++s) {
     switch (plan.signals[s].source) {
       case SignalSource::constant:
-        sensed.signals[s] = {plan.signals[s].value, 0.0};
+        sensed.signals[s] = {plan.signals[s].value, 0.0, now_ns};
         break;
       case SignalSource::device:
         sensed.signals[s] = sensed_at(frame.signals[s], now_ns, plan.clock_rate);

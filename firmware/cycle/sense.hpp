@@ -8,6 +8,7 @@ namespace spindle_twin::firmware {
 struct Sensed {
   double value = not_a_value;
   double age_s = std::numeric_limits<double>::infinity();  ///< model time; infinite: never read
+  std::int64_t time_ns = 0;                                ///< of the reading, monotonic; tells a new one from a repeat
 };
 
 struct SensedInputs {

@@ -36,6 +36,14 @@ struct DeviceFrame {
   bool connected = false;
 };
 
+/// A length that somebody measured at one of the deformation outputs: a touch-off or a probe. Counted as the published
+/// value is: + = spindle longer, of the nose minus the tare.
+struct Displacement {
+  std::size_t output = 0;
+  double value_m = not_a_value;
+  double sd_m = not_a_value;
+};
+
 enum class TareOrder : std::uint8_t { take, clear };
 enum class CorrectionOrder : std::uint8_t { as_configured, off, on };
 
@@ -45,6 +53,20 @@ struct PlcCommand {
   CorrectionOrder correction = CorrectionOrder::as_configured;
   TareOrder tare_order = TareOrder::take;
   std::uint32_t tare_orders = 0;  ///< counts up with each order
+  Displacement displacement;
+  std::uint32_t displacements = 0;  ///< counts up with each measurement
+};
+
+/// What the estimator's last update made of one channel; in K, or in m for a displacement.
+struct ChannelUpdate {
+  double observation = not_a_value;  ///< mean of the new readings since the update before
+  double innovation = not_a_value;   ///< observation − prediction − offset
+  double variance = not_a_value;     ///< expected of the innovation
+  double test_ratio = not_a_value;   ///< innovation² / (gate² variance)
+  double offset = not_a_value;
+  double offset_sd = not_a_value;
+  std::uint16_t flags = 0;              ///< bits of Update
+  std::uint16_t rejected_in_a_row = 0;  ///< saturates
 };
 
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
@@ -60,7 +82,7 @@ struct Snapshot {
   std::uint32_t overruns = 0;
   std::uint16_t tare_count = 0;
   std::uint16_t correction_count = 0;
-  std::uint16_t correction_freeze = 0;  ///< correction::Freeze of the first group
+  std::uint16_t correction_freeze = 0;  ///< CorrectionFreeze; of the published law: of its first group
   bool correction_configured = false;
   bool correction_enabled = false;
 
@@ -77,13 +99,25 @@ struct Snapshot {
   std::array<double, slots::key_points> predicted_K{};
   std::array<double, slots::key_points> uncorrected_K{};
   std::array<double, slots::parts> part_maximum_K{};
-  std::array<double, slots::deformations> deformation_m{};  ///< the first is the nose, + = spindle longer
-  double nose_m = not_a_value;                              ///< deformation_m[0] minus the tare
-  double nose_uncorrected_m = not_a_value;                  ///< minus the tare
+  std::array<double, slots::deformations> deformation_raw_m{};  ///< the first is the nose, + = spindle longer
+  std::array<double, slots::deformations> deformation_m{};      ///< follows the one above at the slew limit
+  double nose_m = not_a_value;                                  ///< deformation_m[0] minus the tare
+  double nose_uncorrected_m = not_a_value;                      ///< minus the tare
   double tare_m = 0.0;
   double nose_network_sd_m = not_a_value;  ///< the certificate's part of the nose's standard deviation
+  // Standard deviations of what is published, NaN with the published law, which knows none.
+  std::array<double, slots::key_points> predicted_sd_K{};
+  std::array<double, slots::parts> part_maximum_sd_K{};
+  std::array<double, slots::deformations> deformation_sd_m{};
   std::array<double, slots::sources> heat_factor{};
   std::array<double, slots::conductances> conductance_factor{};
+
+  std::uint32_t updates = 0;  ///< of the estimator since the start
+  std::uint16_t parameters = 0;
+  std::uint16_t parameters_determined = 0;  ///< of which the sensors tell more than a tenth of the prior deviation
+  std::uint16_t displacement_count = 0;     ///< measured lengths taken in since the start
+  std::array<ChannelUpdate, slots::key_points> sensor_update{};
+  ChannelUpdate displacement_update;
 };
 
 }  // namespace spindle_twin::firmware

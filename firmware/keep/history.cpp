@@ -7,8 +7,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <iterator>
 #include <thread>
+#include <utility>
 
 namespace spindle_twin::firmware {
 namespace {
@@ -34,6 +36,26 @@ void add_values(std::string& row, const std::array<double, room>& values, std::s
   for (std::size_t i = 0; i < count; ++i) add(row, (values[i] + shift) * scale);
 }
 
+using Columns = std::initializer_list<std::pair<const char*, const char*>>;
+constexpr Columns update_columns = {{"observation.", "_degC"}, {"innovation.", "_K"}, {"innovation_sd.", "_K"},
+                                    {"test_ratio.", ""},       {"update.", ""},       {"offset.", "_K"},
+                                    {"offset_sd.", "_K"}};
+constexpr Columns displacement_columns = {{"displacement", "_um"},
+                                          {"displacement_innovation", "_um"},
+                                          {"displacement_innovation_sd", "_um"},
+                                          {"displacement_test_ratio", ""},
+                                          {"displacement_update", ""}};
+
+void add_update(std::string& row, const ChannelUpdate& update) {
+  add(row, update.observation - zero_degC_K);
+  add(row, update.innovation);
+  add(row, std::sqrt(update.variance));
+  add(row, update.test_ratio);
+  add(row, update.flags);
+  add(row, update.offset);
+  add(row, update.offset_sd);
+}
+
 }  // namespace
 
 std::string history_header(const rom::Network& network) {
@@ -48,6 +70,16 @@ std::string history_header(const rom::Network& network) {
   add_names(header, "deformation.", network.deformations, "_um");
   add_names(header, "heat_factor.", network.boundaries.sources, "");
   add_names(header, "conductance_factor.", network.boundaries.conductances, "");
+  add_names(header, "predicted_sd.", network.key_points, "_K");
+  add_names(header, "part_maximum_sd.", network.parts, "_K");
+  add_names(header, "deformation_raw.", network.deformations, "_um");
+  add_names(header, "deformation_sd.", network.deformations, "_um");
+  header += ",updates,parameters_determined";
+  for (const rom::KeyPoint& point : network.key_points) {
+    for (const auto& [column, unit] : update_columns) header.append(",").append(column).append(point.name).append(unit);
+  }
+  header += ",displacement_count";
+  for (const auto& [column, unit] : displacement_columns) header.append(",").append(column).append(unit);
   return header;
 }
 
@@ -73,6 +105,20 @@ std::string history_row(const Snapshot& snapshot) {
   add_values(row, snapshot.deformation_m, snapshot.deformations, 0.0, um_per_m);
   add_values(row, snapshot.heat_factor, snapshot.sources, 0.0, 1.0);
   add_values(row, snapshot.conductance_factor, snapshot.conductances, 0.0, 1.0);
+  add_values(row, snapshot.predicted_sd_K, snapshot.key_points, 0.0, 1.0);
+  add_values(row, snapshot.part_maximum_sd_K, snapshot.parts, 0.0, 1.0);
+  add_values(row, snapshot.deformation_raw_m, snapshot.deformations, 0.0, um_per_m);
+  add_values(row, snapshot.deformation_sd_m, snapshot.deformations, 0.0, um_per_m);
+  add(row, snapshot.updates);
+  add(row, snapshot.parameters_determined);
+  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_update(row, snapshot.sensor_update[k]);
+  add(row, snapshot.displacement_count);
+  const ChannelUpdate& length = snapshot.displacement_update;
+  add(row, um_per_m * length.observation);
+  add(row, um_per_m * length.innovation);
+  add(row, um_per_m * std::sqrt(length.variance));
+  add(row, length.test_ratio);
+  add(row, length.flags);
   return row;
 }
 

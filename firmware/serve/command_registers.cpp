@@ -18,17 +18,40 @@ CorrectionOrder correction_order(double value) {
   return value == 0.0 ? CorrectionOrder::off : CorrectionOrder::on;
 }
 
+void take_tare(RegisterImage& image, PlcCommand& command) {
+  const double order = get(image, Register::command_tare);
+  if (order == 1.0 || order == 2.0) {
+    command.tare_order = order == 1.0 ? TareOrder::take : TareOrder::clear;
+    ++command.tare_orders;
+  }
+  put(image, Register::command_tare, 0.0);
+}
+
+void take_displacement(RegisterImage& image, PlcCommand& command) {
+  constexpr double m_per_um = 1e-6;
+  const double output = get(image, Register::command_displacement_output);
+  if (get(image, Register::command_displacement_take) == 1.0) {
+    command.displacement = {std::isnan(output) ? std::size_t{0} : static_cast<std::size_t>(output),
+                            m_per_um * get(image, Register::command_displacement),
+                            m_per_um * get(image, Register::command_displacement_sd)};
+    ++command.displacements;
+  }
+  put(image, Register::command_displacement_take, 0.0);
+}
+
 }  // namespace
 
 WriteRange writable_registers() { return {command_block().address, command_block().length}; }
 
 void clear_commands(RegisterImage& image) {
   for (const Register which : {Register::command_speed, Register::command_load, Register::command_coolant,
-                               Register::command_ambient, Register::command_correction}) {
+                               Register::command_ambient, Register::command_correction, Register::command_displacement,
+                               Register::command_displacement_sd, Register::command_displacement_output}) {
     put_not_present(image, which);
   }
   for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) put_not_present(image, Register::command_flow, c);
   put(image, Register::command_tare, 0.0);
+  put(image, Register::command_displacement_take, 0.0);
 }
 
 void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image, PlcCommand& command) {
@@ -55,13 +78,8 @@ void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image
   if (touches(written, Register::command_correction)) {
     command.correction = correction_order(get(image, Register::command_correction));
   }
-  if (!touches(written, Register::command_tare)) return;
-  const double order = get(image, Register::command_tare);
-  if (order == 1.0 || order == 2.0) {
-    command.tare_order = order == 1.0 ? TareOrder::take : TareOrder::clear;
-    ++command.tare_orders;
-  }
-  put(image, Register::command_tare, 0.0);
+  if (touches(written, Register::command_tare)) take_tare(image, command);
+  if (touches(written, Register::command_displacement_take)) take_displacement(image, command);
 }
 
 }  // namespace spindle_twin::firmware

@@ -13,7 +13,7 @@ WriteRange writable_registers();
 void clear_commands(RegisterImage& image);
 
 /// Takes over what a request wrote to `image` at now_ns into `command`: only what it wrote counts as read now.
-/// A tare order is taken and its register set back to 0.
+/// An order (tare, measured length) is taken and its register set back to 0.
 void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image, PlcCommand& command);
 
 }  // namespace spindle_twin::firmware

@@ -35,7 +35,8 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   // The heartbeat wraps over all 16 bits, so it alone uses the not-present value too.
   fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
   for (const Register which :
-       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence}) {
+       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence,
+        Register::deviations_sequence, Register::sensors_sequence, Register::estimator_sequence}) {
     fill.value(which, snapshot.sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
@@ -55,9 +56,6 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::conductance_count, static_cast<double>(snapshot.conductances));
   fill.value(Register::correction_enabled, snapshot.correction_enabled ? 1.0 : 0.0);
   fill.value(Register::correction_freeze, snapshot.correction_configured ? snapshot.correction_freeze : not_a_value);
-  for (int slot = 0; slot < entry_of(Register::reserved).slots; ++slot) {
-    put_not_present(fill.image, Register::reserved, slot);
-  }
   const auto signal = [&](Signal which) { return snapshot.signals[static_cast<std::size_t>(which)]; };
   fill.value(Register::speed, std::abs(signal(Signal::speed)));
   fill.value(Register::load, 100.0 * signal(Signal::load));
@@ -97,6 +95,40 @@ void fill_temperatures(const Snapshot& snapshot, Filler& fill) {
   }
 }
 
+void fill_deviations(const Snapshot& snapshot, Filler& fill) {
+  fill.value(Register::nose_sd, um_per_m * snapshot.deformation_sd_m[0]);
+  fill.values(Register::key_point_sd, snapshot.predicted_sd_K);
+  fill.values(Register::part_maximum_sd, snapshot.part_maximum_sd_K);
+  fill.values(Register::deformation_sd, snapshot.deformation_sd_m, 0.0, um_per_m);
+  fill.values(Register::deformation_raw, snapshot.deformation_raw_m, 0.0, um_per_m);
+  fill.value(Register::nose_raw, um_per_m * (snapshot.deformation_raw_m[0] - snapshot.tare_m));
+}
+
+/// What is clipped here is no prediction.
+void fill_updates(const Snapshot& snapshot, RegisterImage& image) {
+  for (std::size_t k = 0; k < slots::key_points; ++k) {
+    const ChannelUpdate& update = snapshot.sensor_update[k];
+    const int slot = static_cast<int>(k);
+    put(image, Register::sensor_observation, update.observation - zero_degC_K, slot);
+    put(image, Register::sensor_innovation, update.innovation, slot);
+    put(image, Register::sensor_variance, update.variance, slot);
+    put(image, Register::sensor_test_ratio, update.test_ratio, slot);
+    put(image, Register::sensor_update, std::isnan(update.variance) ? not_a_value : update.flags, slot);
+    put(image, Register::sensor_offset, update.offset, slot);
+    put(image, Register::sensor_offset_sd, update.offset_sd, slot);
+  }
+  const auto if_estimating = [&](double value) { return snapshot.parameters > 0 ? value : not_a_value; };
+  put(image, Register::estimator_updates, if_estimating(snapshot.updates));
+  put(image, Register::parameter_count, if_estimating(snapshot.parameters));
+  put(image, Register::parameters_determined, if_estimating(snapshot.parameters_determined));
+  put(image, Register::displacement_count, if_estimating(snapshot.displacement_count % 65535));
+  const ChannelUpdate& length = snapshot.displacement_update;
+  put(image, Register::displacement_update, std::isnan(length.variance) ? not_a_value : length.flags);
+  put(image, Register::displacement_innovation, um_per_m * length.innovation);
+  put(image, Register::displacement_innovation_sd, um_per_m * std::sqrt(length.variance));
+  put(image, Register::displacement_test_ratio, length.test_ratio);
+}
+
 }  // namespace
 
 void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
@@ -106,6 +138,8 @@ void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& im
   fill_temperatures(snapshot, fill);
   fill.values(Register::heat_factor, snapshot.heat_factor);
   fill.values(Register::conductance_factor, snapshot.conductance_factor);
+  fill_deviations(snapshot, fill);
+  fill_updates(snapshot, image);
   const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
   put(image, Register::quality, quality);
 }

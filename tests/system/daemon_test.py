@@ -50,7 +50,7 @@ load = {{ source = "plc" }}
 coolant = {{ source = "device", register = 6, type = "float32" }}
 ambient = {{ source = "constant", value = 22.0 }}
 [correction]
-law = "paper"
+law = "estimator"
 [history]
 path = "history.csv"
 """
@@ -176,6 +176,36 @@ class Running(unittest.TestCase):
         wait_until(lambda: self.read(28, 1)[0] == 1, "the tare")
         self.assertLess(abs(int16(self.read(15, 1)[0])), 5)
         self.assertEqual(self.read(1005, 1, holding=True), [0])
+
+    def test_both_clients_read_the_deviations_and_what_became_of_each_reading(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        wait_until(lambda: self.read(920, 12)[3] >= 3, "three updates")
+        def nose_sd_um():
+            return float32(*self.read(122, 2))
+        self.assertGreater(nose_sd_um(), 0.0)
+        deviations = self.read(700, 100)
+        self.assertTrue(all(0 < word < 65535 for word in deviations[2:5]), deviations)
+        self.assertEqual(deviations[5:18], [0xFFFF] * 13)
+        code, values, output = self.mbpoll("-r", 122, "-c", 1, "-t", "3:float", "-B", "127.0.0.1")
+        self.assertEqual(code, 0, output)
+        self.assertAlmostEqual(values[122], nose_sd_um(), delta=0.2 * values[122])
+        sensors = self.read(800, 114)
+        self.assertEqual([int16(word) / 100 for word in sensors[2:5]], [28.5, 28.25, 28.0])
+        self.assertTrue(all(word in (1, 2) for word in sensors[82:85]), sensors)
+        self.assertEqual(sensors[85], 0xFFFF)
+        count, determined = self.read(924, 2)
+        self.assertLess(determined, count)
+
+    def test_a_measured_length_reaches_the_estimator(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        nose_um = float32(*self.read(20, 2))
+        length = struct.unpack(">HH", struct.pack(">f", nose_um)) + struct.unpack(">HH", struct.pack(">f", 0.5))
+        self.assertFalse(self.client.write_registers(1010, [*length, 0, 1], slave=1).isError())
+        wait_until(lambda: self.read(926, 2) == [1, 1], "the length to be fused")
+        self.assertLess(float32(*self.read(122, 2)), 0.6)
+        self.assertEqual(self.read(1015, 1, holding=True), [0])
 
     def test_writes_outside_the_command_block_are_refused_for_both_clients(self):
         self.assertEqual(self.client.write_register(15, 0, slave=1).exception_code, 2)

@@ -79,6 +79,55 @@ TEST(Config, without_an_allow_list_only_this_machine_is_answered) {
   EXPECT_FALSE(is_allowed(config.serve.allow, parse_address_range("192.168.1.7")->address));
 }
 
+TEST(Config, estimator_corrects_by_default_and_each_sensor_may_have_its_own_noise) {
+  const std::string text = with("law = \"paper\"\nrelaxation = 0.5\n",
+                                "noise_K = 0.05\nlag_s = 4.0\n[correction.prior]\nheat = 0.15\nheat_common = 0.5\n"
+                                "[output]\nslew_um_per_s = 0.1\n");
+  std::string own = text;
+  own.replace(own.find("scale = 0.01"), 12,
+              "scale = 0.01\nnoise_K = 0.1\noffset_K = 0.2\nlag_s = 20.0\ninterval_s = 10.0");
+  const DaemonPlan plan = bind_config(parse_config(own, "twin.toml"), tests::small_network());
+  ASSERT_TRUE(plan.cycle.estimator.has_value());
+  EXPECT_FALSE(plan.cycle.paper.has_value());
+  EXPECT_TRUE(plan.cycle.estimator_corrects);
+  EXPECT_DOUBLE_EQ(plan.cycle.estimator->period_s, 10.0);
+  EXPECT_DOUBLE_EQ(plan.cycle.estimator->priors.heat, 0.15);
+  EXPECT_DOUBLE_EQ(plan.cycle.estimator->priors.heat_common, 0.5);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].noise_K, 0.05);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].offset_K, 0.02);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].lag_s, 4.0);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].noise_K, 0.1);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].offset_K, 0.2);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].lag_s, 20.0);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].interval_s, 10.0);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].stale_after_s, 30.0) << "by default three of its own intervals";
+  EXPECT_DOUBLE_EQ(plan.cycle.slew_m_per_s, 1e-7);
+}
+
+TEST(Config, without_a_correction_table_the_estimator_corrects_and_without_a_law_it_stands_by) {
+  const std::string table = "[correction]\nlaw = \"paper\"\nrelaxation = 0.5\n";
+  EXPECT_TRUE(bind_config(parse_config(with(table, ""), "twin.toml"), tests::small_network()).cycle.estimator_corrects);
+  const CyclePlan none =
+      bind_config(parse_config(with(table, "[correction]\nlaw = \"none\"\n"), "twin.toml"), tests::small_network())
+          .cycle;
+  EXPECT_TRUE(none.estimator.has_value());
+  EXPECT_FALSE(none.estimator_corrects);
+}
+
+TEST(ConfigErrors, the_estimators_options_say_what_is_allowed) {
+  const std::string paper = "law = \"paper\"\nrelaxation = 0.5\n";
+  EXPECT_EQ(error_of(with(paper, "period_s = 0.5\n")),
+            "/etc/twin.toml:24: correction.period_s: must be a number from 1 to 60, is 0.5");
+  EXPECT_EQ(error_of(with(paper, "[correction.prior]\nheat = 3.0\n")),
+            "/etc/twin.toml:25: correction.prior.heat: must be a number from 0 to 2, is 3");
+  EXPECT_EQ(error_of(with("scale = 0.01", "noise_K = 0.0")),
+            "/etc/twin.toml:16: sensor[2].noise_K: must be a number from 0.0001 to 10, is 0");
+  EXPECT_EQ(error_of(good + "[output]\nslew_um_per_s = 0.0\n").rfind("/etc/twin.toml:27: output.slew_um_per_s: ", 0),
+            0U);
+  const std::string unknown = error_of(with(paper, "relaxation = 0.5\n"));
+  EXPECT_NE(unknown.find("correction.relaxation: unknown key"), std::string::npos) << unknown;
+}
+
 TEST(Config, groups_name_sensors_and_sources) {
   const std::string text =
       good + "[[correction.group]]\nname = \"rear\"\nsensors = [\"sleeve_outer\"]\nsources = [\"bearing\"]\n";
@@ -132,7 +181,7 @@ TEST(ConfigErrors, choices_list_what_is_allowed) {
             "/etc/twin.toml:12: sensor[1].type: must be one of int16, uint16, offset16, int32, uint32, float32, "
             "float32_cdab, is \"float64\"");
   EXPECT_EQ(error_of(with("law = \"paper\"", "law = \"magic\"")),
-            "/etc/twin.toml:24: correction.law: must be one of paper, none, is \"magic\"");
+            "/etc/twin.toml:24: correction.law: must be one of estimator, paper, none, is \"magic\"");
 }
 
 TEST(ConfigErrors, a_group_with_a_source_that_is_not_there) {

@@ -7,67 +7,12 @@
 #include <cmath>
 #include <vector>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "rom/integrate/exact_stepper.hpp"
-#include "tests/firmware/support/small_network.hpp"
+#include "tests/firmware/support/machine.hpp"
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
-
-constexpr double start_K = 300.15;
-
-std::unique_ptr<rom::FallbackStepper> runtime(const rom::Network& network) {
-  return rom::make_runtime_stepper(network);
-}
-
-CyclePlan open_loop() {
-  CyclePlan plan;
-  plan.signals[0] = {SignalSource::constant, 6000.0, 0.0, 1e5, 0.0};
-  plan.signals[1] = {SignalSource::constant, 1.0, 0.0, 2.0, 0.0};
-  plan.signals[2] = plan.signals[3] = {SignalSource::constant, start_K, 200.0, 500.0, 0.0};
-  plan.start_temperature_K = start_K;
-  return plan;
-}
-
-CyclePlan corrected() {
-  CyclePlan plan = open_loop();
-  for (std::size_t k = 0; k < 3; ++k) plan.sensors[k].configured = true;
-  plan.paper = correction::PaperOptions{};
-  plan.paper->guards.settle_s = 0.0;
-  return plan;
-}
-
-/// Another integration of the same network with other heat stands for the machine.
-struct Machine {
-  explicit Machine(const rom::Network& of, double heat) : network(of), model(make_model(of, runtime)) {
-    factors = correction::no_correction(network.boundaries);
-    factors.heat.setConstant(heat);
-    model.stepper->set_temperatures(
-        Eigen::VectorXd::Constant(static_cast<Eigen::Index>(network.nodes.size()), start_K));
-    predict(network, model);
-  }
-
-  DeviceFrame frame(std::int64_t now_ns) const {
-    DeviceFrame frame;
-    frame.connected = true;
-    for (Eigen::Index k = 0; k < model.outputs.key_points_K.size(); ++k) {
-      frame.sensors[static_cast<std::size_t>(k)] = {model.outputs.key_points_K[k], now_ns};
-    }
-    return frame;
-  }
-
-  void advance(double period_s) {
-    integrate(network, network.boundaries.operating, factors, period_s, model);
-    predict(network, model);
-  }
-
-  const rom::Network& network;
-  Model model;
-  rom::CorrectionFactors factors;
-};
-
-std::int64_t at_s(int cycle) { return 1'000'000'000LL * (cycle + 1); }
 
 TEST(Cycle, open_loop_reaches_the_steady_state_of_the_network) {
   const rom::Network network = tests::small_network();

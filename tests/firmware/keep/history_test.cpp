@@ -22,6 +22,8 @@ TEST(History, a_row_has_a_field_per_column_and_absent_values_are_empty) {
   EXPECT_EQ(commas(header), commas(row));
   EXPECT_NE(header.find(",measured.sleeve_inner_degC,"), std::string::npos);
   EXPECT_NE(header.find(",heat_factor.bearing,"), std::string::npos);
+  EXPECT_NE(header.find(",deformation_sd.nose_um,"), std::string::npos);
+  EXPECT_NE(header.find(",innovation.sleeve_outer_K,"), std::string::npos);
   EXPECT_NE(row.find(",1.5,"), std::string::npos);
   EXPECT_EQ(row.find("nan"), std::string::npos);
 }

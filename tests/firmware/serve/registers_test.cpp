@@ -106,6 +106,42 @@ TEST(RegisterImage, nose_stands_in_all_forms) {
   EXPECT_EQ(word(image, Register::nose_float32, 1), word(image, Register::nose_float32_cdab, 0));
 }
 
+TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
+  Snapshot snapshot = empty_snapshot();
+  for (auto* values : {&snapshot.deformation_raw_m, &snapshot.deformation_sd_m}) values->fill(not_a_value);
+  snapshot.predicted_sd_K.fill(not_a_value);
+  snapshot.part_maximum_sd_K.fill(not_a_value);
+  RegisterImage image = image_of(snapshot);
+  EXPECT_EQ(word(image, Register::nose_sd), 0x7FC0);
+  EXPECT_EQ(word(image, Register::key_point_sd), 0xFFFF);
+  EXPECT_EQ(word(image, Register::sensor_update), 0xFFFF);
+  EXPECT_EQ(word(image, Register::parameter_count), 0xFFFF);
+  EXPECT_EQ(word(image, Register::displacement_innovation), 0x7FC0);
+
+  snapshot.deformation_sd_m[0] = 1.25e-6;
+  snapshot.deformation_raw_m[0] = 5e-6;
+  snapshot.tare_m = 2e-6;
+  snapshot.predicted_sd_K[1] = 0.0214;
+  snapshot.sensor_update[1] = {303.15, -0.012, 1e-3, 80.0, 0.015, 0.02, bits(Update::rejected), 3};
+  snapshot.parameters = 44;
+  snapshot.parameters_determined = 10;
+  snapshot.displacement_update = {5e-6, 1e-6, 4e-12, 0.01, not_a_value, not_a_value, bits(Update::fused), 0};
+  image = image_of(snapshot);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_sd)), 1.25F);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::deformation_sd)), 1.25F);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_raw)), 3.0F);
+  EXPECT_EQ(word(image, Register::key_point_sd, 1), 21);
+  EXPECT_EQ(word(image, Register::sensor_observation, 1), 3000);
+  EXPECT_EQ(static_cast<std::int16_t>(word(image, Register::sensor_innovation, 1)), -12);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::sensor_variance, 1)), 1e-3F);
+  EXPECT_EQ(word(image, Register::sensor_test_ratio, 1), 65534) << "clipped, which is no clipped prediction";
+  EXPECT_EQ(word(image, Register::quality) & bits(Quality::saturated), 0);
+  EXPECT_EQ(word(image, Register::sensor_update, 1), bits(Update::rejected));
+  EXPECT_EQ(word(image, Register::sensor_offset, 1), 15);
+  EXPECT_EQ(word(image, Register::parameters_determined), 10);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::displacement_innovation_sd)), 2.0F);
+}
+
 TEST(RegisterImage, a_clipped_value_raises_the_saturation_bit) {
   Snapshot snapshot = empty_snapshot();
   snapshot.nose_m = 3.2767e-3;
@@ -185,6 +221,28 @@ TEST(Commands, tare_order_is_taken_once_and_reads_back_as_zero) {
   EXPECT_EQ(get(image, Register::command_tare), 0.0);
   take_commands(writable_registers(), 2, image, command);
   EXPECT_EQ(command.tare_orders, 1U);
+}
+
+TEST(Commands, a_measured_length_is_taken_with_its_deviation_and_output) {
+  RegisterImage image{};
+  clear_commands(image);
+  PlcCommand command;
+  put(image, Register::command_displacement, -3.5);
+  put(image, Register::command_displacement_sd, 1.0);
+  take_commands({entry_of(Register::command_displacement).address, 4}, 1, image, command);
+  EXPECT_EQ(command.displacements, 0U) << "not before it is ordered";
+  put(image, Register::command_displacement_take, 1.0);
+  take_commands(writable_registers(), 2, image, command);
+  EXPECT_EQ(command.displacements, 1U);
+  EXPECT_EQ(command.displacement.output, 0U);
+  EXPECT_NEAR(command.displacement.value_m, -3.5e-6, 1e-12);
+  EXPECT_NEAR(command.displacement.sd_m, 1e-6, 1e-12);
+  EXPECT_EQ(get(image, Register::command_displacement_take), 0.0);
+  put(image, Register::command_displacement_output, 1.0);
+  put(image, Register::command_displacement_take, 1.0);
+  take_commands(writable_registers(), 3, image, command);
+  EXPECT_EQ(command.displacement.output, 1U);
+  EXPECT_EQ(command.displacements, 2U);
 }
 
 }  // namespace
