@@ -132,7 +132,7 @@ class Network(Case):
         self.assertAlmostEqual(heat_in, sum(b["source_W"] for b in data["balance"]), delta=1e-9 * heat_in)
         self.assertAlmostEqual(heat_in, sum(f["heat_W"] for f in data["flows"] if f["outside"]), delta=1e-9 * heat_in)
         for body in data["balance"]:
-            self.assertLess(abs(body["left_W"]), 1e-9 * heat_in, body["name"])
+            self.assertLess(abs(body["residue_W"]), 1e-9 * heat_in, body["name"])
             self.assertLess(abs(body["conduction_W"]), 1e-9 * heat_in, "heat that leaks past the contacts of " + body["name"])
             given = sum(f["heat_W"] for f in data["flows"] if f["from"] == body["name"])
             taken = sum(f["heat_W"] for f in data["flows"] if f["to"] == body["name"])
