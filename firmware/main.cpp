@@ -6,6 +6,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -15,9 +16,11 @@
 
 #include "firmware/acquire/modbus_device.hpp"
 #include "firmware/config/config.hpp"
+#include "firmware/config/expect_of_sensors.hpp"
 #include "firmware/config/load_network.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/keep/history.hpp"
+#include "firmware/keep/keeper.hpp"
 #include "firmware/serve/modbus_server.hpp"
 #include "firmware/watch/single_instance.hpp"
 
@@ -57,6 +60,7 @@ int run(const std::string& config_path, bool only_check) {
     std::printf("%s: ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), network.spindle.c_str(),
                 network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",
                 signer(file).c_str());
+    std::fputs(expect_of_sensors(network, plan.cycle).c_str(), stdout);
     return 0;
   }
   const SingleInstance lock(config_path);
@@ -71,15 +75,24 @@ int run(const std::string& config_path, bool only_check) {
   ModbusDevice device(plan.device, clock, frames);
   const auto history = config.history_path.empty() ? nullptr : std::make_unique<History>(config.history_path, network);
 
+  const double unix_now_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  resume_from_checkpoint(config.keep, file.sha256, plan.cycle.clock_rate, unix_now_s, cycle);
+  Keeper keeper(config.keep, file.sha256, plan.cycle.clock_rate, cycle);
+
   std::atomic<bool> stop{false};
   std::atomic<bool> stop_history{false};
-  const CyclePorts ports{frames, commands, snapshots, history ? &history->ring() : nullptr,
-                         history ? &history->lost() : nullptr};
+  const CyclePorts ports{frames,
+                         commands,
+                         snapshots,
+                         history ? &history->ring() : nullptr,
+                         history ? &history->lost() : nullptr,
+                         &keeper.remembered()};
   std::thread serving([&] { server.run(); });
   std::optional<std::thread> acquiring;
   if (!plan.device.channels.empty()) acquiring.emplace([&] { device.run(stop); });
   std::optional<std::thread> keeping;
   if (history) keeping.emplace([&] { history->run(stop_history); });
+  std::thread remembering([&] { keeper.run(stop); });
   std::thread cycling([&] { run_cycle(cycle, plan.cycle, clock, ports, stop); });
 
   spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", network.spindle, network.nodes.size(),
@@ -101,6 +114,8 @@ int run(const std::string& config_path, bool only_check) {
   serving.join();
   stop_history.store(true);
   if (keeping) keeping->join();
+  remembering.join();
+  keeper.keep_last(cycle);
   spdlog::info("stopped by {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
   return 0;
 }

@@ -21,6 +21,14 @@ struct ServePlan {
   double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
 };
 
+/// What is written beside the history.
+struct KeepPlan {
+  std::string checkpoint_path;  ///< empty: none
+  double interval_s = 300.0;    ///< model time
+  double max_age_s = 43200.0;   ///< an older checkpoint is not used
+  std::string parameters_path;  ///< empty: none
+};
+
 struct ConfiguredSensor {
   std::string key_point;
   rom::SourceLine where;
@@ -73,6 +81,7 @@ struct Config {
   ConfiguredNetwork network;
   std::string log_level = "info";
   std::string history_path;  ///< empty: none
+  KeepPlan keep;
   ServePlan serve;
   bool has_device = false;
   DevicePlan device;  ///< without channels

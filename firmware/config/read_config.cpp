@@ -228,7 +228,20 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 
-  if (const auto history = root.optional_table("history")) config.history_path = beside(path, history->string("path"));
+  if (const auto history = root.optional_table("history")) {
+    config.history_path = beside(path, history->string("path"));
+    if (const auto parameters = history->optional_string("parameters")) {
+      config.keep.parameters_path = beside(path, *parameters);
+    }
+  }
+  if (const auto checkpoint = root.optional_table("checkpoint")) {
+    constexpr double seconds_per_hour = 3600.0;
+    KeepPlan& keep = config.keep;
+    keep.checkpoint_path = beside(path, checkpoint->string("path"));
+    keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
+    keep.max_age_s = seconds_per_hour *
+                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
+  }
   root.finish();
   return config;
 }

@@ -56,6 +56,10 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     Snapshot snapshot = cycle.step(frame, command, now_ns, deadline.take(now_ns));
     snapshot.time_ns = clock.now_ns();
     ports.server.write(snapshot);
+    if (ports.remembered != nullptr && ports.remembered->asked()) {
+      cycle.remember(ports.remembered->value);
+      ports.remembered->fill();
+    }
     if (ports.history != nullptr && !ports.history->push(snapshot)) ++*ports.lost;
   }
 }

@@ -6,9 +6,13 @@
 #include "firmware/cycle/correct.hpp"
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/publish.hpp"
+#include "firmware/cycle/remember.hpp"
 #include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
+
+/// What was of use in what a cycle was to remember.
+enum class Resumed { nothing, temperatures, temperatures_and_estimator };
 
 /// The twin's own work, once per period: sense, judge, correct, integrate, predict, publish.
 /// The prediction that a cycle publishes is for the end of the period that begins with it.
@@ -21,9 +25,22 @@ class Cycle {
   /// No allocation after the first ones, no lock, no blocking call.
   const Snapshot& step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns, std::int64_t missed);
 
+  /// What the estimator that corrects estimates; null without one.
+  const correction::ParameterModel* parameters() const;
+
+  /// Sizes `to` on the first call; from then on it may be called between two cycles.
+  void remember(Remembered& to) const;
+
+  /// Before the first step: goes on from what was remembered gap_s of model time ago. The spindle is taken to have
+  /// stood still since, with environments and flows as they were then; sensitivities and variances are carried through
+  /// it. The estimator goes on only where its parameters and sensors are the same. Nothing is changed where nothing
+  /// fits. Allocates.
+  Resumed resume(const Remembered& from, double gap_s);
+
  private:
   bool ready_to_start();
   void start_from(double temperature_K);
+  void stand_still(double gap_s);
   void take_orders(const PlcCommand& command);
   void note(Integrated integrated);
   void label(std::int64_t missed);
@@ -52,8 +69,9 @@ struct CyclePorts {
   Latest<DeviceFrame>& device;
   Latest<PlcCommand>& plc;
   Latest<Snapshot>& server;
-  SnapshotRing* history = nullptr;             ///< null: no history is kept
-  std::atomic<std::uint64_t>* lost = nullptr;  ///< snapshots that the history had no room for
+  SnapshotRing* history = nullptr;              ///< null: no history is kept
+  std::atomic<std::uint64_t>* lost = nullptr;   ///< snapshots that the history had no room for
+  OnRequest<Remembered>* remembered = nullptr;  ///< null: nobody asks. Sized already by Cycle::remember()
 };
 
 /// Runs the cycle at absolute deadlines until `stop` is set.

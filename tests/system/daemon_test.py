@@ -53,6 +53,10 @@ ambient = {{ source = "constant", value = 22.0 }}
 law = "estimator"
 [history]
 path = "history.csv"
+parameters = "parameters.csv"
+[checkpoint]
+path = "twin.checkpoint"
+interval_s = 5.0
 """
 
 
@@ -267,6 +271,59 @@ class Running(unittest.TestCase):
         self.assertTrue(all(row.count(",") + 1 == len(columns) for row in rows))
         self.assertEqual(float(rows[-1].split(",")[columns.index("measured.sleeve_inner_degC")]), 28.5)
 
+    def start_again(self):
+        self.client.close()
+        self.daemon = self.start([DAEMON, self.config], stderr=self.log)
+        wait_until(lambda: can_connect(self.port), "the daemon's port")
+        self.assertTrue(self.client.connect())
+
+    def test_a_checkpoint_survives_a_kill_and_the_next_start_goes_on_from_it(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        self.assertFalse(self.client.write_register(1005, 1, slave=1).isError())
+        wait_until(lambda: self.read(28, 1)[0] == 1, "the tare")
+        checkpoint = self.folder / "twin.checkpoint"
+        first = wait_until(lambda: checkpoint.exists() and checkpoint.stat().st_mtime_ns, "a checkpoint")
+        wait_until(lambda: checkpoint.stat().st_mtime_ns > first, "the next checkpoint")
+        tare_um = float32(*self.read(26, 2))
+        self.assertNotEqual(tare_um, 0.0)
+        self.daemon.kill()
+        self.daemon.wait()
+        self.start_again()
+        self.write_signals()
+        self.wait_for_state(1)
+        self.assertEqual(float32(*self.read(26, 2)), tare_um)
+        self.log.seek(0)
+        self.assertRegex(self.log.read(), r"twin\.checkpoint: goes on from \d+ s ago, with what the estimator knew")
+
+    def test_a_checkpoint_that_does_not_fit_is_said_and_left_alone(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        self.daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(self.daemon.wait(10), 0)
+        checkpoint = self.folder / "twin.checkpoint"
+        data = bytearray(checkpoint.read_bytes())
+        data[-1] ^= 1
+        checkpoint.write_bytes(data)
+        self.start_again()
+        self.wait_for_state(2)
+        self.log.seek(0)
+        self.assertRegex(self.log.read(), r"twin\.checkpoint: no checkpoint of this version, or damaged; not used, a cold start")
+
+    def test_the_parameters_table_stands_posterior_against_prior(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        table = self.folder / "parameters.csv"
+        wait_until(table.exists, "the table of parameters")
+        rows = [row.split(",") for row in table.read_text().splitlines()]
+        self.assertEqual(rows[0], ["parameter", "value", "deviation", "prior", "prior_deviation", "determined"])
+        self.assertIn("heat bearing", [row[0] for row in rows])
+        self.assertEqual(len(rows) - 1, self.read(924, 1)[0])
+        self.daemon.send_signal(signal.SIGTERM)
+        self.assertEqual(self.daemon.wait(10), 0)
+        self.log.seek(0)
+        self.assertRegex(self.log.read(), r"after \d+ s the sensors determine ")
+
     def test_a_second_instance_is_one_clear_error(self):
         second = run_daemon(self.config)
         self.assertEqual(second.returncode, 1)
@@ -308,7 +365,14 @@ class BadInput(unittest.TestCase):
 
     def test_check_accepts_a_good_configuration(self):
         result = run_daemon("--check", self.config)
-        self.assertEqual((result.returncode, result.stdout), (0, f"{self.config}: ok, small with 5 nodes, certified, not signed\n"))
+        first, second = result.stdout.splitlines()
+        self.assertEqual((result.returncode, first), (0, f"{self.config}: ok, small with 5 nodes, certified, not signed"))
+        self.assertRegex(second, r"^expected after an hour at 6000 rpm from a cold start: nose \d+\.\d um, standard deviation "
+                                 r"\d+\.\d um without sensors, \d+\.\d um with 3; the sensors determine \d+ of 11 parameters "
+                                 r"\(.*\) and say nothing of the others \(.*\)$")
+        self.config.write_text(self.good.replace('"estimator"', '"paper"'))
+        result = run_daemon("--check", self.config)
+        self.assertEqual((result.returncode, len(result.stdout.splitlines())), (0, 1))
 
     def test_a_missing_configuration(self):
         self.assertEqual(self.error_of(self.folder / "none.toml"),

@@ -1,0 +1,99 @@
+#include "firmware/cycle/remember.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "firmware/cycle/cycle.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+constexpr double longest_step_s = 60.0;
+constexpr double most_steps = 500.0;
+
+void copy(const Eigen::VectorXd& from, std::vector<double>& to) {
+  to.resize(static_cast<std::size_t>(from.size()));
+  std::copy_n(from.data(), from.size(), to.begin());
+}
+
+std::string layout_of(const correction::EstimatorCorrection& estimator) {
+  std::string layout;
+  for (const correction::Parameter& parameter : estimator.parameters().list())
+    layout.append(parameter.name).append(";");
+  for (const correction::EstimatorSensor& sensor : estimator.sensors()) layout.append("|").append(sensor.name);
+  return layout;
+}
+
+bool fits(const std::vector<double>& numbers, Eigen::Index size) {
+  return static_cast<Eigen::Index>(numbers.size()) == size &&
+         std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+}
+
+}  // namespace
+
+const correction::ParameterModel* Cycle::parameters() const {
+  return corrector_.corrects && corrector_.estimator ? &corrector_.estimator->parameters() : nullptr;
+}
+
+void Cycle::remember(Remembered& to) const {
+  to.started = started_;
+  to.model_time_s = snapshot_.model_time_s;
+  to.tare_m = snapshot_.tare_m;
+  to.signals = judgement_.signals;
+  copy(model_.stepper->temperatures_K(), to.nodes_K);
+  copy(uncorrected_.stepper->temperatures_K(), to.uncorrected_K);
+  if (parameters() == nullptr) return;
+  const correction::EstimatorCorrection& estimator = *corrector_.estimator;
+  if (to.layout.empty()) to.layout = layout_of(estimator);
+  estimator.save(to.estimator);
+  to.parameters.resize(static_cast<std::size_t>(estimator.parameters().count()));
+  for (std::size_t i = 0; i < to.parameters.size(); ++i) {
+    to.parameters[i] = estimator.estimate(static_cast<Eigen::Index>(i));
+  }
+}
+
+Resumed Cycle::resume(const Remembered& from, double gap_s) {
+  const Eigen::Index nodes = start_K_.size();
+  if (!from.started || !fits(from.nodes_K, nodes) || !fits(from.uncorrected_K, nodes) || !std::isfinite(from.tare_m) ||
+      !(gap_s >= 0.0)) {
+    return Resumed::nothing;
+  }
+  model_.stepper->set_temperatures(Eigen::Map<const Eigen::VectorXd>(from.nodes_K.data(), nodes));
+  uncorrected_.stepper->set_temperatures(Eigen::Map<const Eigen::VectorXd>(from.uncorrected_K.data(), nodes));
+  Judgement held = judgement_;
+  held.signals = from.signals;
+  held.signals[static_cast<std::size_t>(Signal::speed)] = 0.0;
+  held.signals[static_cast<std::size_t>(Signal::load)] = 0.0;
+  set_operating(network_, held, operating_);
+
+  bool known = false;
+  if (corrector_.estimator) {
+    corrector_.estimator->reset(-gap_s, model_.stepper->temperatures_K(), operating_);
+    known = corrector_.corrects && from.layout == layout_of(*corrector_.estimator) &&
+            corrector_.estimator->restore(from.estimator);
+  }
+  stand_still(gap_s);
+
+  snapshot_.tare_m = from.tare_m;
+  predict(network_, model_);
+  publish_corrected(model_, 0.0, snapshot_);
+  started_ = true;
+  return known ? Resumed::temperatures_and_estimator : Resumed::temperatures;
+}
+
+void Cycle::stand_still(double gap_s) {
+  const double steps = std::ceil(gap_s / std::max(longest_step_s, gap_s / most_steps));
+  rom::CorrectionFactors no_heat = corrector_.none;
+  no_heat.heat.setZero();
+  for (double step = 0.0; step < steps; ++step) {
+    const double advance_s = gap_s / steps;
+    const CorrectedInputs inputs =
+        correct({}, judgement_, operating_, -gap_s + step * advance_s, advance_s, model_, corrector_);
+    no_heat.conductance = inputs.factors.conductance;
+    integrate(network_, inputs.operating, no_heat, advance_s, model_);
+    no_heat.conductance = corrector_.none.conductance;
+    integrate(network_, operating_, no_heat, advance_s, uncorrected_);
+  }
+}
+
+}  // namespace spindle_twin::firmware

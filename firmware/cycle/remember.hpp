@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "correction/estimator/estimator_correction.hpp"
+#include "firmware/cycle/snapshot.hpp"
+
+namespace spindle_twin::firmware {
+
+/// What a cycle needs to go on after a restart, and what its estimator knows. Its sizes are those of network and plan.
+struct Remembered {
+  bool started = false;  ///< else the rest is without meaning
+  double model_time_s = 0.0;
+  double tare_m = 0.0;
+  std::array<double, signal_count> signals{};
+  std::vector<double> nodes_K;
+  std::vector<double> uncorrected_K;
+  std::string layout;  ///< names of the estimator's parameters and sensors; empty without one that corrects
+  correction::EstimatorState estimator;
+  std::vector<correction::ParameterEstimate> parameters;
+};
+
+/// A value too large for a triple buffer, from one thread that fills it when another has asked for it. Neither waits
+/// for the other; between fill() and the next ask() the value is the asking thread's.
+template <class T>
+class OnRequest {
+ public:
+  T value;
+
+  void ask() { asked_.store(true, std::memory_order_release); }
+  bool asked() const { return asked_.load(std::memory_order_acquire); }
+  void fill() { asked_.store(false, std::memory_order_release); }
+
+ private:
+  std::atomic<bool> asked_{false};
+};
+
+}  // namespace spindle_twin::firmware

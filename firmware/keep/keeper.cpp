@@ -1,0 +1,106 @@
+#include "firmware/keep/keeper.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "firmware/keep/checkpoint.hpp"
+#include "firmware/keep/parameters.hpp"
+#include "rom/file/whole_file.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+constexpr double seconds_per_hour = 3600.0;
+
+double unix_now_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// Empty where it fits.
+std::string objection(const Checkpoint& checkpoint, const KeepPlan& plan, const std::string& network_sha256,
+                      double age_s) {
+  if (checkpoint.network_sha256 != network_sha256) return "it is of another network";
+  if (age_s < 0.0) return "it was written later than the clock says now";
+  if (age_s > plan.max_age_s) {
+    return fmt::format("it is {:.1f} h old, checkpoint.max_age_h is {:.1f}", age_s / seconds_per_hour,
+                       plan.max_age_s / seconds_per_hour);
+  }
+  return {};
+}
+
+}  // namespace
+
+Resumed resume_from_checkpoint(const KeepPlan& plan, const std::string& network_sha256, double clock_rate,
+                               double unix_now_s, Cycle& cycle) {
+  const std::string& path = plan.checkpoint_path;
+  if (path.empty()) return Resumed::nothing;
+  try {
+    const std::optional<Checkpoint> checkpoint = read_checkpoint(path);
+    if (!checkpoint) {
+      spdlog::info("checkpoint {}: there is none yet", path);
+      return Resumed::nothing;
+    }
+    const double age_s = unix_now_s - checkpoint->saved_unix_s;
+    const std::string reason = objection(*checkpoint, plan, network_sha256, age_s);
+    const Resumed resumed =
+        reason.empty() ? cycle.resume(checkpoint->remembered, age_s * clock_rate) : Resumed::nothing;
+    if (resumed == Resumed::nothing) {
+      spdlog::warn("checkpoint {}: not used, {}; a cold start", path, reason.empty() ? "its sizes do not fit" : reason);
+    } else {
+      spdlog::info("checkpoint {}: goes on from {:.0f} s ago, {}", path, age_s,
+                   resumed == Resumed::temperatures ? "temperatures and tare only" : "with what the estimator knew");
+    }
+    return resumed;
+  } catch (const rom::InputError& error) {
+    spdlog::warn("checkpoint {}; not used, a cold start", error.what());
+    return Resumed::nothing;
+  }
+}
+
+Keeper::Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, const Cycle& cycle)
+    : plan_(std::move(plan)), network_sha256_(std::move(network_sha256)), clock_rate_(clock_rate) {
+  if (const correction::ParameterModel* parameters = cycle.parameters()) parameters_ = parameters->list();
+  cycle.remember(remembered_.value);
+}
+
+void Keeper::keep(bool say) {
+  const Remembered& now = remembered_.value;
+  if (!now.started) return;
+  try {
+    if (!plan_.checkpoint_path.empty()) write_checkpoint({network_sha256_, unix_now_s(), now}, plan_.checkpoint_path);
+    if (!plan_.parameters_path.empty() && !parameters_.empty()) {
+      rom::write_whole_file(plan_.parameters_path, parameters_csv(parameters_, now.parameters));
+    }
+    complained_ = false;
+  } catch (const rom::InputError& error) {
+    if (!complained_) spdlog::error("{}", error.what());
+    complained_ = true;
+  }
+  if (parameters_.empty() || (!say && now.model_time_s - said_at_s_ < seconds_per_hour)) return;
+  spdlog::info("after {:.0f} s {}", now.model_time_s, what_is_determined(parameters_, now.parameters));
+  said_at_s_ = now.model_time_s;
+}
+
+void Keeper::run(const std::atomic<bool>& stop) {
+  const std::chrono::duration<double> interval(plan_.interval_s / clock_rate_);
+  constexpr std::chrono::milliseconds slice(20);
+  auto due = std::chrono::steady_clock::now() + interval;
+  while (!stop.load(std::memory_order_acquire)) {
+    std::this_thread::sleep_for(slice);
+    if (std::chrono::steady_clock::now() < due) continue;
+    due += std::chrono::duration_cast<std::chrono::steady_clock::duration>(interval);
+    remembered_.ask();
+    while (remembered_.asked() && !stop.load(std::memory_order_acquire)) std::this_thread::sleep_for(slice);
+    if (!remembered_.asked()) keep(false);
+  }
+}
+
+void Keeper::keep_last(const Cycle& cycle) {
+  cycle.remember(remembered_.value);
+  keep(true);
+}
+
+}  // namespace spindle_twin::firmware

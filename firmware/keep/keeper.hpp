@@ -1,0 +1,45 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "firmware/config/config.hpp"
+#include "firmware/cycle/cycle.hpp"
+
+namespace spindle_twin::firmware {
+
+/// Before the cycle's first step: goes on from the checkpoint where there is one that fits, and says in the log what
+/// became of it. Of another network, too old, from the future, damaged: the start is as without one. unix_now_s: now by
+/// the clock that the checkpoint's time was taken from.
+Resumed resume_from_checkpoint(const KeepPlan& plan, const std::string& network_sha256, double clock_rate,
+                               double unix_now_s, Cycle& cycle);
+
+/// Writes the checkpoint and the table of parameters each interval, and once an hour says in the log what the sensors
+/// determine, in the thread that calls run(); the cycle thread only copies what it is asked for.
+class Keeper {
+ public:
+  /// Sizes what the cycle fills.
+  Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, const Cycle& cycle);
+
+  OnRequest<Remembered>& remembered() { return remembered_; }
+
+  /// Until `stop` is set.
+  void run(const std::atomic<bool>& stop);
+
+  /// Keeps what `cycle` knows now; for the end, when no thread runs it any more.
+  void keep_last(const Cycle& cycle);
+
+ private:
+  void keep(bool say);
+
+  KeepPlan plan_;
+  std::string network_sha256_;
+  double clock_rate_;
+  std::vector<correction::Parameter> parameters_;
+  OnRequest<Remembered> remembered_;
+  bool complained_ = false;
+  double said_at_s_ = 0.0;
+};
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,208 @@
+#include "firmware/keep/checkpoint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "firmware/keep/keeper.hpp"
+#include "firmware/keep/parameters.hpp"
+#include "rom/file/whole_file.hpp"
+#include "rom/read/input_error.hpp"
+#include "tests/firmware/support/machine.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+constexpr double saved_unix_s = 1.7e9;
+const std::string sha256(64, 'a');
+
+/// A twin that ran for half an hour and was tared, and what it remembers.
+struct Ran {
+  explicit Ran(const rom::Network& network, const CyclePlan& plan = estimated())
+      : cycle(network, plan, runtime), machine(network, 0.5) {
+    for (; n < 1800; ++n) {
+      if (n == 900) ++command.tare_orders;
+      last = cycle.step(machine.frame(at_s(n)), command, at_s(n), 0);
+      machine.advance(1.0);
+    }
+    cycle.remember(checkpoint.remembered);
+    checkpoint.network_sha256 = sha256;
+    checkpoint.saved_unix_s = saved_unix_s;
+  }
+
+  Cycle cycle;
+  Machine machine;
+  PlcCommand command;
+  Snapshot last;
+  Checkpoint checkpoint;
+  int n = 0;
+};
+
+struct InFolder {
+  InFolder() { plan.checkpoint_path = ::testing::TempDir() + "spindle_twin.checkpoint"; }
+  ~InFolder() { std::remove(plan.checkpoint_path.c_str()); }
+  KeepPlan plan;
+};
+
+TEST(Checkpoint, comes_back_bit_for_bit) {
+  const rom::Network network = tests::small_network();
+  const Ran ran(network);
+  const Checkpoint back = decode_checkpoint(encode_checkpoint(ran.checkpoint), "x");
+  const Remembered& a = ran.checkpoint.remembered;
+  const Remembered& b = back.remembered;
+  EXPECT_EQ(back.network_sha256, sha256);
+  EXPECT_EQ(back.saved_unix_s, saved_unix_s);
+  EXPECT_EQ(b.model_time_s, a.model_time_s);
+  EXPECT_EQ(b.tare_m, a.tare_m);
+  EXPECT_EQ(b.signals, a.signals);
+  EXPECT_EQ(b.nodes_K, a.nodes_K);
+  EXPECT_EQ(b.uncorrected_K, a.uncorrected_K);
+  EXPECT_EQ(b.layout, a.layout);
+  EXPECT_EQ(b.estimator.mean, a.estimator.mean);
+  EXPECT_EQ(b.estimator.root, a.estimator.root);
+  EXPECT_EQ(b.estimator.sensitivities, a.estimator.sensitivities);
+  EXPECT_EQ(b.estimator.lagged, a.estimator.lagged);
+}
+
+TEST(Checkpoint, no_damaged_bit_and_no_cut_is_taken_for_a_checkpoint) {
+  const rom::Network network = tests::small_network();
+  const std::vector<std::uint8_t> good = encode_checkpoint(Ran(network).checkpoint);
+  for (std::size_t at = 0; at < good.size(); at += 7) {
+    std::vector<std::uint8_t> bad = good;
+    bad[at] ^= static_cast<std::uint8_t>(1U << (at % 8));
+    EXPECT_THROW(decode_checkpoint(bad, "x"), rom::InputError) << at;
+    bad = good;
+    bad.resize(at);
+    EXPECT_THROW(decode_checkpoint(bad, "x"), rom::InputError) << at;
+  }
+}
+
+TEST(Resume, without_a_gap_the_twin_goes_on_as_if_it_had_never_stopped) {
+  const rom::Network network = tests::small_network();
+  Ran ran(network);
+  Cycle again(network, estimated(), runtime);
+  ASSERT_EQ(again.resume(ran.checkpoint.remembered, 0.0), Resumed::temperatures_and_estimator);
+  Snapshot resumed;
+  for (int n = ran.n; n < ran.n + 600; ++n) {
+    const DeviceFrame frame = ran.machine.frame(at_s(n));
+    ran.last = ran.cycle.step(frame, ran.command, at_s(n), 0);
+    resumed = again.step(frame, {}, at_s(n), 0);
+    ran.machine.advance(1.0);
+    ASSERT_NEAR(resumed.predicted_K[0], ran.last.predicted_K[0], 0.005);
+    ASSERT_NEAR(resumed.nose_m, ran.last.nose_m, 2e-8);
+  }
+  EXPECT_EQ(resumed.tare_m, ran.last.tare_m);
+  EXPECT_NEAR(resumed.predicted_sd_K[0], ran.last.predicted_sd_K[0], 0.02 * ran.last.predicted_sd_K[0]);
+  EXPECT_NEAR(resumed.heat_factor[0], ran.last.heat_factor[0], 0.01);
+}
+
+TEST(Resume, the_model_cools_through_the_gap_as_the_machine_did) {
+  const rom::Network network = tests::small_network();
+  Ran ran(network);
+  const double warm_K = ran.last.predicted_K[0];
+  for (const double gap_s : {30.0, 1200.0, 36000.0}) {
+    Machine machine(network, 0.0);
+    machine.model.stepper->set_temperatures(ran.machine.model.stepper->temperatures_K());
+    machine.advance(gap_s);
+    Cycle again(network, estimated(), runtime);
+    ASSERT_EQ(again.resume(ran.checkpoint.remembered, gap_s), Resumed::temperatures_and_estimator);
+    const Snapshot first = again.step(machine.frame(at_s(0)), {}, at_s(0), 0);
+    const double truth_K = machine.model.outputs.key_points_K[0];
+    EXPECT_NEAR(first.predicted_K[0], truth_K, 0.05) << gap_s;
+    EXPECT_LT(std::abs(first.predicted_K[0] - truth_K), 2.0 * first.predicted_sd_K[0] + 0.03) << gap_s;
+    if (gap_s > 1000.0) {
+      EXPECT_LT(first.predicted_K[0], warm_K - 0.5);
+    }
+  }
+}
+
+TEST(Resume, other_sensors_keep_the_temperatures_but_not_the_estimate_and_another_size_keeps_nothing) {
+  const rom::Network network = tests::small_network();
+  const Ran ran(network);
+  CyclePlan fewer = estimated();
+  fewer.sensors[1].configured = false;
+  Cycle other(network, fewer, runtime);
+  EXPECT_EQ(other.resume(ran.checkpoint.remembered, 10.0), Resumed::temperatures);
+  EXPECT_LT(ran.last.heat_factor[0], 0.7);
+  EXPECT_GT(other.step({}, {}, at_s(0), 0).heat_factor[0], 1.0) << "of the prior";
+
+  Cycle open(network, open_loop(), runtime);
+  EXPECT_EQ(open.resume(ran.checkpoint.remembered, 10.0), Resumed::temperatures);
+
+  Remembered wrong = ran.checkpoint.remembered;
+  wrong.nodes_K.pop_back();
+  EXPECT_EQ(other.resume(wrong, 10.0), Resumed::nothing);
+  wrong = ran.checkpoint.remembered;
+  wrong.nodes_K[0] = not_a_value;
+  EXPECT_EQ(other.resume(wrong, 10.0), Resumed::nothing);
+  EXPECT_EQ(other.resume(ran.checkpoint.remembered, not_a_value), Resumed::nothing);
+}
+
+TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
+  const rom::Network network = tests::small_network();
+  const Ran ran(network);
+  const InFolder folder;
+  const auto resumed = [&](const std::string& hash, double now_s) {
+    Cycle cycle(network, estimated(), runtime);
+    return resume_from_checkpoint(folder.plan, hash, 1.0, now_s, cycle);
+  };
+  EXPECT_EQ(resumed(sha256, saved_unix_s), Resumed::nothing) << "there is none yet";
+  write_checkpoint(ran.checkpoint, folder.plan.checkpoint_path);
+  EXPECT_EQ(resumed(sha256, saved_unix_s + 60.0), Resumed::temperatures_and_estimator);
+  EXPECT_EQ(resumed(sha256, saved_unix_s - 1.0), Resumed::nothing) << "from the future";
+  EXPECT_EQ(resumed(sha256, saved_unix_s + folder.plan.max_age_s + 1.0), Resumed::nothing) << "too old";
+  EXPECT_EQ(resumed(std::string(64, 'b'), saved_unix_s + 60.0), Resumed::nothing) << "another network";
+  std::ofstream(folder.plan.checkpoint_path, std::ios::app) << "x";
+  EXPECT_EQ(resumed(sha256, saved_unix_s + 60.0), Resumed::nothing) << "damaged";
+}
+
+TEST(Keeper, asks_the_cycle_thread_and_writes_what_it_gets) {
+  const rom::Network network = tests::small_network();
+  InFolder folder;
+  folder.plan.parameters_path = folder.plan.checkpoint_path + ".csv";
+  folder.plan.interval_s = 6.0;
+  CyclePlan plan = estimated();
+  plan.clock_rate = 100.0;
+  Cycle cycle(network, plan, runtime);
+  Keeper keeper(folder.plan, sha256, plan.clock_rate, cycle);
+  std::atomic<bool> stop{false};
+  Latest<DeviceFrame> frames;
+  Latest<PlcCommand> commands;
+  Latest<Snapshot> snapshots;
+  MonotonicClock clock;
+  std::thread cycling([&] {
+    run_cycle(cycle, plan, clock, {frames, commands, snapshots, nullptr, nullptr, &keeper.remembered()}, stop);
+  });
+  std::thread keeping([&] { keeper.run(stop); });
+  while (!std::filesystem::exists(folder.plan.checkpoint_path) ||
+         !std::filesystem::exists(folder.plan.parameters_path)) {
+    std::this_thread::yield();
+  }
+  stop.store(true);
+  cycling.join();
+  keeping.join();
+  keeper.keep_last(cycle);
+  const auto kept = read_checkpoint(folder.plan.checkpoint_path);
+  ASSERT_TRUE(kept.has_value());
+  Remembered now;
+  cycle.remember(now);
+  EXPECT_EQ(kept->remembered.nodes_K, now.nodes_K);
+  EXPECT_EQ(kept->network_sha256, sha256);
+  std::remove(folder.plan.parameters_path.c_str());
+}
+
+TEST(Parameters, the_table_and_the_sentence_tell_what_the_sensors_determine) {
+  const std::vector<correction::Parameter> parameters = {{.name = "heat rear", .mean = 0.1}, {.name = "contact nut"}};
+  const std::vector<correction::ParameterEstimate> estimates = {{-0.7, 0.1, 0.5}, {0.0, 0.59, 0.6}};
+  EXPECT_EQ(parameters_csv(parameters, estimates),
+            "parameter,value,deviation,prior,prior_deviation,determined\n"
+            "heat rear,-0.7,0.1,0.1,0.5,1\ncontact nut,0,0.59,0,0.6,0\n");
+  EXPECT_EQ(what_is_determined(parameters, estimates),
+            "the sensors determine 1 of 2 parameters (heat rear) and say nothing of the others (contact nut)");
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware
