@@ -11,6 +11,8 @@
 #include "fem_offline/mesh/section.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/reduce.hpp"
+#include "firmware/config/config.hpp"
+#include "firmware/cycle/cycle.hpp"
 #include "host_tools/virtual_spindle/plant_truth.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
@@ -137,6 +139,37 @@ class PaperExperiment : public ::testing::Test {
     return result;
   }
 
+  /// The daemon's own cycle with the demo's configuration; the correction is off until on_s.
+  static std::vector<firmware::Snapshot> run_daemon(const Truth& truth, int on_s) {
+    const firmware::CyclePlan plan =
+        firmware::bind_config(firmware::read_config(SPINDLE_TWIN_SOURCE_DIR "/host_tools/demo_config/twin.toml"),
+                              *network)
+            .cycle;
+    firmware::Cycle cycle(*network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+    firmware::PlcCommand command;
+    std::vector<firmware::Snapshot> seconds;
+    for (int second = 0; second < duration_s; ++second) {
+      const PlantSnapshot& plant = truth.seconds[static_cast<std::size_t>(second)];
+      const std::int64_t now_ns = 1'000'000'000LL * (second + 1) / 60;
+      firmware::DeviceFrame frame;
+      frame.connected = true;
+      for (std::size_t k = 0; k < plant.measured_degC.size(); ++k) {
+        frame.sensors[k] = {plant.measured_degC[k] + kelvin_at_0_degC, now_ns};
+      }
+      frame.signals[0] = {plant.operating.speed_rpm, now_ns};
+      frame.signals[1] = {plant.operating.load, now_ns};
+      frame.signals[2] = frame.signals[3] = {plant.operating.environment_K[0], now_ns};
+      command.correction = second < on_s ? firmware::CorrectionOrder::off : firmware::CorrectionOrder::on;
+      seconds.push_back(cycle.step(frame, command, now_ns, 0));
+    }
+    return seconds;
+  }
+
+  static double error_K(const Truth& truth, const std::vector<firmware::Snapshot>& twin, std::size_t second,
+                        std::size_t key_point) {
+    return twin[second - 1].predicted_K[key_point] - kelvin_at_0_degC - truth.seconds[second].key_point_degC[key_point];
+  }
+
   static Score score(const char* name, const correction::PaperOptions& options) {
     return score(name, [&](const Truth& truth) { return run_twin(truth, &options); });
   }
@@ -184,6 +217,60 @@ TEST_F(PaperExperiment, estimator_settles_within_five_minutes_and_does_not_ring)
   EXPECT_LE(worst.key_point_settled_K, 0.1);
   EXPECT_LE(worst.key_point_late_K, 0.05);
   EXPECT_LE(worst.key_point_end_K, 0.05);
+}
+
+/// What the paper asks for: its errors at the end are 0.01, 0.02 and 0.15 K; ours may be as large as the sensors' noise
+/// and offsets beside that, since no correction sees these.
+TEST_F(PaperExperiment, demo_is_on_the_rise_within_five_minutes_and_its_deviations_hold_the_truth) {
+  double worst_share = 0.0, worst_end_K = 0.0, worst_ratio = 0.0, worst_nose_um = 0.0;
+  for (const Truth& truth : truths) {
+    const std::vector<firmware::Snapshot> twin = run_daemon(truth, 0);
+    const std::size_t key_points = network->key_points.size();
+    double error_sum_K = 0.0, rise_sum_K = 0.0;
+    for (std::size_t k = 0; k < key_points; ++k) {
+      error_sum_K += error_K(truth, twin, settled_s, k);
+      rise_sum_K += truth.seconds[settled_s].key_point_degC[k] - truth.seconds[0].key_point_degC[k];
+      worst_end_K = std::max(worst_end_K, std::abs(error_K(truth, twin, duration_s, k)));
+    }
+    worst_share = std::max(worst_share, std::abs(error_sum_K / rise_sum_K));
+    const double nose_m = twin.back().deformation_raw_m[0] - 1e-6 * truth.seconds.back().deformation_um[0];
+    worst_ratio = std::max(worst_ratio, std::abs(nose_m) / twin.back().deformation_sd_m[0]);
+    worst_nose_um = std::max(worst_nose_um, 1e6 * std::abs(nose_m));
+  }
+  std::printf(
+      "demo, worst of %d joint sets: %.1f %% of the rise wrong after 300 s, key points %.3f K at the end, nose %.2f "
+      "um, "
+      "%.2f of its own deviation\n",
+      joint_sets, 100.0 * worst_share, worst_end_K, worst_nose_um, worst_ratio);
+  EXPECT_LE(worst_share, 0.02);
+  EXPECT_LE(worst_end_K, 0.02 + 0.02);
+  EXPECT_LE(worst_ratio, 2.0);
+}
+
+/// The harder case: switched on when the model without correction has gone wrong by more than a kelvin.
+TEST_F(PaperExperiment, switched_on_with_a_large_error_it_takes_that_back_in_five_minutes_and_does_not_ring) {
+  constexpr std::size_t on_s = 1200;
+  double worst_rest = 0.0, worst_ring = 0.0;
+  for (const Truth& truth : truths) {
+    const std::vector<firmware::Snapshot> twin = run_daemon(truth, on_s);
+    for (std::size_t k = 0; k < network->key_points.size(); ++k) {
+      const double initial_K = error_K(truth, twin, on_s, k);
+      EXPECT_GT(initial_K, 1.0);
+      bool crossed = false;
+      for (std::size_t second = on_s + 1; second <= duration_s; ++second) {
+        const double share = error_K(truth, twin, second, k) / initial_K;
+        crossed = crossed || share < 0.0;
+        if (crossed) worst_ring = std::max(worst_ring, std::abs(share));
+        if (second >= on_s + settled_s) worst_rest = std::max(worst_rest, std::abs(share));
+      }
+    }
+  }
+  std::printf(
+      "switched on after %zu s, worst of %d joint sets: %.1f %% of the error left after 300 s, %.1f %% after a "
+      "crossing\n",
+      on_s, joint_sets, 100.0 * worst_rest, 100.0 * worst_ring);
+  EXPECT_LE(worst_rest, 0.02 + 0.02);
+  EXPECT_LE(worst_ring, 0.1);
 }
 
 TEST_F(PaperExperiment, law_without_state_rescaling_rings_on_at_every_gain) {

@@ -72,7 +72,7 @@ RunData some_run() {
   run.time_s = {0.0, 1.0};
   const double gap = std::numeric_limits<double>::quiet_NaN();
   run.key_points = {{"inner", "degC", 27.0, {27.0, gap}, {27.0, 29.0}, {27.0, 29.1}, {27.0, 31.0}}};
-  run.hottest = {"rotor", "degC", 27.0, {}, {27.0, 34.0}, {27.0, 34.5}, {27.0, 42.0}};
+  run.hottest = {"rotor", "degC", 27.0, {}, {27.0, 34.0}, {27.0, 34.5}, {27.0, 42.0}, {0.1, 0.75}};
   run.nose = {"nose", "um", 0.0, {}, {0.0, 7.0}, {0.0, 7.5}, {0.0, 15.0}};
   run.factor_names = {"all sources"};
   run.heat_factors = {{1.0, 0.46}};
@@ -83,7 +83,8 @@ TEST(RunTable, errors_are_those_of_the_rise) {
   const std::string text = run_table(some_run());
   EXPECT_NE(text.find("simulated spindle"), std::string::npos);
   EXPECT_NE(text.find("+2.00          +0.10      +5.0%"), std::string::npos) << text;
-  EXPECT_NE(text.find("+8.00          +0.50      +7.1%"), std::string::npos) << text;
+  EXPECT_NE(text.find("+8.00          +0.50      +7.1%             1.50"), std::string::npos) << text;
+  EXPECT_NE(text.find("+8.00          +0.50      +7.1%                -"), std::string::npos) << "the nose has no sigma";
 }
 
 TEST_F(ReportFiles, page_holds_the_chart_library_and_says_simulated) {
@@ -93,7 +94,7 @@ TEST_F(ReportFiles, page_holds_the_chart_library_and_says_simulated) {
   write("extras/synchronizer.js", "/*sync-here*/");
   const std::string page = run_page(some_run(), folder_.string());
   for (const char* part : {"Simulated spindle", "/*css-here*/", "var js = '<\\/script>'", "/*sync-here*/",
-                           "a<\\/script>b", "[27.0,null]"}) {
+                           "a<\\/script>b", "[27.0,null]", "\"twin_sd\":[0.1,0.75]"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(page.find('@' + std::string("D")), std::string::npos) << "a mark was left unfilled";

@@ -4,6 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -63,6 +64,7 @@ nlohmann::json as_json(const Quantity& quantity, std::size_t every) {
           {"measured", thinned(quantity.measured, every, digits)},
           {"plant", thinned(quantity.plant, every, digits)},
           {"twin", thinned(quantity.twin, every, digits)},
+          {"twin_sd", thinned(quantity.twin_sd, every, digits)},
           {"uncorrected", thinned(quantity.uncorrected, every, digits)}};
 }
 
@@ -70,6 +72,7 @@ nlohmann::json as_json(const Quantity& quantity, std::size_t every) {
 struct TableRow {
   std::string name, unit;
   double uncorrected, twin, plant;
+  double twin_sd;  ///< NaN where the history has none
 
   double share_percent() const { return 100.0 * (twin - plant) / plant; }
 };
@@ -78,7 +81,8 @@ std::vector<TableRow> last_row(const RunData& run) {
   std::vector<TableRow> rows;
   const auto add = [&](const Quantity& quantity, const std::string& name, const std::string& unit) {
     rows.push_back({name, unit, quantity.uncorrected.back() - quantity.zero, quantity.twin.back() - quantity.zero,
-                    quantity.plant.back() - quantity.zero});
+                    quantity.plant.back() - quantity.zero,
+                    quantity.twin_sd.empty() ? std::numeric_limits<double>::quiet_NaN() : quantity.twin_sd.back()});
   };
   for (const Quantity& point : run.key_points) add(point, "key point " + point.name, "K");
   add(run.hottest, run.hottest.name + ", maximum", "K");
@@ -101,12 +105,13 @@ std::string formatted(const char* format, ...) {
 std::string run_table(const RunData& run) {
   std::string text = formatted("simulated spindle '%s' after %.0f s at %.0f rpm, ambient %.1f degC: rises\n",
                                run.spindle.c_str(), run.time_s.back(), run.speed_rpm, run.ambient_degC);
-  text += formatted("%-24s %-4s %12s %10s %10s %18s %14s %10s\n", "quantity", "unit", "uncorrected", "twin", "plant",
-                    "uncorrected error", "twin error", "of rise");
+  text += formatted("%-24s %-4s %12s %10s %10s %18s %14s %10s %16s\n", "quantity", "unit", "uncorrected", "twin",
+                    "plant", "uncorrected error", "twin error", "of rise", "2 sigma of twin");
   for (const TableRow& row : last_row(run)) {
-    text += formatted("%-24s %-4s %12.2f %10.2f %10.2f %+18.2f %+14.2f %+9.1f%%\n", row.name.c_str(), row.unit.c_str(),
-                      row.uncorrected, row.twin, row.plant, row.uncorrected - row.plant, row.twin - row.plant,
-                      row.share_percent());
+    text +=
+        formatted("%-24s %-4s %12.2f %10.2f %10.2f %+18.2f %+14.2f %+9.1f%% %16s\n", row.name.c_str(), row.unit.c_str(),
+                  row.uncorrected, row.twin, row.plant, row.uncorrected - row.plant, row.twin - row.plant,
+                  row.share_percent(), std::isnan(row.twin_sd) ? "-" : formatted("%.2f", 2.0 * row.twin_sd).c_str());
   }
   return text;
 }
@@ -129,7 +134,8 @@ std::string run_page(const RunData& run, const std::string& dygraphs_folder) {
   for (const std::vector<double>& factor : run.heat_factors)
     data["heat_factors"].push_back(thinned(factor, every, 1e5));
   for (const TableRow& row : last_row(run)) {
-    data["table"].push_back({row.name, row.unit == "um" ? "µm" : row.unit, row.uncorrected, row.twin, row.plant});
+    data["table"].push_back({row.name, row.unit == "um" ? "µm" : row.unit, row.uncorrected, row.twin, row.plant,
+                             std::isnan(row.twin_sd) ? nlohmann::json(nullptr) : nlohmann::json(row.twin_sd)});
   }
   std::string page = page_template;
   replace(page, "@DYGRAPHS_CSS@", read_text(dygraphs_folder + "/dygraph.min.css"));

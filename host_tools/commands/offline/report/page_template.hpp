@@ -56,12 +56,14 @@ footer { color: var(--soft); font-size: 13px; }
 <section>
   <h2 id="table-title"></h2>
   <p>Rises above the start; plant = what really happens in the simulated spindle, twin = what the daemon published,
-  uncorrected = the same network without correction. Errors are against the plant, the share is of the plant's rise.</p>
+  uncorrected = the same network without correction. Errors are against the plant, the share is of the plant's rise;
+  2σ is what the twin itself says of its error.</p>
   <div class="scroll"><table id="table"></table></div>
 </section>
 <section>
   <h2>Nose elongation (the paper's Fig. 11)</h2>
-  <p>Forward growth of the nose. Plant against twin and uncorrected model; the steps of the twin are its corrections.</p>
+  <p>Forward growth of the nose. Plant against twin and uncorrected model; the steps of the twin are its corrections, the band
+  is its own ±2σ.</p>
   <div class="legend" id="nose-legend"></div><div class="chart" id="nose"></div>
 </section>
 <section>
@@ -87,7 +89,7 @@ footer { color: var(--soft); font-size: 13px; }
   </section>
   <section>
     <h2 id="hottest-title"></h2>
-    <p>A place that no sensor reaches.</p>
+    <p>A place that no sensor reaches. The band is the twin's own ±2σ.</p>
     <div class="legend" id="hottest-legend"></div><div class="chart" id="hottest"></div>
   </section>
 </div>
@@ -115,11 +117,12 @@ function addRow(cells, tag) {
     row.append(cell);
   });
 }
-addRow(["rise of", "uncorrected", "twin", "plant", "uncorrected error", "twin error", "twin error / rise"], "th");
-for (const [name, unit, raw, twin, plant] of run.table) {
+addRow(["rise of", "uncorrected", "twin", "plant", "uncorrected error", "twin error", "twin error / rise",
+  "twin's own 2σ"], "th");
+for (const [name, unit, raw, twin, plant, sd] of run.table) {
   addRow([name, `${raw.toFixed(2)} ${unit}`, `${twin.toFixed(2)} ${unit}`, `${plant.toFixed(2)} ${unit}`,
     `${signed(raw - plant, 2)} ${unit}`, `${signed(twin - plant, 2)} ${unit}`,
-    `${signed(100 * (twin - plant) / plant, 1)} %`], "td");
+    `${signed(100 * (twin - plant) / plant, 1)} %`, sd === null ? "–" : `${(2 * sd).toFixed(2)} ${unit}`], "td");
 }
 
 const rise = (values, zero) => values.map(v => v === null ? null : v - zero);
@@ -143,10 +146,17 @@ function chart(id, unit, series, extra) {
   charts.push(graph);
 }
 
-const three = quantity => [["plant", quantity.plant, "plant", { strokeWidth: 3 }],
-  ["twin", quantity.twin, "twin"], ["uncorrected", quantity.uncorrected, "raw", { strokePattern: dashed }]];
+// With a band every value is [low, value, high].
+const banded = (values, sd) => values.map((v, i) => {
+  const half = sd && sd[i] ? 2 * sd[i] : 0;
+  return v === null ? [null, null, null] : [v - half, v, v + half];
+});
+const three = quantity => [["plant", banded(quantity.plant), "plant", { strokeWidth: 3 }],
+  ["twin", banded(quantity.twin, quantity.twin_sd), "twin"],
+  ["uncorrected", banded(quantity.uncorrected), "raw", { strokePattern: dashed }]];
+const withBand = { customBars: true, fillAlpha: 0.18 };
 
-chart("nose", "elongation, µm", three(run.nose));
+chart("nose", "elongation, µm", three(run.nose), withBand);
 
 const seen = run.key_points.flatMap(p => [...p.measured, ...p.twin]).filter(v => v !== null);
 const low = Math.min(...seen), high = Math.max(...seen), margin = 0.08 * (high - low);
@@ -170,7 +180,7 @@ chart("error", "twin − plant, K", run.key_points.map((p, i) =>
   [p.name, p.twin.map((v, r) => v === null ? null : v - p.plant[r]), "k" + (i % 3 + 1)]));
 chart("factor", "factor on the described heat", run.factor_names.map((name, i) =>
   [name, run.heat_factors[i], ["twin", "k2", "k3", "raw"][i % 4], { stepPlot: true }]), { includeZero: true });
-chart("hottest", "temperature, °C", three(run.hottest));
+chart("hottest", "temperature, °C", three(run.hottest), withBand);
 
 Dygraph.synchronize(charts, { range: false });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => charts.forEach(c => c.paint()));

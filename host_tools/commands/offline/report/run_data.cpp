@@ -103,6 +103,9 @@ RunData gather_run(const rom::Network& network, const CsvTable& history, const C
     const std::vector<double>& values = history.column(column);
     return std::vector<double>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(run.time_s.size()));
   };
+  const auto shown_or_empty = [&](const std::string& column) {
+    return history.has(column) ? shown(column) : std::vector<double>{};
+  };
   run.speed_rpm = shown("speed_rpm").back();
   run.ambient_degC = shown("ambient_degC").back();
   run.coolant_degC = shown("coolant_degC").back();
@@ -111,6 +114,7 @@ RunData gather_run(const rom::Network& network, const CsvTable& history, const C
     quantity.measured = shown("measured." + point.name + "_degC");
     quantity.twin = shown("predicted." + point.name + "_degC");
     quantity.plant = on_axis(run.time_s, plant, "key_point." + point.name + "_degC");
+    quantity.twin_sd = shown_or_empty("predicted_sd." + point.name + "_K");
     run.key_points.push_back(quantity);
   }
   const std::string part_column = "part_maximum." + part + "_degC";
@@ -123,6 +127,8 @@ RunData gather_run(const rom::Network& network, const CsvTable& history, const C
               on_axis(run.time_s, plant, nose_column),
               shown(nose_column),
               {}};
+  run.hottest.twin_sd = shown_or_empty("part_maximum_sd." + part + "_K");
+  run.nose.twin_sd = shown_or_empty("deformation_sd." + network.deformations.front().name + "_um");
   gather_factors(network, history, run);
   run_uncorrected(network, history, part_index, run);
   return run;

@@ -17,6 +17,7 @@ struct Quantity {
   std::vector<double> plant;
   std::vector<double> twin;
   std::vector<double> uncorrected;
+  std::vector<double> twin_sd = {};  ///< what the twin says of its own error, 1σ; empty where the history has none
 };
 
 struct RunData {
