@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   add_sign(app);
   add_verify_signature(app);
   add_simulate(app);
+  add_replay(app);
   add_export(app);
   add_identify(app);
   add_registers(app);

@@ -1,45 +1,14 @@
 #include "correction/boundaries/schedule.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <string_view>
 
-#include "rom/read/input_error.hpp"
+#include "rom/read/csv_table.hpp"
 
 namespace spindle_twin::correction {
 namespace {
 
 constexpr double kelvin_at_0_degC = 273.15;
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
-std::vector<std::string> split(std::string_view line) {
-  std::vector<std::string> cells;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.emplace_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// Independent of the locale, and the whole cell must be the number.
-double number(const std::string& cell, const std::string& column, const rom::SourceLine& where) {
-  double value = 0.0;
-  const char* end = cell.data() + cell.size();
-  const auto [stop, error] = std::from_chars(cell.data(), end, value);
-  if (cell.empty() || error != std::errc() || stop != end || !std::isfinite(value)) {
-    throw rom::InputError(where, column, "'" + cell + "' is not a finite number with a decimal point");
-  }
-  return value;
-}
 
 std::vector<std::string> allowed_columns(const rom::Boundaries& boundaries) {
   std::vector<std::string> columns = {"time_s", "speed_rpm", "load"};
@@ -59,11 +28,7 @@ std::vector<std::size_t> read_header(const std::vector<std::string>& header, con
       for (const std::string& name : allowed) names += (names.empty() ? "" : ", ") + name;
       throw rom::InputError(where, column, "unknown column; allowed: " + names);
     }
-    const auto index = static_cast<std::size_t>(found - allowed.begin());
-    if (std::find(meaning.begin(), meaning.end(), index) != meaning.end()) {
-      throw rom::InputError(where, column, "column given twice");
-    }
-    meaning.push_back(index);
+    meaning.push_back(static_cast<std::size_t>(found - allowed.begin()));
   }
   for (std::size_t required = 0; required < 3; ++required) {
     if (std::find(meaning.begin(), meaning.end(), required) == meaning.end()) {
@@ -73,19 +38,15 @@ std::vector<std::size_t> read_header(const std::vector<std::string>& header, con
   return meaning;
 }
 
-ScheduleRow read_row(const std::vector<std::string>& cells, const std::vector<std::string>& allowed,
-                     const std::vector<std::size_t>& meaning, const rom::OperatingState& standard,
-                     const rom::SourceLine& where) {
-  if (cells.size() != meaning.size()) {
-    throw rom::InputError(
-        where, "",
-        std::to_string(cells.size()) + " values, but the header names " + std::to_string(meaning.size()) + " columns");
-  }
+ScheduleRow read_row(const rom::CsvTable& table, std::size_t index, const std::vector<std::size_t>& meaning,
+                     const rom::OperatingState& standard) {
+  const rom::SourceLine where = table.where(index);
   ScheduleRow row{0.0, standard};
   const std::size_t first_flow = 3 + static_cast<std::size_t>(standard.environment_K.size());
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const std::string& column = allowed[meaning[c]];
-    const double value = number(cells[c], column, where);
+  for (std::size_t c = 0; c < meaning.size(); ++c) {
+    const std::string& column = table.names[c];
+    const double value = table.columns[c][index];
+    if (std::isnan(value)) throw rom::InputError(where, column, "'' is not a finite number with a decimal point");
     switch (meaning[c]) {
       case 0:
         row.time_s = value;
@@ -101,9 +62,8 @@ ScheduleRow read_row(const std::vector<std::string>& cells, const std::vector<st
           row.state.flow_kg_per_s[static_cast<Eigen::Index>(meaning[c] - first_flow)] = value;
           break;
         }
-        if (value <= -kelvin_at_0_degC) {
-          throw rom::InputError(where, column, "'" + cells[c] + "' is not above absolute zero, -273.15 degC");
-        }
+        if (value <= -kelvin_at_0_degC)
+          throw rom::InputError(where, column, "is not above absolute zero, -273.15 degC");
         row.state.environment_K[static_cast<Eigen::Index>(meaning[c] - 3)] = value + kelvin_at_0_degC;
     }
   }
@@ -113,37 +73,21 @@ ScheduleRow read_row(const std::vector<std::string>& cells, const std::vector<st
 }  // namespace
 
 Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries) {
-  std::ifstream file(path);
-  if (!file) throw rom::InputError({path, 0}, "", "cannot be opened for reading");
-
-  const std::vector<std::string> allowed = allowed_columns(boundaries);
-  std::vector<std::size_t> meaning;
+  const rom::CsvTable table = rom::read_csv_table(path, rom::LastLine::whole);
+  const std::vector<std::size_t> meaning = read_header(table.names, allowed_columns(boundaries), table.header());
   Schedule schedule;
-  rom::SourceLine where{path, 0};
-  std::string line;
-  while (std::getline(file, line)) {
-    ++where.line;
-    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-    if (where.line == 1 && line.starts_with(byte_order_mark)) line.erase(0, byte_order_mark.size());
-    if (trimmed(line).empty()) continue;
-    const std::vector<std::string> cells = split(line);
-    if (meaning.empty()) {
-      meaning = read_header(cells, allowed, where);
-      continue;
-    }
-    ScheduleRow row = read_row(cells, allowed, meaning, boundaries.operating, where);
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    ScheduleRow row = read_row(table, i, meaning, boundaries.operating);
     if (schedule.rows.empty() && row.time_s != 0.0) {
-      throw rom::InputError(where, "time_s", "the first row must be at time 0");
+      throw rom::InputError(table.where(i), "time_s", "the first row must be at time 0");
     }
     if (!schedule.rows.empty() && row.time_s <= schedule.rows.back().time_s) {
-      throw rom::InputError(where, "time_s", "times must rise from row to row");
+      throw rom::InputError(table.where(i), "time_s", "times must rise from row to row");
     }
     schedule.rows.push_back(std::move(row));
   }
-  if (file.bad()) throw rom::InputError(where, "", "reading failed");
-  if (meaning.empty()) throw rom::InputError({path, 0}, "", "empty; a header time_s,speed_rpm,load is needed");
   if (schedule.rows.size() < 2) {
-    throw rom::InputError(where, "", "a schedule needs at least two rows; the last one's time is the end");
+    throw rom::InputError(table.where(0), "", "a schedule needs at least two rows; the last one's time is the end");
   }
   schedule.end_s = schedule.rows.back().time_s;
   return schedule;

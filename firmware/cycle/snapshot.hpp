@@ -95,6 +95,7 @@ struct Snapshot {
 
   std::array<double, signal_count> signals{};  ///< in use; flows that have no circuit are 0
   std::array<double, slots::key_points> measured_K{};
+  std::array<double, slots::key_points> measured_age_s{};  ///< model time since the reading
   std::array<SensorQuality, slots::key_points> sensor_quality{};
   std::array<double, slots::key_points> predicted_K{};
   std::array<double, slots::key_points> uncorrected_K{};

@@ -25,6 +25,13 @@ void add_names(std::string& header, const char* prefix, const std::vector<Named>
   }
 }
 
+/// What the cycle was given: as many digits as bring the same number back, and of a temperature in degC the same in K
+/// (from -136 to 273 degC the difference is exact), so that a history can be replayed to the bit.
+void add_exactly(std::string& row, double value) {
+  row += ',';
+  if (std::isfinite(value)) fmt::format_to(std::back_inserter(row), "{}", value);
+}
+
 void add(std::string& row, double value) {
   row += ',';
   if (std::isfinite(value)) fmt::format_to(std::back_inserter(row), "{:.9g}", value);
@@ -64,6 +71,7 @@ std::string history_header(const rom::Network& network) {
       "speed_rpm,load,coolant_degC,ambient_degC,nose_um,nose_uncorrected_um,tare_um";
   add_names(header, "flow.", network.boundaries.circuits, "_kg_per_s");
   add_names(header, "measured.", network.key_points, "_degC");
+  add_names(header, "age.", network.key_points, "_s");
   add_names(header, "predicted.", network.key_points, "_degC");
   add_names(header, "uncorrected.", network.key_points, "_degC");
   add_names(header, "part_maximum.", network.parts, "_degC");
@@ -90,15 +98,16 @@ std::string history_row(const Snapshot& snapshot) {
                   snapshot.quality, snapshot.fault, snapshot.overruns, snapshot.correction_enabled ? 1 : 0,
                   snapshot.correction_count, snapshot.correction_freeze);
   add(row, snapshot.data_age_s);
-  add(row, snapshot.signals[0]);
-  add(row, snapshot.signals[1]);
-  add(row, snapshot.signals[2] - zero_degC_K);
-  add(row, snapshot.signals[3] - zero_degC_K);
+  add_exactly(row, snapshot.signals[0]);
+  add_exactly(row, snapshot.signals[1]);
+  add_exactly(row, snapshot.signals[2] - zero_degC_K);
+  add_exactly(row, snapshot.signals[3] - zero_degC_K);
   add(row, um_per_m * snapshot.nose_m);
   add(row, um_per_m * snapshot.nose_uncorrected_m);
   add(row, um_per_m * snapshot.tare_m);
-  for (std::size_t c = 0; c < snapshot.circuits; ++c) add(row, snapshot.signals[first_flow_signal + c]);
-  add_values(row, snapshot.measured_K, snapshot.key_points, -zero_degC_K, 1.0);
+  for (std::size_t c = 0; c < snapshot.circuits; ++c) add_exactly(row, snapshot.signals[first_flow_signal + c]);
+  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.measured_K[k] - zero_degC_K);
+  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.measured_age_s[k]);
   add_values(row, snapshot.predicted_K, snapshot.key_points, -zero_degC_K, 1.0);
   add_values(row, snapshot.uncorrected_K, snapshot.key_points, -zero_degC_K, 1.0);
   add_values(row, snapshot.part_maximum_K, snapshot.parts, -zero_degC_K, 1.0);

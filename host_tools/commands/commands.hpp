@@ -13,6 +13,7 @@ void add_keys(CLI::App& app);
 void add_sign(CLI::App& app);
 void add_verify_signature(CLI::App& app);
 void add_simulate(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_export(CLI::App& app);
 void add_identify(CLI::App& app);
 void add_registers(CLI::App& app);

@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 
-#include "host_tools/commands/offline/report/csv_table.hpp"
 #include "host_tools/commands/offline/report/page.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -36,34 +35,6 @@ class ReportFiles : public ::testing::Test {
   }
   std::filesystem::path folder_;
 };
-
-TEST_F(ReportFiles, table_reads_numbers_empty_cells_and_drops_a_cut_line) {
-  const CsvTable table = read_csv_table(write("a.csv", "time_s,a\n0,1.5\n1,\n2,2e-3\n3,0."));
-  ASSERT_EQ(table.rows(), 3U);
-  EXPECT_EQ(table.column("a")[0], 1.5);
-  EXPECT_TRUE(std::isnan(table.column("a")[1]));
-  EXPECT_EQ(table.column("a")[2], 2e-3);
-}
-
-TEST_F(ReportFiles, bad_table_is_one_error_with_line_and_column) {
-  const std::string word = write("word.csv", "time_s,a\n0,1\n1,one\n");
-  EXPECT_EQ(message_of([&] { read_csv_table(word); }), word + ":3: a: 'one' is not a number");
-  const std::string shorter = write("short.csv", "time_s,a\n0\n");
-  EXPECT_EQ(message_of([&] { read_csv_table(shorter); }), shorter + ":2: 1 values, but the header names 2 columns");
-  const std::string empty = write("empty.csv", "time_s\n");
-  EXPECT_EQ(message_of([&] { read_csv_table(empty); }), empty + ": holds no row");
-  const CsvTable table = read_csv_table(write("b.csv", "time_s\n0\n"));
-  EXPECT_EQ(message_of([&] { table.column("nose"); }), table.file + ":1: nose: missing column");
-}
-
-TEST(Interpolate, is_linear_inside_and_held_outside) {
-  const std::vector<double> x = {0.0, 2.0, 4.0};
-  const std::vector<double> y = {1.0, 3.0, -1.0};
-  EXPECT_EQ(interpolate(x, y, 1.0), 2.0);
-  EXPECT_EQ(interpolate(x, y, 3.0), 1.0);
-  EXPECT_EQ(interpolate(x, y, -1.0), 1.0);
-  EXPECT_EQ(interpolate(x, y, 9.0), -1.0);
-}
 
 RunData some_run() {
   RunData run;

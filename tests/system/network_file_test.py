@@ -4,13 +4,14 @@ network_file_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest option
 """
 import json
 import math
+import os
 import pathlib
 import stat
 import subprocess
 import unittest
 
 import host_tool_case
-from host_tool_case import DAEMON, run
+from host_tool_case import DAEMON, TWIN, run
 
 EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "rom" / "by_hand" / "motor_spindle.toml"
 CONFIG = """network = {network}
@@ -88,6 +89,27 @@ class NetworkFiles(host_tool_case.Case):
                 for entry in self.json_of("inspect", self.assemble())["steady_state"]["sensitivities"]}
         expected = math.log(2) * (nose_um(1414.0) - nose_um(1386.0)) / math.log(1414.0 / 1386.0)
         self.assertAlmostEqual(told["jacket"], expected, delta=0.002)
+
+    def test_the_example_of_a_replay_runs_and_the_correction_helps(self):
+        script = EXAMPLE.parents[2] / "host_tools" / "replay_example"
+        told = subprocess.run([script, self.folder], env={**os.environ, "TWIN": TWIN}, capture_output=True, text=True, timeout=120)
+        self.assertEqual(told.returncode, 0, told.stderr)
+        network, log = self.folder / "motor_spindle.rom", self.folder / "log.csv"
+        nose = [self.json_of("replay", network, log, "--correction", law)["deformations"][0] for law in ("none", "paper")]
+        self.assertEqual(nose[0]["twin"], nose[0]["uncorrected"])
+        self.assertEqual(nose[0]["twin"], nose[1]["uncorrected"])
+        self.assertLess(nose[1]["twin"]["rms_um"], 0.5 * nose[0]["twin"]["rms_um"])
+        again = self.folder / "again.csv"
+        self.good("replay", network, log, "--correction", "paper", "-o", again)
+        self.assertEqual(again.read_bytes(), (self.folder / "replayed_paper.csv").read_bytes())
+        self.assertIn("nose", self.good("replay", network, log).stdout)
+
+    def test_a_log_that_cannot_be_replayed_is_one_line_and_leaves_nothing(self):
+        rom, out = self.assemble(), self.folder / "out.csv"
+        bad = self.text("bad.csv", "time_s,speed_rpm,load,measured.front_seat_degC\n0,1,1,20\n1,1,1,oops\n2,1,1,20\n")
+        self.assertIn("bad.csv:3: measured.front_seat_degC: 'oops' is not a finite number",
+                      self.error_of("replay", rom, bad, "-o", out))
+        self.assertIn("none.csv: cannot be opened", self.error_of("replay", rom, self.folder / "none.csv", "-o", out))
 
     def test_speed_and_load_choose_the_steady_state_and_need_something_that_shows_it(self):
         rom = self.assemble()

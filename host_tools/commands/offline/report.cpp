@@ -27,8 +27,8 @@ void run(const Options& options) {
     throw rom::InputError({}, "report", "nothing to do: give --output, --table or both");
   }
   const rom::Network network = rom::read_network(options.network);
-  const CsvTable history = read_csv_table(options.history);
-  const CsvTable plant = read_csv_table(options.plant);
+  const rom::CsvTable history = rom::read_csv_table(options.history, rom::LastLine::may_be_cut);
+  const rom::CsvTable plant = rom::read_csv_table(options.plant, rom::LastLine::may_be_cut);
   const RunData data = gather_run(network, history, plant, options.part, options.until_s);
   if (options.table) std::fputs(run_table(data).c_str(), stdout);
   if (options.output.empty()) return;

@@ -23,16 +23,16 @@ std::size_t find_part(const rom::Network& network, const std::string& name) {
   throw rom::InputError({}, "--part", "'" + name + "' does not exist; allowed: " + list);
 }
 
-std::vector<double> on_axis(const std::vector<double>& time_s, const CsvTable& table, const std::string& column) {
+std::vector<double> on_axis(const std::vector<double>& time_s, const rom::CsvTable& table, const std::string& column) {
   const std::vector<double>& table_time_s = table.column("time_s");
   const std::vector<double>& values = table.column(column);
   std::vector<double> result;
-  for (const double time : time_s) result.push_back(interpolate(table_time_s, values, time));
+  for (const double time : time_s) result.push_back(rom::interpolate(table_time_s, values, time));
   return result;
 }
 
 /// The operating state that the daemon used in one row of its history.
-void operating_of_row(const CsvTable& history, std::size_t row, const rom::Boundaries& boundaries,
+void operating_of_row(const rom::CsvTable& history, std::size_t row, const rom::Boundaries& boundaries,
                       rom::OperatingState& state) {
   state.speed_rpm = history.column("speed_rpm")[row];
   state.load = history.column("load")[row];
@@ -47,7 +47,7 @@ void operating_of_row(const CsvTable& history, std::size_t row, const rom::Bound
   }
 }
 
-void run_uncorrected(const rom::Network& network, const CsvTable& history, std::size_t part, RunData& run) {
+void run_uncorrected(const rom::Network& network, const rom::CsvTable& history, std::size_t part, RunData& run) {
   const auto stepper = rom::make_runtime_stepper(network);
   const rom::CorrectionFactors none = correction::no_correction(network.boundaries);
   rom::BoundaryValues values = correction::make_boundary_values(network.boundaries);
@@ -72,7 +72,7 @@ void run_uncorrected(const rom::Network& network, const CsvTable& history, std::
   }
 }
 
-void gather_factors(const rom::Network& network, const CsvTable& history, RunData& run) {
+void gather_factors(const rom::Network& network, const rom::CsvTable& history, RunData& run) {
   for (const rom::HeatSource& source : network.boundaries.sources) {
     run.factor_names.push_back(source.name);
     std::vector<double> factor = history.column("heat_factor." + source.name);
@@ -89,8 +89,8 @@ void gather_factors(const rom::Network& network, const CsvTable& history, RunDat
 
 }  // namespace
 
-RunData gather_run(const rom::Network& network, const CsvTable& history, const CsvTable& plant, const std::string& part,
-                   double until_s) {
+RunData gather_run(const rom::Network& network, const rom::CsvTable& history, const rom::CsvTable& plant,
+                   const std::string& part, double until_s) {
   const std::size_t part_index = find_part(network, part);
   const double reference_degC = network.boundaries.reference_temperature_K - kelvin_at_0_degC;
   RunData run;

@@ -1,0 +1,183 @@
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host_tools/commands/check_output.hpp"
+#include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/finite_range.hpp"
+#include "host_tools/replay/errors.hpp"
+#include "host_tools/replay/plan.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
+
+// spindle-twin replay reference.rom day.csv --correction paper -o replayed.csv
+namespace spindle_twin::host_tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using firmware::Fault;
+using firmware::State;
+
+constexpr double micrometres_per_metre = 1e6;
+
+struct Options {
+  ReplayOptions replay;
+  std::string log;
+  std::string output;
+  double from_s = -1e300;
+  bool json = false;
+};
+
+struct NamedFault {
+  Fault bit;
+  const char* name;
+};
+constexpr NamedFault faults[] = {{Fault::integrator_failed, "integrator_failed"},
+                                 {Fault::prediction_lost, "prediction_lost"},
+                                 {Fault::start_timed_out, "start_timed_out"}};
+constexpr const char* states[] = {"starting", "running", "degraded", "fault"};
+
+struct Tally {
+  std::size_t cycles = 0;
+  std::size_t in_state[std::size(states)] = {};
+  std::size_t with_fault[std::size(faults)] = {};
+  unsigned corrections = 0;
+
+  void add(const firmware::Snapshot& snapshot) {
+    ++cycles;
+    ++in_state[static_cast<std::size_t>(snapshot.state)];
+    for (std::size_t f = 0; f < std::size(faults); ++f) {
+      if ((snapshot.fault & firmware::bits(faults[f].bit)) != 0) ++with_fault[f];
+    }
+    corrections = snapshot.correction_count;
+  }
+};
+
+Json statistics_json(const ErrorStatistics& errors, const std::string& unit, double scale, double rise) {
+  if (errors.count == 0) return {};
+  Json json{{"rms_" + unit, scale * errors.rms()},
+            {"worst_" + unit, scale * errors.worst},
+            {"worst_at_s", errors.worst_at_s},
+            {"last_" + unit, scale * errors.last}};
+  json["rms_percent_of_rise"] = rise > 0.0 ? Json(100.0 * errors.rms() / rise) : Json();
+  return json;
+}
+
+Json errors_json(const std::vector<OutputErrors>& outputs, const std::string& unit, double scale, bool sensors) {
+  Json list = Json::array();
+  for (const OutputErrors& output : outputs) {
+    Json entry{{"name", output.name}, {"readings", output.twin.count}, {"rise_" + unit, scale * output.rise()}};
+    if (sensors) entry["used"] = output.used;
+    entry["twin"] = statistics_json(output.twin, unit, scale, output.rise());
+    entry["uncorrected"] = statistics_json(output.uncorrected, unit, scale, output.rise());
+    list.push_back(entry);
+  }
+  return list;
+}
+
+void print_json(const Options& options, const rom::Network& network, const firmware::CyclePlan& plan, const Log& log,
+                const Tally& tally, const ReplayErrors& errors) {
+  Json json{{"spindle", network.spindle},
+            {"log", options.log},
+            {"log_is_history", log.cycle_s.has_value()},
+            {"correction", plan.paper ? "paper" : "none"},
+            {"log_s", log.rows.back().time_s - log.rows.front().time_s},
+            {"period_s", plan.period_s},
+            {"cycles", tally.cycles},
+            {"corrections", tally.corrections}};
+  for (std::size_t s = 0; s < std::size(states); ++s) json["states"][states[s]] = tally.in_state[s];
+  for (std::size_t f = 0; f < std::size(faults); ++f) json["faults"][faults[f].name] = tally.with_fault[f];
+  json["sensors"] = errors_json(errors.sensors(), "K", 1.0, true);
+  json["deformations"] = errors_json(errors.deformations(), "um", micrometres_per_metre, false);
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+void print_errors(const char* title, const std::vector<OutputErrors>& outputs, const char* unit, double scale) {
+  if (outputs.empty()) return;
+  std::printf("\n%-28s %8s %8s %9s %9s %9s %9s %17s\n", title, "readings", "rise", "rms", "worst", "last", "of rise",
+              "uncorrected rms");
+  for (const OutputErrors& output : outputs) {
+    if (output.twin.count == 0) {
+      std::printf("%-28s %8d\n", output.name.c_str(), 0);
+      continue;
+    }
+    std::printf("%-28s %8zu %8.2f %9.3f %9.3f %9.3f", output.name.c_str(), output.twin.count, scale * output.rise(),
+                scale * output.twin.rms(), scale * output.twin.worst, scale * output.twin.last);
+    output.rise() > 0.0 ? std::printf(" %7.1f %%", 100.0 * output.twin.rms() / output.rise()) : std::printf(" %9s", "");
+    output.uncorrected.count > 0 ? std::printf(" %14.3f %s\n", scale * output.uncorrected.rms(), unit)
+                                 : std::printf(" %17s\n", "");
+  }
+}
+
+void print_table(const Options& options, const rom::Network& network, const firmware::CyclePlan& plan, const Log& log,
+                 const Tally& tally, const ReplayErrors& errors) {
+  std::printf("%s, %s: %g s, %zu cycles of %g s, correction %s\n", network.spindle.c_str(), options.log.c_str(),
+              log.rows.back().time_s - log.rows.front().time_s, tally.cycles, plan.period_s,
+              plan.paper ? "paper" : "none");
+  std::printf("cycles:");
+  for (std::size_t s = 0; s < std::size(states); ++s) {
+    if (tally.in_state[s] > 0) std::printf(" %s %zu", states[s], tally.in_state[s]);
+  }
+  if (plan.paper) std::printf("; corrections %u", tally.corrections);
+  std::printf("\n");
+  for (std::size_t f = 0; f < std::size(faults); ++f) {
+    if (tally.with_fault[f] > 0) std::printf("fault %s in %zu cycles\n", faults[f].name, tally.with_fault[f]);
+  }
+  print_errors("sensor, error in K", errors.sensors(), "K", 1.0);
+  print_errors("deformation, error in um", errors.deformations(), "um", micrometres_per_metre);
+}
+
+void run(const Options& options) {
+  if (!options.output.empty()) check_output(options.output, "--output");
+  const rom::Network network = rom::read_network(options.replay.network);
+  const Log log = read_log(options.log, network, options.replay.longest_gap_s);
+  const firmware::CyclePlan plan = plan_replay(network, log, options.replay);
+  ReplayErrors errors(network, plan, log, options.from_s);
+  Tally tally;
+  std::string table = replay_header(network) + "\n";
+  replay(network, plan, log, [&](const ReplayedCycle& cycle) {
+    const std::vector<double>& innovation_K = errors.add(cycle);
+    tally.add(cycle.snapshot);
+    if (!options.output.empty()) table.append(replay_row(cycle.snapshot, innovation_K)).append("\n");
+  });
+  if (!options.output.empty()) rom::write_whole_file(options.output, table);
+  options.json ? print_json(options, network, plan, log, tally, errors)
+               : print_table(options, network, plan, log, tally, errors);
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "Run a log through the daemon's own cycle and compare predictions with what was measured");
+  const auto options = std::make_shared<Options>();
+  ReplayOptions& replay = options->replay;
+  command->add_option("network", replay.network, "network file, .rom")->required();
+  command->add_option("log", options->log, "CSV: a history of spindle-twind, or any log with its columns")->required();
+  command
+      ->add_option("--correction", replay.correction, "none or paper; else as the configuration says, without it none")
+      ->check(CLI::IsMember({"none", "paper"}));
+  CLI::Option* config = command->add_option("--config", replay.config,
+                                            "the daemon's configuration: its sensors, limits, periods and options");
+  command
+      ->add_option("--sensors", replay.sensors, "key points that the correction is given; the log's others only judge")
+      ->delimiter(',')
+      ->excludes(config);
+  command->add_option("--period", replay.period_s, "of a cycle, s; else a history's own, else 1 s")
+      ->excludes(config)
+      ->check(finite_range(0.01, 60.0, "0.01 to 60 s"));
+  command->add_option("--start-degC", replay.start_degC, "of the whole spindle; else the mean of the first readings")
+      ->check(finite_range(-50.0, 300.0, "-50 to 300 degC"));
+  command->add_option("--longest-gap-s", replay.longest_gap_s, "between two rows, and how long a reading counts")
+      ->capture_default_str()
+      ->check(finite_range(0.01, 1e6, "0.01 to 1e6 s"));
+  command->add_option("--from-s", options->from_s, "errors count from this time of the log on")
+      ->check(finite_range(-1e12, 1e12, "-1e12 to 1e12 s"));
+  command->add_option("-o,--output", options->output, "CSV to write, a row per cycle");
+  command->add_flag("--json", options->json, "as JSON");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_tools/replay/replay.hpp"
+
+namespace spindle_twin::host_tools {
+
+/// Prediction minus measurement of one output, in SI.
+struct ErrorStatistics {
+  std::size_t count = 0;
+  double sum_of_squares = 0.0;
+  double worst = 0.0;  ///< with its sign
+  double worst_at_s = 0.0;
+  double last = 0.0;
+
+  void add(double error, double time_s);
+  double rms() const;
+};
+
+struct OutputErrors {
+  std::string name;
+  bool used = false;                   ///< a sensor that the correction is given; the others only judge
+  double lowest = 0.0, highest = 0.0;  ///< measured
+  ErrorStatistics twin;
+  ErrorStatistics uncorrected;  ///< without a count where the cycle does not publish it
+
+  double rise() const { return highest - lowest; }
+};
+
+/// Compares readings with what was predicted for their instants before they were known; between two predictions linear
+/// in time.
+class ReplayErrors {
+ public:
+  /// Nothing before from_s counts.
+  ReplayErrors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log, double from_s);
+
+  /// Every reading up to this cycle's instant; returns measured minus predicted per key point, NaN without a reading.
+  const std::vector<double>& add(const ReplayedCycle& cycle);
+
+  /// Those that the log has.
+  const std::vector<OutputErrors>& sensors() const { return sensors_; }
+  const std::vector<OutputErrors>& deformations() const { return deformations_; }
+
+ private:
+  struct Prediction {
+    double time_s = 0.0;
+    firmware::Snapshot snapshot;
+  };
+  void judge(const LogRow& row);
+
+  const Log& log_;
+  double from_s_;
+  double slack_s_;        ///< instants closer than this are the same
+  std::size_t next_ = 0;  ///< row
+  Prediction before_, after_;
+  std::vector<std::size_t> sensor_slots_, deformation_slots_;
+  std::vector<OutputErrors> sensors_, deformations_;
+  std::vector<double> innovation_K_;
+};
+
+}  // namespace spindle_twin::host_tools

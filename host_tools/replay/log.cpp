@@ -1,0 +1,182 @@
+#include "host_tools/replay/log.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "firmware/keep/history.hpp"
+#include "host_tools/replay/replay.hpp"
+#include "rom/read/csv_table.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+using firmware::not_a_value;
+using firmware::zero_degC_K;
+
+/// How a column's numbers become SI.
+struct Unit {
+  double factor = 1.0;
+  double shift = 0.0;
+};
+constexpr Unit celsius{1.0, zero_degC_K};
+constexpr Unit micrometre{1e-6, 0.0};
+
+struct SignalColumn {
+  std::string name;
+  Unit unit;
+};
+
+/// In the order of firmware::Signal.
+std::vector<SignalColumn> signal_columns(const rom::Network& network) {
+  std::vector<SignalColumn> columns = {
+      {"speed_rpm", {}}, {"load", {}}, {"coolant_degC", celsius}, {"ambient_degC", celsius}};
+  for (const rom::CoolantCircuit& circuit : network.boundaries.circuits) {
+    columns.push_back({"flow." + circuit.name + "_kg_per_s", {}});
+  }
+  return columns;
+}
+
+std::string sensor_column(const rom::KeyPoint& point) { return "measured." + point.name + "_degC"; }
+std::string deformation_column(const rom::DeformationOutput& output) { return "measured." + output.name + "_um"; }
+
+void check_columns(const rom::CsvTable& table, const rom::Network& network) {
+  std::vector<std::string> allowed = {"time_s"};
+  for (const SignalColumn& column : signal_columns(network)) allowed.push_back(column.name);
+  for (const rom::KeyPoint& point : network.key_points) allowed.push_back(sensor_column(point));
+  for (const rom::DeformationOutput& output : network.deformations) allowed.push_back(deformation_column(output));
+  const std::size_t plain = allowed.size();
+  std::istringstream history(replay_header(network));
+  for (std::string name; std::getline(history, name, ',');) allowed.push_back(name);
+  for (const std::string& name : table.names) {
+    if (std::find(allowed.begin(), allowed.end(), name) != allowed.end()) continue;
+    const auto end = allowed.begin() + static_cast<std::ptrdiff_t>(plain);
+    throw rom::InputError(table.header(), name,
+                          fmt::format("unknown column; allowed: {}, and those of a history of spindle-twind",
+                                      fmt::join(allowed.begin(), end, ", ")));
+  }
+}
+
+/// A column that must have a number in every row.
+const std::vector<double>& full_column(const rom::CsvTable& table, const std::string& name) {
+  const std::vector<double>& values = table.column(name);
+  const auto gap = std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
+  if (gap != values.end()) {
+    throw rom::InputError(table.where(static_cast<std::size_t>(gap - values.begin())), name, "must not be empty");
+  }
+  return values;
+}
+
+template <std::size_t room>
+void take(const std::vector<double>& values, Unit unit, std::size_t slot, std::array<double, room> LogRow::*field,
+          std::vector<LogRow>& rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) (rows[i].*field)[slot] = values[i] * unit.factor + unit.shift;
+}
+
+void read_values(const rom::CsvTable& table, const rom::Network& network, Log& log) {
+  const std::vector<SignalColumn> signals = signal_columns(network);
+  for (std::size_t s = 0; s < signals.size(); ++s) {
+    if (s > 1 && !table.has(signals[s].name)) continue;
+    log.has_signal[s] = true;
+    take(full_column(table, signals[s].name), signals[s].unit, s, &LogRow::signals, log.rows);
+  }
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    const std::string name = sensor_column(network.key_points[k]);
+    if (!table.has(name)) continue;
+    const std::vector<double>& values = table.column(name);
+    log.has_sensor[k] = std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+    take(values, celsius, k, &LogRow::measured_K, log.rows);
+    const std::string age = "age." + network.key_points[k].name + "_s";
+    if (table.has(age)) take(table.column(age), {}, k, &LogRow::age_s, log.rows);
+  }
+  for (std::size_t d = 0; d < network.deformations.size(); ++d) {
+    const std::string name = deformation_column(network.deformations[d]);
+    if (!table.has(name)) continue;
+    log.has_deformation[d] = true;
+    take(table.column(name), micrometre, d, &LogRow::deformation_m, log.rows);
+  }
+}
+
+void check_times(const Log& log, double longest_gap_s) {
+  for (std::size_t i = 1; i < log.rows.size(); ++i) {
+    const double gap_s = log.rows[i].time_s - log.rows[i - 1].time_s;
+    if (gap_s <= 0.0) throw rom::InputError(log.rows[i].where, "time_s", "times must rise from row to row");
+    if (gap_s > longest_gap_s) {
+      throw rom::InputError(
+          log.rows[i].where, "time_s",
+          fmt::format("{:g} s after the row before; gaps may be {:g} s long (--longest-gap-s)", gap_s, longest_gap_s));
+    }
+  }
+}
+
+/// A history's rows are cycles: what each advanced the model by follows from the periods that it missed, and its time
+/// is that of the prediction, one advance later than the cycle's own. While the daemon waited for its sensors time
+/// stood.
+void read_cycles(const rom::CsvTable& table, Log& log) {
+  const std::vector<double>& time_s = full_column(table, "time_s");
+  const std::vector<double>& sequence = full_column(table, "sequence");
+  const std::vector<double>& overruns = full_column(table, "overruns");
+  const std::vector<double>& quality = full_column(table, "quality");
+  const std::vector<double>& enabled = full_column(table, "correction_enabled");
+  const std::vector<double>& tare_um = full_column(table, "tare_um");
+  const auto offline = static_cast<unsigned>(firmware::Quality::device_offline);
+  for (std::size_t i = 0; i < log.rows.size(); ++i) {
+    LogRow& row = log.rows[i];
+    const double before = i > 0 ? overruns[i - 1] : sequence[0] == 1.0 ? 0.0 : overruns[0];
+    if (i > 0 && sequence[i] != sequence[i - 1] + 1.0) {
+      throw rom::InputError(row.where, "sequence",
+                            fmt::format("{:g} after {:g}: rows are missing", sequence[i], sequence[i - 1]));
+    }
+    if (overruns[i] < before) throw rom::InputError(row.where, "overruns", "must not fall");
+    row.missed = std::llround(overruns[i] - before);
+    row.connected = (static_cast<unsigned>(quality[i]) & offline) == 0;
+    row.correction_enabled = enabled[i] != 0.0;
+    row.tare_m = 1e-6 * tare_um[i];
+    log.switched_correction = log.switched_correction || row.correction_enabled;
+    if (time_s[i] == 0.0 || (i == 0 && sequence[0] != 1.0)) continue;
+    const double rise_s = time_s[i] - (i > 0 ? time_s[i - 1] : 0.0);
+    const double period_s = std::round(1e6 * rise_s / static_cast<double>(1 + row.missed)) / 1e6;
+    if (!log.cycle_s && period_s > 0.0) log.cycle_s = period_s;
+    if (!log.cycle_s || std::abs(period_s - *log.cycle_s) > 1e-6 + 1e-8 * time_s[i]) {
+      throw rom::InputError(row.where, "time_s", "must rise by one period, and one more for each overrun");
+    }
+  }
+  if (!log.cycle_s)
+    throw rom::InputError({log.file, 0}, "time_s", "this history holds no two cycles with a prediction");
+  double end_s = std::max(0.0, time_s[0] - *log.cycle_s * static_cast<double>(1 + log.rows[0].missed));
+  log.before_s = end_s;
+  for (LogRow& row : log.rows) {
+    row.time_s = end_s + *log.cycle_s * static_cast<double>(row.missed);
+    end_s = row.time_s + *log.cycle_s;
+  }
+}
+
+}  // namespace
+
+Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s) {
+  const rom::CsvTable table = rom::read_csv_table(path, rom::LastLine::may_be_cut);
+  check_columns(table, network);
+  Log log;
+  log.file = path;
+  LogRow nothing;
+  nothing.signals.fill(not_a_value);
+  nothing.measured_K.fill(not_a_value);
+  nothing.age_s.fill(not_a_value);
+  nothing.deformation_m.fill(not_a_value);
+  log.rows.assign(table.rows(), nothing);
+  const std::vector<double>& time_s = full_column(table, "time_s");
+  for (std::size_t i = 0; i < log.rows.size(); ++i) {
+    log.rows[i].time_s = time_s[i];
+    log.rows[i].where = table.where(i);
+  }
+  read_values(table, network, log);
+  if (table.has("sequence")) {
+    read_cycles(table, log);
+  } else {
+    check_times(log, longest_gap_s);
+  }
+  return log;
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/cycle/snapshot.hpp"
+#include "rom/network.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::host_tools {
+
+/// What was known at one instant, in SI; NaN: nothing new.
+struct LogRow {
+  double time_s = 0.0;
+  rom::SourceLine where;
+  std::array<double, firmware::signal_count> signals{};
+  std::array<double, firmware::slots::key_points> measured_K{};
+  std::array<double, firmware::slots::key_points> age_s{};            ///< of the readings of a history
+  std::array<double, firmware::slots::deformations> deformation_m{};  ///< measured from outside, for judging only
+  // Of a history:
+  std::int64_t missed = 0;  ///< periods without a cycle before this one
+  bool connected = true;
+  bool correction_enabled = true;
+  double tare_m = 0.0;
+};
+
+/// The log of a machine. A plain one has a row per sample, at any times; a history of spindle-twind a row per cycle.
+struct Log {
+  std::string file;
+  std::vector<LogRow> rows;  ///< times rise strictly
+  std::array<bool, firmware::signal_count> has_signal{};
+  std::array<bool, firmware::slots::key_points> has_sensor{};
+  std::array<bool, firmware::slots::deformations> has_deformation{};
+  // Of a history:
+  std::optional<double> cycle_s;     ///< the period that it was made with; empty: this is a plain log
+  double before_s = 0.0;             ///< model time at its first cycle
+  bool switched_correction = false;  ///< the correction was on in some rows
+};
+
+/// Reads a CSV of the columns time_s, speed_rpm, load (required), coolant_degC, ambient_degC, flow.<circuit>_kg_per_s,
+/// measured.<key point>_degC, measured.<deformation>_um (an empty cell: no new reading); or a history of spindle-twind
+/// as it is, which may have measured.<deformation>_um besides. Times of a history are those at which its cycles began.
+/// Throws rom::InputError with file, line and column for a missing or unknown column, a cell that is no finite number,
+/// an empty one where a number must be, times that do not rise, two rows further apart than longest_gap_s, and for a
+/// history that lacks rows between two others.
+Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s);
+
+}  // namespace spindle_twin::host_tools

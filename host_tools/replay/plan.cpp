@@ -1,0 +1,96 @@
+#include "host_tools/replay/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spindle_twin::host_tools {
+namespace {
+
+using firmware::zero_degC_K;
+
+std::string columns_of(const rom::Network& network, const Log& log) {
+  std::string names;
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    if (log.has_sensor[k]) names.append(names.empty() ? "" : ", ").append(network.key_points[k].name);
+  }
+  return names.empty() ? "none" : names;
+}
+
+/// The operating state's temperature of the first environment of a kind.
+double operating_K(const rom::Boundaries& boundaries, rom::EnvironmentKind kind) {
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    if (boundaries.environments[e].kind == kind) {
+      return boundaries.operating.environment_K[static_cast<Eigen::Index>(e)];
+    }
+  }
+  return boundaries.reference_temperature_K;
+}
+
+/// What a configuration for this log would say.
+firmware::Config config_of_log(const rom::Network& network, const Log& log, const ReplayOptions& options) {
+  firmware::Config config;
+  config.network.path = config.network.where.file = options.network;
+  config.has_device = true;
+  config.cycle.period_s = options.period_s.value_or(log.cycle_s.value_or(config.cycle.period_s));
+  std::vector<std::string> names = options.sensors;
+  for (std::size_t k = 0; k < network.key_points.size() && options.sensors.empty(); ++k) {
+    if (log.has_sensor[k]) names.push_back(network.key_points[k].name);
+  }
+  for (const std::string& name : names) {
+    firmware::ConfiguredSensor sensor;
+    sensor.key_point = name;
+    sensor.field = "--sensors";
+    sensor.stale_after_s = options.longest_gap_s;
+    config.sensors.push_back(sensor);
+  }
+  const std::array<double, firmware::first_flow_signal> otherwise = {
+      network.boundaries.operating.speed_rpm, network.boundaries.operating.load,
+      operating_K(network.boundaries, rom::EnvironmentKind::coolant),
+      operating_K(network.boundaries, rom::EnvironmentKind::ambient)};
+  for (std::size_t s = 0; s < otherwise.size(); ++s) {
+    config.signals[s].plan = {firmware::SignalSource::constant, otherwise[s], -1e300, 1e300, options.longest_gap_s};
+  }
+  return config;
+}
+
+void choose_correction(const std::string& law, firmware::Config& config) {
+  if (law == "none" || (law.empty() && config.path.empty())) config.cycle.paper.reset();
+  if (law == "paper" && !config.cycle.paper) config.cycle.paper.emplace();
+  if (!law.empty() && law != "none") config.cycle.correction_enabled = true;
+  if (config.cycle.paper && config.sensors.empty()) {
+    throw rom::InputError({}, "--correction", "\"" + law + "\" needs at least one sensor in the log");
+  }
+}
+
+void check_sensors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log) {
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    if (!plan.sensors[k].configured || log.has_sensor[k]) continue;
+    throw rom::InputError(
+        {log.file, 1}, "measured." + network.key_points[k].name + "_degC",
+        "this sensor is configured, but the log has no reading of it; it has: " + columns_of(network, log));
+  }
+}
+
+}  // namespace
+
+firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, const ReplayOptions& options) {
+  firmware::Config config =
+      options.config.empty() ? config_of_log(network, log, options) : firmware::read_config(options.config);
+  choose_correction(options.correction, config);
+  firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;
+  check_sensors(network, plan, log);
+  plan.compare_uncorrected = true;
+  if (!log.cycle_s) plan.clock_rate = 1.0;  // a rehearsal's rate is none of a log's business
+  if (options.start_degC) plan.start_temperature_K = *options.start_degC + zero_degC_K;
+  if (!plan.start_temperature_K && config.sensors.empty()) {
+    throw rom::InputError({log.file, 1}, "--start-degC", "is needed where no sensor tells where to start from");
+  }
+  if (log.cycle_s && std::abs(plan.period_s - *log.cycle_s) > 1e-6) {
+    throw rom::InputError({log.file, 0}, "time_s",
+                          "this history has a cycle every " + std::to_string(*log.cycle_s) + " s, not every " +
+                              std::to_string(plan.period_s) + " s");
+  }
+  return plan;
+}
+
+}  // namespace spindle_twin::host_tools

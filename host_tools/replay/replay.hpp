@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+
+#include <string>
+#include <vector>
+
+#include "firmware/cycle/plan.hpp"
+#include "firmware/cycle/snapshot.hpp"
+#include "host_tools/replay/log.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::host_tools {
+
+/// One cycle of a replay.
+struct ReplayedCycle {
+  double time_s = 0.0;  ///< in the log's time, when the cycle began
+  double end_s = 0.0;   ///< one advance later: what the prediction is for
+  const firmware::Snapshot& snapshot;
+};
+
+/// Runs the log through firmware::run_cycle, the daemon's own loop, on a clock that the log moves: no thread, no
+/// device, no waiting, the same bits every time. A plain log has cycles every plan.period_s from its first row to its
+/// last, each with the newest row; of a history each row is a cycle, with its missed periods, tares and orders. Where
+/// the plan names a signal that the log has, the log's counts. Throws rom::InputError as firmware::Cycle does.
+void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& log,
+            const std::function<void(const ReplayedCycle&)>& on_cycle);
+
+/// A row per cycle: firmware::history_row, then measured minus predicted at the instant of the reading for every key
+/// point, NaN where nothing was read.
+std::string replay_header(const rom::Network& network);
+std::string replay_row(const firmware::Snapshot& snapshot, const std::vector<double>& innovation_K);
+
+}  // namespace spindle_twin::host_tools
