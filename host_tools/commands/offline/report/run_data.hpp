@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "rom/read/csv_table.hpp"
 #include "rom/network.hpp"
+#include "rom/read/csv_table.hpp"
 
 namespace spindle_twin::host_tools {
 
@@ -36,7 +36,7 @@ struct RunData {
 /// Puts the daemon's history and the plant's log on the history's time axis, as far as both reach and `until_s`, and
 /// runs the network beside them with all factors 1 and the history's operating signals: that is the uncorrected model.
 /// Throws rom::InputError for a missing column, and for a part that the network does not have.
-RunData gather_run(const rom::Network& network, const rom::CsvTable& history, const rom::CsvTable& plant, const std::string& part,
-                   double until_s);
+RunData gather_run(const rom::Network& network, const rom::CsvTable& history, const rom::CsvTable& plant,
+                   const std::string& part, double until_s);
 
 }  // namespace spindle_twin::host_tools
