@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "fem_offline/reduce/dense_model.hpp"
 #include "fem_offline/reduce/loads.hpp"
 #include "fem_offline/reduce/reduce.hpp"
 
@@ -24,21 +25,18 @@ struct RichBasis {
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
                               const Progress& progress);
 
-/// The FE model tested with a basis V: dense VᵀC V, VᵀK₀V, VᵀKⱼV and loads.
+/// The FE model tested with the rich basis V.
 struct RichModel {
-  Eigen::MatrixXd capacity;
-  Eigen::MatrixXd conduction;
-  std::vector<Eigen::MatrixXd> conductance_terms;
-  Loads loads;
-  int bodies = 1;  ///< as in RichBasis
-
-  Eigen::MatrixXd assemble(const Eigen::VectorXd& conductance_W_per_m2K) const;
+  DenseModel dense;
+  Eigen::MatrixXd outputs;  ///< VᵀLᵀ, scaled
+  int bodies = 1;           ///< as in RichBasis
 };
 
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
 
-/// Coordinates, in the rich basis, of the network's nested orthonormal basis: the constant and all left singular
-/// vectors, largest first, of primal and dual snapshots of the rich model at new parameter sets, nine shifts each.
+/// Coordinates, in the rich basis, of the network's nested orthonormal basis: the bodies' columns and all left singular
+/// vectors, largest first, of what the rich model does behind jumps of its operating state and of dual snapshots, at
+/// new parameter sets.
 Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries& boundaries,
                                     const ReduceOptions& options, const Progress& progress);
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
+#include "fem_offline/reduce/dense_model.hpp"
 #include "fem_offline/reduce/nodal.hpp"
 #include "fem_offline/reduce/parallel.hpp"
-#include "rom/integrate/coolant.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -19,39 +19,23 @@ constexpr std::size_t most_candidates = 400;
 constexpr double good_enough_K = 0.003;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
+constexpr double environment_spread_K = 10.0;
 /// Times after a change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
-rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, RandomStream& random) {
-  rom::OperatingState state = boundaries.operating;
-  state.speed_rpm = random.uniform(0.0, box.speed_high_rpm);
-  state.load = random.uniform(0.0, box.load_high);
-  for (double& environment_K : state.environment_K) environment_K += random.uniform(-10.0, 10.0);
-  state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
-  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
-    // Steady fields are asked for, and without flow there may be none.
-    double& flow_kg_per_s = state.flow_kg_per_s[static_cast<Eigen::Index>(c)];
-    if (flow_kg_per_s == 0.0) flow_kg_per_s = box.flow_low * flow_scale_kg_per_s(boundaries, c);
+DenseModel dense_model(const rom::Network& network) {
+  DenseModel model;
+  model.capacity = network.capacity_J_per_K;
+  model.conduction = network.conduction_W_per_K;
+  model.walls_m2.resize(model.capacity.rows(), static_cast<Eigen::Index>(network.factors_m.size()));
+  for (const Eigen::MatrixXd& factor : network.factors_m) {
+    model.walls_m2.col(static_cast<Eigen::Index>(model.conductance_terms.size())) =
+        factor * factor.colwise().sum().transpose();
+    model.conductance_terms.emplace_back(factor * factor.transpose());
   }
-  return state;
-}
-
-/// What the liquid carries from segment to segment: conduction −= S Γ U A⁻¹ Sᵀ, drive −= S Γ U T_inlet.
-void couple(const rom::CoolantSegments& segments, const std::vector<Eigen::MatrixXd>& terms,
-            const rom::BoundaryValues& values, Eigen::MatrixXd& conduction, Eigen::VectorXd& drive) {
-  const Eigen::Index count = segments.count();
-  Eigen::MatrixXd upstream(count, count), walls(drive.size(), count);
-  Eigen::VectorXd inlet_K(count), film_W_per_m2K(count);
-  rom::coolant_upstream(segments, values, upstream);
-  for (Eigen::Index s = 0; s < count; ++s) {
-    const auto segment = static_cast<std::size_t>(s);
-    walls.col(s) = terms[static_cast<std::size_t>(segments.conductance[segment])].rowwise().sum();
-    film_W_per_m2K[s] = values.conductance_W_per_m2K[segments.conductance[segment]];
-    inlet_K[s] = values.environment_K[segments.inlet[segment]];
-  }
-  const Eigen::MatrixXd heat = walls * film_W_per_m2K.asDiagonal() * upstream;
-  drive -= heat * inlet_K;
-  conduction -= heat * segments.area_m2.cwiseInverse().asDiagonal() * walls.transpose();
+  model.source_distribution = network.source_distribution;
+  model.uniform.setOnes(model.capacity.rows());
+  return model;
 }
 
 /// Node temperatures, one column per field: steady ones, and one step of the implicit Euler rule
@@ -61,43 +45,33 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
   const Eigen::Index per_set = 2 + static_cast<Eigen::Index>(times_s.size());
   Eigen::MatrixXd fields(count, sets * per_set);
   const rom::Boundaries& boundaries = network.boundaries;
-  std::vector<Eigen::MatrixXd> terms;
-  for (const Eigen::MatrixXd& factor : network.factors_m) terms.emplace_back(factor * factor.transpose());
+  const DenseModel model = dense_model(network);
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));
     rom::CorrectionFactors factors = correction::no_correction(boundaries);
     factors.conductance = random_conductance_factors(boundaries, options.box, set % 5 < 2, random);
     rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-    Eigen::MatrixXd conduction;
-    Eigen::VectorXd drive;
+    HeldModel held;
     const auto apply = [&](const rom::OperatingState& state) {
       correction::evaluate_boundaries(boundaries, state, factors, values);
-      conduction = network.conduction_W_per_K;
-      drive = network.source_distribution * values.heat_W;
-      for (std::size_t j = 0; j < terms.size(); ++j) {
-        const double g = values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)];
-        const int environment = boundaries.conductances[j].environment;
-        conduction += g * terms[j];
-        if (environment >= 0) drive += g * values.environment_K[environment] * terms[j].rowwise().sum();
-      }
-      if (segments.count() > 0) couple(segments, terms, values, conduction, drive);
+      hold_inputs(model, boundaries, segments, values, 0.0, held);
     };
     const auto solve = [&](double rate_per_s, const Eigen::VectorXd& before_K) {
-      const Eigen::VectorXd held = drive + rate_per_s * (network.capacity_J_per_K * before_K);
-      const Eigen::MatrixXd matrix = conduction + rate_per_s * network.capacity_J_per_K;
-      if (segments.count() > 0) return Eigen::VectorXd(matrix.partialPivLu().solve(held));
+      const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * before_K);
+      const Eigen::MatrixXd matrix = held.conduction + rate_per_s * model.capacity;
+      if (segments.count() > 0) return Eigen::VectorXd(matrix.partialPivLu().solve(heat_W));
       const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
       if (factor.info() != Eigen::Success) throw std::runtime_error("the network is not positive definite");
-      return Eigen::VectorXd(factor.solve(held));
+      return Eigen::VectorXd(factor.solve(heat_W));
     };
     const Eigen::VectorXd uniform_K = Eigen::VectorXd::Constant(count, boundaries.reference_temperature_K);
     Eigen::Index column = set * per_set;
-    apply(random_state(boundaries, options.box, random));
+    apply(random_state(boundaries, options.box, environment_spread_K, random));
     Eigen::VectorXd before_K = solve(0.0, uniform_K);
     fields.col(column++) = before_K;
     if (set % 3 == 0) before_K = uniform_K;
-    apply(random_state(boundaries, options.box, random));
+    apply(random_state(boundaries, options.box, environment_spread_K, random));
     fields.col(column++) = solve(0.0, uniform_K);
     for (const double time_s : times_s) fields.col(column++) = solve(1.0 / time_s, before_K);
   });

@@ -18,16 +18,6 @@ Eigen::MatrixXd Loads::primal(const Eigen::VectorXd& conductance_W_per_m2K) cons
   return columns;
 }
 
-Loads Loads::project(const Eigen::MatrixXd& basis) const {
-  Loads projected = *this;
-  projected.heat_W = basis.transpose() * heat_W;
-  projected.outputs = basis.transpose() * outputs;
-  for (Eigen::VectorXd& film : projected.film_m2) {
-    if (film.size() > 0) film = basis.transpose() * film;
-  }
-  return projected;
-}
-
 Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_high) {
   const rom::Boundaries& boundaries = model.boundaries;
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();

@@ -7,7 +7,7 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Right-hand sides of the snapshots, in FE coordinates or in those of a Galerkin basis.
+/// Right-hand sides of the snapshots.
 struct Loads {
   Eigen::MatrixXd heat_W;                ///< one column per source at the largest heat it makes in the box
   std::vector<Eigen::VectorXd> film_m2;  ///< Kⱼ1 per conductance; empty for exchange between bodies
@@ -18,8 +18,6 @@ struct Loads {
   /// [heats, one column per environment or coolant segment: Σⱼ gⱼ Kⱼ1 · environment_step_K]. Solutions with coolant
   /// that warms up on its way lie in the span of these (Woodbury), so that K stays symmetric here.
   Eigen::MatrixXd primal(const Eigen::VectorXd& conductance_W_per_m2K) const;
-  /// The same loads tested with the columns of `basis`.
-  Loads project(const Eigen::MatrixXd& basis) const;
 };
 
 /// Step of an environment's temperature to which its snapshots are scaled.

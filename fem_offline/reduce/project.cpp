@@ -42,11 +42,11 @@ void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, 
     return symmetric(coordinates.transpose() * (term * coordinates));
   };
 
-  network.capacity_J_per_K = symmetric(inverse.transpose() * orthonormal(rich.capacity) * inverse);
+  network.capacity_J_per_K = symmetric(inverse.transpose() * orthonormal(rich.dense.capacity) * inverse);
 
   // On the bodies' own columns conduction does nothing, and exchange between bodies nothing on the constant vector,
   // coordinate 0: what stands there is rounding of the projection.
-  Eigen::MatrixXd conduction = orthonormal(rich.conduction);
+  Eigen::MatrixXd conduction = orthonormal(rich.dense.conduction);
   conduction.topRows(rich.bodies).setZero();
   conduction.leftCols(rich.bodies).setZero();
   network.conduction_W_per_K = symmetric(inverse.transpose() * conduction * inverse);
@@ -54,11 +54,11 @@ void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, 
     network.conduction_W_per_K.diagonal() -= network.conduction_W_per_K.rowwise().sum().eval();
   }
 
-  network.factors_m.resize(rich.conductance_terms.size());
-  for_each_index(static_cast<int>(rich.conductance_terms.size()), threads, [&](int index, int) {
+  network.factors_m.resize(rich.dense.conductance_terms.size());
+  for_each_index(static_cast<int>(rich.dense.conductance_terms.size()), threads, [&](int index, int) {
     const std::size_t j = static_cast<std::size_t>(index);
     const bool exchange = model.boundaries.conductances[j].environment < 0;
-    Eigen::MatrixXd term = orthonormal(rich.conductance_terms[j]);
+    Eigen::MatrixXd term = orthonormal(rich.dense.conductance_terms[j]);
     if (exchange) {
       term.row(0).setZero();
       term.col(0).setZero();

@@ -18,7 +18,7 @@ struct ReduceOptions {
   int threads = 2;
   int full_sets = 60;                  ///< random parameter sets at which the FE model is solved
   int rich_states = 460;               ///< size of the richer Galerkin model between FE model and network
-  int rich_sets = 250;                 ///< random parameter sets at which the richer model is solved
+  int rich_sets = 500;                 ///< random parameter sets at which the richer model is solved
   double dual_weight = 0.3;            ///< size of the adjoint snapshots of key points relative to the primal ones
   double growth_dual_weight = 0.6;     ///< the same of deformations
   double pressure_dual_weight = 0.03;  ///< the same of contact pressures

@@ -1,113 +1,152 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
+#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double corner_share = 0.4;
-constexpr int shifts_per_set = 9;
 constexpr int sets_per_group = 10;
+/// Sets at corners of the box: there errors are largest, but a drive cycle is seldom near one in all directions.
+constexpr double corner_share = 0.2;
+/// Starts with everything at one temperature; the others start from the steady state of another operating state.
+constexpr double uniform_start_share = 0.3;
+constexpr double uniform_spread_K = 5.0;
+constexpr double environment_spread_K = 8.0;
+constexpr double rest_share = 0.2;
+constexpr int jumps_per_set = 2;
+/// Implicit steps behind a jump, each up to step_spread times longer or shorter.
+constexpr std::array<double, 6> steps_s = {2.0, 6.0, 20.0, 60.0, 200.0, 600.0};
+constexpr double step_spread = 1.6;
+constexpr int fields_per_set = 1 + jumps_per_set * static_cast<int>(steps_s.size());
+constexpr int dual_shifts = 3;
+constexpr double dual_shift_low_per_s = 2e-4;
+constexpr double dual_shift_high_per_s = 3.0;
+constexpr double dual_steady_share = 0.4;
+/// Sum of squares of the dual snapshots relative to that of the primal ones.
+constexpr double dual_share = 0.4;
 
-std::array<double, shifts_per_set> shift_ladder() {
-  constexpr double low = 2e-4, high = 3.0;
-  std::array<double, shifts_per_set> shifts{};
-  for (int i = 1; i < shifts_per_set; ++i) {
-    shifts[static_cast<std::size_t>(i)] = low * std::pow(high / low, static_cast<double>(i - 1) / (shifts_per_set - 2));
+/// Conduction + rate · capacity, factorised.
+class ShiftedModel {
+ public:
+  ShiftedModel(const DenseModel& model, const HeldModel& held, double rate_per_s, bool symmetric) {
+    const Eigen::MatrixXd matrix = held.conduction + rate_per_s * model.capacity;
+    if (!symmetric) {
+      general_.emplace(matrix);
+      return;
+    }
+    definite_.emplace(matrix);
+    if (definite_->info() != Eigen::Success) {
+      throw std::runtime_error("the reduced conduction matrix is not positive definite");
+    }
   }
-  return shifts;
+
+  Eigen::VectorXd solve(const Eigen::VectorXd& heat_W) const {
+    return definite_ ? Eigen::VectorXd(definite_->solve(heat_W)) : Eigen::VectorXd(general_->solve(heat_W));
+  }
+  Eigen::MatrixXd solve_transposed(const Eigen::MatrixXd& rows) const {
+    return definite_ ? Eigen::MatrixXd(definite_->solve(rows)) : Eigen::MatrixXd(general_->transpose().solve(rows));
+  }
+
+ private:
+  std::optional<Eigen::LLT<Eigen::MatrixXd>> definite_;
+  std::optional<Eigen::PartialPivLU<Eigen::MatrixXd>> general_;
+};
+
+/// Snapshots of one parameter set.
+struct SetSnapshots {
+  Eigen::MatrixXd fields;  ///< rises along a history with jumps of the operating state
+  Eigen::MatrixXd duals;
+};
+
+SetSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
+                       const ReduceOptions& options, std::uint32_t set) {
+  const DenseModel& model = rich.dense;
+  const bool symmetric = segments.count() == 0;
+  RandomStream random(options.seed, StreamPurpose::rich_snapshots, set);
+  const bool corner = random.uniform(0.0, 1.0) < corner_share;
+  rom::CorrectionFactors factors = correction::no_correction(boundaries);
+  factors.conductance = random_conductance_factors(boundaries, options.box, corner, random);
+  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  HeldModel held;
+  const auto jump = [&] {
+    rom::OperatingState state = random_state(boundaries, options.box, environment_spread_K, random);
+    if (random.uniform(0.0, 1.0) < rest_share) state.speed_rpm = state.load = 0.0;
+    correction::evaluate_boundaries(boundaries, state, factors, values);
+    hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
+  };
+
+  SetSnapshots snapshots;
+  snapshots.fields.resize(model.capacity.rows(), fields_per_set);
+  Eigen::VectorXd rise_K;
+  jump();
+  if (random.uniform(0.0, 1.0) < uniform_start_share) {
+    rise_K = random.uniform(-uniform_spread_K, uniform_spread_K) * model.uniform;
+  } else {
+    rise_K = ShiftedModel(model, held, 0.0, symmetric).solve(held.drive);
+  }
+  Eigen::Index column = 0;
+  snapshots.fields.col(column++) = rise_K;
+  for (int k = 0; k < jumps_per_set; ++k) {
+    jump();
+    for (const double middle_s : steps_s) {
+      const double rate_per_s = 1.0 / (middle_s * random.log_uniform(1.0 / step_spread, step_spread));
+      rise_K =
+          ShiftedModel(model, held, rate_per_s, symmetric).solve(held.drive + rate_per_s * (model.capacity * rise_K));
+      snapshots.fields.col(column++) = rise_K;
+    }
+  }
+
+  const Eigen::Index rows = rich.outputs.cols();
+  snapshots.duals.resize(model.capacity.rows(), dual_shifts * rows);
+  const double ratio = std::pow(dual_shift_high_per_s / dual_shift_low_per_s, 1.0 / dual_shifts);
+  for (int k = 0; k < dual_shifts; ++k) {
+    const double low_per_s = dual_shift_low_per_s * std::pow(ratio, k);
+    double shift_per_s = random.log_uniform(low_per_s, ratio * low_per_s);
+    if (k == 0 && random.uniform(0.0, 1.0) < dual_steady_share) shift_per_s = 0.0;
+    snapshots.duals.middleCols(k * rows, rows) =
+        ShiftedModel(model, held, shift_per_s, symmetric).solve_transposed(rich.outputs);
+  }
+  return snapshots;
 }
 
 }  // namespace
 
-Eigen::MatrixXd RichModel::assemble(const Eigen::VectorXd& conductance_W_per_m2K) const {
-  Eigen::MatrixXd sum = conduction;
-  for (std::size_t j = 0; j < conductance_terms.size(); ++j) {
-    sum += conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * conductance_terms[j];
-  }
-  return sum;
-}
-
-RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads) {
-  RichModel rich;
-  rich.conductance_terms.resize(model.conductance_terms_m2.size());
-  const int terms = static_cast<int>(model.conductance_terms_m2.size());
-  for_each_index(terms + 2, threads, [&](int index, int) {
-    const SparseMatrix& full = index == 0   ? model.capacity_J_per_K
-                               : index == 1 ? model.conduction_W_per_K
-                                            : model.conductance_terms_m2[static_cast<std::size_t>(index - 2)];
-    // Film and contact terms touch few unknowns: gather those rows before the dense product.
-    std::vector<int> touched;
-    std::vector<int> place(static_cast<std::size_t>(full.rows()), -1);
-    for (int column = 0; column < full.outerSize(); ++column) {
-      if (!SparseMatrix::InnerIterator(full, column)) continue;
-      place[static_cast<std::size_t>(column)] = static_cast<int>(touched.size());
-      touched.push_back(column);
-    }
-    const Eigen::MatrixXd rows = basis(touched, Eigen::all);
-    Eigen::MatrixXd image = Eigen::MatrixXd::Zero(rows.rows(), rows.cols());
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int column = 0; column < full.outerSize(); ++column) {
-      for (SparseMatrix::InnerIterator item(full, column); item; ++item) {
-        entries.emplace_back(place[static_cast<std::size_t>(item.row())], place[static_cast<std::size_t>(column)],
-                             item.value());
-      }
-    }
-    SparseMatrix compact(rows.rows(), rows.rows());
-    compact.setFromTriplets(entries.begin(), entries.end());
-    image.noalias() = compact * rows;
-    Eigen::MatrixXd small = rows.transpose() * image;
-    small = (0.5 * (small + small.transpose())).eval();
-    (index == 0   ? rich.capacity
-     : index == 1 ? rich.conduction
-                  : rich.conductance_terms[static_cast<std::size_t>(index - 2)]) = small;
-  });
-  rich.loads = loads.project(basis);
-  return rich;
-}
-
 Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries& boundaries,
                                     const ReduceOptions& options, const Progress& progress) {
-  const Eigen::Index states = rich.capacity.rows();
-  const std::array<double, shifts_per_set> shifts = shift_ladder();
+  const Eigen::Index states = rich.dense.capacity.rows();
+  const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   const int groups = (options.rich_sets + sets_per_group - 1) / sets_per_group;
-  std::vector<Eigen::MatrixXd> sums(static_cast<std::size_t>(groups));
+  std::vector<Eigen::MatrixXd> field_sums(static_cast<std::size_t>(groups)), dual_sums(field_sums);
   for_each_index(groups, options.threads, [&](int group, int worker) {
-    Eigen::MatrixXd& sum = sums[static_cast<std::size_t>(group)];
-    sum.setZero(states, states);
+    Eigen::MatrixXd& fields = field_sums[static_cast<std::size_t>(group)].setZero(states, states);
+    Eigen::MatrixXd& duals = dual_sums[static_cast<std::size_t>(group)].setZero(states, states);
     const int last = std::min(options.rich_sets, (group + 1) * sets_per_group);
     for (int set = group * sets_per_group; set < last; ++set) {
-      RandomStream random(options.seed, StreamPurpose::rich_snapshots, static_cast<std::uint32_t>(set));
-      const bool corner = random.uniform(0.0, 1.0) < corner_share;
-      const Eigen::VectorXd conductances = random_conductances(boundaries, options.box, corner, random);
-      const Eigen::MatrixXd conduction = rich.assemble(conductances);
-      const Eigen::MatrixXd primal = rich.loads.primal(conductances);
-      Eigen::MatrixXd columns(states, primal.cols() + rich.loads.outputs.cols());
-      columns << primal, rich.loads.outputs;
-      for (const double shift : shifts) {
-        const Eigen::LLT<Eigen::MatrixXd> factor(conduction + shift * rich.capacity);
-        if (factor.info() != Eigen::Success)
-          throw std::runtime_error("the reduced conduction matrix is not positive definite");
-        const Eigen::MatrixXd snapshots = factor.solve(columns);
-        sum.selfadjointView<Eigen::Lower>().rankUpdate(snapshots);
-      }
+      const SetSnapshots snapshots = solve_set(rich, boundaries, segments, options, static_cast<std::uint32_t>(set));
+      fields.selfadjointView<Eigen::Lower>().rankUpdate(snapshots.fields);
+      duals.selfadjointView<Eigen::Lower>().rankUpdate(snapshots.duals);
       if (worker == 0 && progress) progress("network snapshots", static_cast<double>(set + 1) / options.rich_sets);
     }
   });
-  Eigen::MatrixXd moments = Eigen::MatrixXd::Zero(states, states);
-  for (const Eigen::MatrixXd& sum : sums) moments += sum;
-
   // The first rows and columns belong to the bodies' own columns, which are in the basis whatever the snapshots say.
   const Eigen::Index fixed = rich.bodies, others = states - fixed;
-  const Eigen::MatrixXd rest =
-      Eigen::MatrixXd(moments.selfadjointView<Eigen::Lower>()).bottomRightCorner(others, others);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(rest);
+  const auto sum_of = [&](const std::vector<Eigen::MatrixXd>& sums) {
+    Eigen::MatrixXd moments = Eigen::MatrixXd::Zero(states, states);
+    for (const Eigen::MatrixXd& sum : sums) moments += sum;
+    return Eigen::MatrixXd(Eigen::MatrixXd(moments.selfadjointView<Eigen::Lower>()).bottomRightCorner(others, others));
+  };
+  const Eigen::MatrixXd fields = sum_of(field_sums), duals = sum_of(dual_sums);
+  const Eigen::MatrixXd moments = fields + (dual_share * fields.trace() / duals.trace()) * duals;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(moments);
   if (modes.info() != Eigen::Success) throw std::runtime_error("the snapshots' moments have no eigenvectors");
   Eigen::MatrixXd coordinates = Eigen::MatrixXd::Zero(states, states);
   coordinates.topLeftCorner(fixed, fixed).setIdentity();

@@ -1,0 +1,52 @@
+#include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/parallel.hpp"
+
+namespace spindle_twin::fem_offline {
+
+RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads) {
+  RichModel rich;
+  rich.dense.conductance_terms.resize(model.conductance_terms_m2.size());
+  const int terms = static_cast<int>(model.conductance_terms_m2.size());
+  for_each_index(terms + 2, threads, [&](int index, int) {
+    const SparseMatrix& full = index == 0   ? model.capacity_J_per_K
+                               : index == 1 ? model.conduction_W_per_K
+                                            : model.conductance_terms_m2[static_cast<std::size_t>(index - 2)];
+    // Film and contact terms touch few unknowns: gather those rows before the dense product.
+    std::vector<int> touched;
+    std::vector<int> place(static_cast<std::size_t>(full.rows()), -1);
+    for (int column = 0; column < full.outerSize(); ++column) {
+      if (!SparseMatrix::InnerIterator(full, column)) continue;
+      place[static_cast<std::size_t>(column)] = static_cast<int>(touched.size());
+      touched.push_back(column);
+    }
+    const Eigen::MatrixXd rows = basis(touched, Eigen::all);
+    Eigen::MatrixXd image = Eigen::MatrixXd::Zero(rows.rows(), rows.cols());
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int column = 0; column < full.outerSize(); ++column) {
+      for (SparseMatrix::InnerIterator item(full, column); item; ++item) {
+        entries.emplace_back(place[static_cast<std::size_t>(item.row())], place[static_cast<std::size_t>(column)],
+                             item.value());
+      }
+    }
+    SparseMatrix compact(rows.rows(), rows.rows());
+    compact.setFromTriplets(entries.begin(), entries.end());
+    image.noalias() = compact * rows;
+    Eigen::MatrixXd small = rows.transpose() * image;
+    small = (0.5 * (small + small.transpose())).eval();
+    (index == 0   ? rich.dense.capacity
+     : index == 1 ? rich.dense.conduction
+                  : rich.dense.conductance_terms[static_cast<std::size_t>(index - 2)]) = small;
+  });
+  rich.dense.walls_m2 = Eigen::MatrixXd::Zero(basis.cols(), terms);
+  for (std::size_t j = 0; j < loads.film_m2.size(); ++j) {
+    if (loads.film_m2[j].size() > 0) {
+      rich.dense.walls_m2.col(static_cast<Eigen::Index>(j)) = basis.transpose() * loads.film_m2[j];
+    }
+  }
+  rich.dense.source_distribution = basis.transpose() * model.source_distribution;
+  rich.dense.uniform = basis.transpose() * Eigen::VectorXd::Ones(basis.rows());
+  rich.outputs = basis.transpose() * loads.outputs;
+  return rich;
+}
+
+}  // namespace spindle_twin::fem_offline
