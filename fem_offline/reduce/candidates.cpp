@@ -4,6 +4,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/dense_model.hpp"
@@ -108,15 +109,25 @@ std::vector<int> greedy_extremes(const Eigen::MatrixXd& part_fields) {
 
 }  // namespace
 
-void choose_candidates(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
-                       rom::Network& network) {
+PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
+                                const rom::Network& network) {
   const Eigen::MatrixXd fields = physical_fields(network, options);
+  PartExtremes extremes(model.parts.size());
   for_each_index(static_cast<int>(model.parts.size()), options.threads, [&](int index, int) {
-    const std::size_t part = static_cast<std::size_t>(index);
+    const auto part = static_cast<std::size_t>(index);
     const Eigen::MatrixXd rows = nodal.interpolant(model.parts[part].dofs, Eigen::all);
-    const std::vector<int> chosen = greedy_extremes(rows * fields);
-    network.parts[part].candidate_rows = rows(chosen, Eigen::all);
+    extremes[part] = greedy_extremes(rows * fields);
   });
+  return extremes;
+}
+
+void take_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
+                        rom::Network& network) {
+  for (std::size_t part = 0; part < model.parts.size(); ++part) {
+    std::vector<int> unknowns;
+    for (const int point : extremes[part]) unknowns.push_back(model.parts[part].dofs[static_cast<std::size_t>(point)]);
+    network.parts[part].candidate_rows = nodal.interpolant(unknowns, Eigen::all);
+  }
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
-#include <utility>
+#include <cmath>
+#include <string>
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -16,10 +16,32 @@ Tolerance worst_of(const Eigen::MatrixXd& errors, const OutputLayout& layout) {
           worst(layout.maxima_at(), layout.parts)};
 }
 
-bool keeps(const Tolerance& reached, const Tolerance& tolerance) {
-  return reached.key_points_K <= share_of_tolerance * tolerance.key_points_K &&
-         reached.deformations_um <= share_of_tolerance * tolerance.deformations_um &&
-         reached.part_max_K <= share_of_tolerance * tolerance.part_max_K;
+/// How many times the share of the tolerance that the search asks for; at most 1 keeps it.
+double excess(const Tolerance& reached, const Tolerance& tolerance) {
+  return std::max({reached.key_points_K / tolerance.key_points_K, reached.deformations_um / tolerance.deformations_um,
+                   reached.part_max_K / tolerance.part_max_K}) /
+         share_of_tolerance;
+}
+
+struct TriedStep {
+  int step;
+  double logarithm;  ///< of the excess
+};
+
+/// Errors fall about exponentially with the size: the next step to try is where the line through the logarithms of the
+/// last two comes to zero, or through one of them at the usual rate, between those that are known to be too small and
+/// enough.
+int next_step(const std::vector<TriedStep>& tried, int too_small, int enough) {
+  constexpr double usual_rate = -0.02 * size_step;
+  if (tried.empty()) return (too_small + enough) / 2;
+  const TriedStep& last = tried.back();
+  double rate = usual_rate;
+  if (tried.size() > 1) {
+    const TriedStep& before = tried[tried.size() - 2];
+    rate = std::min((last.logarithm - before.logarithm) / (last.step - before.step), 0.25 * usual_rate);
+  }
+  const double wanted = std::ceil(last.step - last.logarithm / rate);
+  return static_cast<int>(std::clamp(wanted, too_small + 1.0, enough - 1.0));
 }
 
 }  // namespace
@@ -27,50 +49,51 @@ bool keeps(const Tolerance& reached, const Tolerance& tolerance) {
 SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const Tolerance& tolerance,
                        const ReduceOptions& options, const Progress& progress, ReduceReport* report,
                        std::uint32_t cases) {
+  const auto show = [&](const std::string& stage, double fraction) {
+    if (progress) progress(stage, fraction);
+  };
   using Clock = std::chrono::steady_clock;
-  const auto started = Clock::now();
+  auto started = Clock::now();
+  const auto finish = [&](const std::string& stage) {
+    const auto now = Clock::now();
+    if (report) report->stages.push_back({stage, std::chrono::duration<double>(now - started).count()});
+    started = now;
+  };
   VerifyOptions drives;
   drives.cases = cases;
   drives.seed = options.seed;
   drives.threads = options.threads;
   drives.drive.box = options.box;
   drives.drive.purpose = StreamPurpose::size_choice;
-  const std::vector<FeTrajectory> trajectories = run_fe_cases(model, drives, [&](const std::string&, double fraction) {
-    if (progress) progress("size of the network", 0.5 * fraction);
-  });
+  const std::vector<FeTrajectory> trajectories =
+      run_fe_cases(model, drives, [&](const std::string&, double fraction) { show("size: FE cases", fraction); });
+  finish("size: FE cases");
 
   const OutputLayout layout = output_layout(model);
   const int most = std::min(largest_size, reduction.most_nodes());
-  // Sizes are size_step · k, the last one `most`.
-  int too_small = 0, enough = (most + size_step - 1) / size_step;
-  const int sizes = enough;
+  const auto nodes_of = [&](int step) { return std::max(2, std::min(size_step * step, most)); };
+  // The largest is not tried before all others have failed: it costs most.
+  int too_small = 0, enough = (most + size_step - 1) / size_step + 1;
+  const int last_step = enough - 1;
   SizeChoice choice;
-  std::optional<rom::Network> best;
-  while (enough - too_small > 1 || !best) {
-    // Large networks cost most: start below the middle, and try the largest only if all others fail.
-    const int at = enough - too_small > 1 ? too_small + std::max(1, 2 * (enough - too_small) / 5) : sizes;
-    const int nodes = std::max(2, std::min(size_step * at, most));
-    ReduceReport trial;
-    rom::Network network = reduction.network(nodes, &trial);
+  PartExtremes extremes;
+  std::vector<TriedStep> tried;
+  while (enough - too_small > 1) {
+    const int step = next_step(tried, too_small, enough);
+    const int nodes = nodes_of(step);
+    const std::string stage = "size: " + std::to_string(nodes) + " nodes";
+    show(stage, 0.0);
+    const rom::Network network = reduction.network(nodes, nullptr, {}, &extremes);
+    show(stage, 0.5);
     const Tolerance reached = worst_of(case_errors(network, trajectories, options.threads), layout);
+    show(stage, 1.0);
     choice.tried.push_back({nodes, reached});
-    choice.reached = keeps(reached, tolerance) || choice.reached;
-    if (keeps(reached, tolerance) || at == sizes) {
-      best = std::move(network);
-      if (report) report->condition = trial.condition;
-      enough = at;
-      if (at == sizes) break;
-    } else {
-      too_small = at;
-    }
-    if (progress)
-      progress("size of the network", std::min(0.99, 0.5 + 0.08 * static_cast<double>(choice.tried.size())));
+    tried.push_back({step, std::log(excess(reached, tolerance))});
+    (tried.back().logarithm <= 0.0 ? enough : too_small) = step;
   }
-  choice.network = std::move(*best);
-  if (report) {
-    report->stages.push_back({"size of the network", std::chrono::duration<double>(Clock::now() - started).count()});
-  }
-  if (progress) progress("size of the network", 1.0);
+  choice.reached = enough <= last_step;
+  finish("size: " + std::to_string(tried.size()) + " tried");
+  choice.network = reduction.network(nodes_of(std::min(enough, last_step)), report, progress);
   return choice;
 }
 

@@ -28,9 +28,13 @@ void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, 
 /// Rows of key points, part means and deformations; the nodes' names and places.
 void project_outputs(const AffineModel& model, const NodalCoordinates& nodal, rom::Network& network);
 
-/// At most 400 points of every part whose largest and smallest temperature stand for those of the part, over
-/// random fields that a spindle can have: steady ones and those some time after a change of the operating state.
-void choose_candidates(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
-                       rom::Network& network);
+/// At most 400 points of every part whose largest and smallest temperature stand for those of the part, over random
+/// fields that a spindle can have: steady ones and those some time after a change of the operating state.
+PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
+                                const rom::Network& network);
+
+/// Gives the parts of the network the rows of these points.
+void take_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
+                        rom::Network& network);
 
 }  // namespace spindle_twin::fem_offline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/loads.hpp"
@@ -92,7 +93,7 @@ Reduction& Reduction::operator=(Reduction&&) noexcept = default;
 
 int Reduction::most_nodes() const { return static_cast<int>(impl_->coordinates.cols()); }
 
-rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress) const {
+rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress, PartExtremes* known) const {
   if (nodes < 2 || nodes > most_nodes()) {
     throw std::invalid_argument("nodes: outside 2 to " + std::to_string(most_nodes()));
   }
@@ -112,7 +113,10 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
   project_outputs(model, nodal, network);
   clock.finish("network");
 
-  choose_candidates(model, nodal, impl_->options, network);
+  PartExtremes extremes = known ? *known : PartExtremes();
+  if (extremes.empty()) extremes = find_part_extremes(model, nodal, impl_->options, network);
+  take_part_extremes(model, nodal, extremes, network);
+  if (known) *known = std::move(extremes);
   clock.finish("part extremes");
   return network;
 }

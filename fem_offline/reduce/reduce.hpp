@@ -42,6 +42,9 @@ struct ReduceReport {
 /// Called with the stage's name and the fraction of it that is done; from one thread at a time.
 using Progress = std::function<void(const std::string& stage, double fraction)>;
 
+/// Points of every part, by their place among the part's unknowns, whose extremes stand for those of the part.
+using PartExtremes = std::vector<std::vector<int>>;
+
 /// The nested basis of an FE model: its first N columns span the network of N nodes.
 class Reduction {
  public:
@@ -61,8 +64,10 @@ class Reduction {
   ///   C = VᵀC V,  K₀ = VᵀK₀V,  FⱼFⱼᵀ = VᵀKⱼV,  B = VᵀB,  rows y = y V
   /// with V(node i, :) = eᵢ and V 1 = 1, so that state i is the temperature of node i and heat is conserved to
   /// rounding. The same seed gives the same bits whatever the number of threads. The certificate stays empty.
-  /// `nodes` in [2, most_nodes()], else std::invalid_argument.
-  rom::Network network(int nodes, ReduceReport* report = nullptr, const Progress& progress = {}) const;
+  /// `nodes` in [2, most_nodes()], else std::invalid_argument. To seek the points of part extremes takes longer than
+  /// all the rest; a search for a size gives `known` ones: sought when empty, and otherwise those of another size.
+  rom::Network network(int nodes, ReduceReport* report = nullptr, const Progress& progress = {},
+                       PartExtremes* known = nullptr) const;
 
  private:
   struct Impl;

@@ -2,52 +2,37 @@
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
-#include <sunlinsol/sunlinsol_dense.h>
-#include <sunmatrix/sunmatrix_dense.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "rom/integrate/cholesky_solver.hpp"
+#include "rom/integrate/newton_solver.hpp"
 #include "rom/integrate/right_hand_side.hpp"
 
 namespace spindle_twin::rom {
 namespace {
 
+/// What CVODE's calls are about.
+struct Problem {
+  RightHandSide* rhs;
+  NewtonSolver* newton;
+  /// Conductances of the K̃ that the solver has, none before the first.
+  Eigen::VectorXd taken_W_per_m2K;
+  bool restarted;
+};
+
+/// Share by which conductances may differ from those in Newton's matrix when CVODE starts anew; each iteration of
+/// Newton leaves at most that share of the error. CVODE asks for a new matrix when they converge too slowly.
+constexpr double tolerated_share = 0.1;
+
 int right_hand_side(realtype, N_Vector x, N_Vector dx, void* user_data) {
-  static_cast<const RightHandSide*>(user_data)->evaluate(NV_DATA_S(x), NV_DATA_S(dx));
+  static_cast<const Problem*>(user_data)->rhs->evaluate(NV_DATA_S(x), NV_DATA_S(dx));
   return 0;
 }
-
-/// I − γ ∂f/∂x = I + γ K̃, lower triangle.
-int newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix matrix, booleantype, booleantype* fresh, realtype gamma,
-                  void* user_data, N_Vector, N_Vector, N_Vector) {
-  const Eigen::MatrixXd& lower = static_cast<const RightHandSide*>(user_data)->lower();
-  Eigen::Map<Eigen::MatrixXd> target(SUNDenseMatrix_Data(matrix), lower.rows(), lower.cols());
-  target = gamma * lower;
-  target.diagonal().array() += 1.0;
-  *fresh = SUNTRUE;
-  return 0;
-}
-
-/// The same in full, with the circuits' coupling.
-int coupled_newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix matrix, booleantype, booleantype* fresh,
-                          realtype gamma, void* user_data, N_Vector, N_Vector, N_Vector) {
-  const auto& rhs = *static_cast<const RightHandSide*>(user_data);
-  const Eigen::Index n = rhs.network().nodes();
-  Eigen::Map<Eigen::MatrixXd> target(SUNDenseMatrix_Data(matrix), n, n);
-  rhs.full(target);
-  target *= gamma;
-  target.diagonal().array() += 1.0;
-  *fresh = SUNTRUE;
-  return 0;
-}
-
-/// Failures come back as return values; CVODE's own text would go to stderr from inside the cycle.
-void say_nothing(int, const char*, const char*, char*, void*) {}
 
 bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now, double share) {
   for (Eigen::Index i = 0; i < now.size(); ++i) {
@@ -55,6 +40,31 @@ bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now, double sh
   }
   return false;
 }
+
+/// I − γ ∂f/∂x. Its K̃ may be one of some cycles ago.
+int newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix, booleantype serves, booleantype* fresh, realtype gamma,
+                  void* user_data, N_Vector, N_Vector, N_Vector) {
+  Problem& problem = *static_cast<Problem*>(user_data);
+  const Eigen::VectorXd& wanted_W_per_m2K = problem.rhs->conductance_W_per_m2K();
+  const bool taken = problem.newton->decompositions() > 0;
+  const bool near = problem.restarted && !jumped(problem.taken_W_per_m2K, wanted_W_per_m2K, tolerated_share);
+  problem.restarted = false;
+  const bool same = taken && problem.taken_W_per_m2K == wanted_W_per_m2K;
+  const bool take = !taken || !(serves || near || same);
+  if (take) {
+    problem.newton->take_matrix(problem.rhs->lower(), problem.rhs->network().walls());
+    problem.taken_W_per_m2K = wanted_W_per_m2K;
+  }
+  *fresh = take || same ? SUNTRUE : SUNFALSE;
+  // A positive value tells CVODE to retry with a smaller step before it gives up.
+  return problem.newton->take_step(gamma, problem.rhs->coupling()) ? 0 : 1;
+}
+
+/// Failures come back as return values; CVODE's own text would go to stderr from inside the cycle.
+void say_nothing(int, const char*, const char*, char*, void*) {}
+
+/// Change of γ from which Newton's matrix is made anew.
+constexpr double newest_gamma = 0.05;
 
 struct Release {
   void operator()(_SUNContext* context) const { SUNContext_Free(&context); }
@@ -107,7 +117,9 @@ struct CvodeStepper::Impl {
 
   Owned<_SUNContext> context;
   Owned<_generic_N_Vector> state;
-  Owned<_generic_SUNMatrix> matrix;
+  std::optional<NewtonSolver> newton;
+  Problem problem{};
+  Owned<_generic_SUNMatrix> matrix;  // CVODE wants one; the numbers are in `newton`
   Owned<_generic_SUNLinearSolver> solver;
   Owned<void> cvode;
 };
@@ -127,41 +139,40 @@ CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const C
 
   context = make_context();
   state = own(N_VMake_Serial(n, x.data(), context.get()));
-  matrix = own(SUNDenseMatrix(n, n, context.get()));
-  const bool coupled = op.segments().count() > 0;
-  // A coupled matrix is not symmetric. Leaving the coupling out of it would keep Cholesky, but the nearer the liquid
-  // comes to the walls' temperature the slower Newton would converge, in the end not at all.
-  solver =
-      own(coupled ? SUNLinSol_Dense(state.get(), matrix.get(), context.get()) : make_cholesky_solver(n, context.get()));
+  newton.emplace(n, op.segments().count(), context.get());
+  problem = {&rhs, &*newton, Eigen::VectorXd::Zero(op.conductances()), true};
+  matrix = own(SUNMatNewEmpty(context.get()));
+  solver = own(view_for_sundials(*newton, context.get()));
   cvode = own(CVodeCreate(CV_BDF, context.get()));
   check(CVodeSetErrHandlerFn(cvode.get(), say_nothing, nullptr), "its error handler");
   check(CVodeInit(cvode.get(), right_hand_side, time_s, state.get()), "its start");
   check(CVodeSStolerances(cvode.get(), 0.0, settings.tolerance_K * op.internal_per_kelvin()), "its tolerance");
-  check(CVodeSetUserData(cvode.get(), &rhs), "its data");
+  check(CVodeSetUserData(cvode.get(), &problem), "its data");
   check(CVodeSetLinearSolver(cvode.get(), solver.get(), matrix.get()), "its linear solver");
-  check(CVodeSetLinSysFn(cvode.get(), coupled ? coupled_newton_matrix : newton_matrix), "its Newton matrix");
+  check(CVodeSetLinSysFn(cvode.get(), newton_matrix), "its Newton matrix");
   // The stop at every period's end makes steps of unequal length, and BDF of order 4 and 5 does not bear ratios much
   // beyond 1: its error then grows from step to step until the error control cuts the steps, which makes them unequal
   // again. With inputs held that could go on for ever, at two steps and two factors per cycle.
   check(CVodeSetMaxOrd(cvode.get(), 3), "its highest order");
   check(CVodeSetMaxNumSteps(cvode.get(), settings.max_internal_steps), "its bound on steps");
-  // K̃ is the same from step to step, or nearly; a new γ or a slow Newton asks for a factor by itself. CVODE's 20 would
-  // factor for nothing, half of what a cycle with held inputs costs.
+  // K̃ is the same from step to step, or nearly; a slow Newton asks for a new one by itself. Another γ costs next to
+  // nothing, so CVODE need not live with an old one.
   check(CVodeSetLSetupFrequency(cvode.get(), 2000), "its bound on the age of a factor");
+  check(CVodeSetJacEvalFrequency(cvode.get(), 2000), "its bound on the age of a Jacobian");
+  check(CVodeSetDeltaGammaMaxLSetup(cvode.get(), newest_gamma), "its bound on the age of a step length");
 }
 
 bool CvodeStepper::Impl::restart() {
-  long steps = 0, calls = 0, setups = 0;
+  long steps = 0, calls = 0;
   CVodeGetNumSteps(cvode.get(), &steps);
   CVodeGetNumRhsEvals(cvode.get(), &calls);
-  CVodeGetNumLinSolvSetups(cvode.get(), &setups);
   time_s = 0.0;
   last_flag = CVodeReInit(cvode.get(), time_s, state.get());
   if (last_flag < 0) return false;
   before_restart.internal_steps += steps;
   before_restart.right_hand_sides += calls;
-  before_restart.factorizations += setups;
   ++restarts;
+  problem.restarted = true;
   must_restart = false;
   return true;
 }
@@ -222,13 +233,12 @@ const Eigen::VectorXd& CvodeStepper::temperatures_K() const { return impl_->temp
 
 CvodeCounts CvodeStepper::counts() const {
   CvodeCounts counts = impl_->before_restart;
-  long steps = 0, calls = 0, setups = 0;
+  long steps = 0, calls = 0;
   CVodeGetNumSteps(impl_->cvode.get(), &steps);
   CVodeGetNumRhsEvals(impl_->cvode.get(), &calls);
-  CVodeGetNumLinSolvSetups(impl_->cvode.get(), &setups);
   counts.internal_steps += steps;
   counts.right_hand_sides += calls;
-  counts.factorizations += setups;
+  counts.decompositions = impl_->newton->decompositions();
   counts.restarts = impl_->restarts;
   counts.last_flag = impl_->last_flag;
   return counts;

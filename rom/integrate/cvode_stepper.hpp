@@ -26,12 +26,12 @@ struct CvodeSettings {
 struct CvodeCounts {
   long internal_steps = 0;
   long right_hand_sides = 0;
-  long factorizations = 0;
+  long decompositions = 0;  ///< of K̃ for Newton's matrix, O(N³) each
   long restarts = 0;
   int last_flag = 0;  ///< CVODE's return value of the last advance(), 0 or positive for success
 };
 
-/// CVODE (BDF orders 1 to 3, Newton, analytic Jacobian −K̃, Cholesky of I + γK̃) on dx/dt = −K̃x + u.
+/// CVODE (BDF orders 1 to 3, Newton, analytic Jacobian, NewtonSolver) on dx/dt = −K̃x + u.
 /// Created once. The history goes on from cycle to cycle and is dropped (CVodeReInit) only when an input jumps or
 /// temperatures are set: dropping it each cycle would pay the small first steps of order 1 again each time.
 /// The period's end is a stop time, so no step reaches into the next cycle's inputs.

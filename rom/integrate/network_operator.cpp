@@ -95,7 +95,22 @@ void NetworkOperator::assemble(const Eigen::VectorXd& conductance_W_per_m2K, Eig
                                Eigen::MatrixXd& lower) const {
   packed = packed_conduction_;
   packed.noalias() += conductance_terms_ * conductance_W_per_m2K;
-  const Eigen::Index n = nodes();
+  unpack(packed, lower);
+}
+
+void NetworkOperator::assemble_from(const Eigen::VectorXd& base_W_per_m2K, const Eigen::VectorXd& base_packed,
+                                    const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed,
+                                    Eigen::MatrixXd& lower) const {
+  packed = base_packed;
+  for (Eigen::Index j = 0; j < conductances(); ++j) {
+    const double more_W_per_m2K = conductance_W_per_m2K[j] - base_W_per_m2K[j];
+    if (more_W_per_m2K != 0.0) packed += more_W_per_m2K * conductance_terms_.col(j);
+  }
+  unpack(packed, lower);
+}
+
+void NetworkOperator::unpack(const Eigen::VectorXd& packed, Eigen::MatrixXd& lower) {
+  const Eigen::Index n = lower.rows();
   for (Eigen::Index column = 0, at = 0; column < n; at += n - column, ++column) {
     lower.col(column).tail(n - column) = packed.segment(at, n - column);
   }

@@ -45,6 +45,11 @@ class NetworkOperator {
   /// Lower triangle of K̃(g); the strict upper one is left as it is. Costs J N²/2 multiply-adds.
   void assemble(const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed, Eigen::MatrixXd& lower) const;
 
+  /// The same from the packed K̃ of other conductances, at the cost of the terms that differ.
+  void assemble_from(const Eigen::VectorXd& base_W_per_m2K, const Eigen::VectorXd& base_packed,
+                     const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed,
+                     Eigen::MatrixXd& lower) const;
+
   /// u for inputs that are held, without what the circuits' coupling adds.
   void drive(const BoundaryValues& values, Eigen::VectorXd& u) const;
 
@@ -55,6 +60,8 @@ class NetworkOperator {
               Eigen::VectorXd& u) const;
 
  private:
+  static void unpack(const Eigen::VectorXd& packed, Eigen::MatrixXd& lower);
+
   Eigen::MatrixXd capacity_root_;      // L
   Eigen::VectorXd packed_conduction_;  // columns of the lower triangle of K̃₀, one after another
   Eigen::MatrixXd conductance_terms_;  // the same of K̃ⱼ, one column each

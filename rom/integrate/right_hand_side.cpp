@@ -7,7 +7,9 @@ namespace spindle_twin::rom {
 RightHandSide::RightHandSide(std::shared_ptr<const NetworkOperator> network)
     : network_(std::move(network)),
       assembled_for_W_per_m2K_(Eigen::VectorXd::Zero(network_->conductances())),
-      packed_(network_->make_packed()),
+      base_W_per_m2K_(Eigen::VectorXd::Zero(network_->conductances())),
+      base_packed_(network_->make_packed()),
+      packed_(base_packed_),
       lower_(Eigen::MatrixXd::Zero(network_->nodes(), network_->nodes())),
       drive_(Eigen::VectorXd::Zero(network_->nodes())),
       held_coolant_W_per_K_(Eigen::VectorXd::Zero(network_->circuits())) {
@@ -26,10 +28,20 @@ bool RightHandSide::hold(const BoundaryValues& values) {
     held_coolant_W_per_K_ = values.coolant_W_per_K;
   }
   if (assembled_ && assembled_for_W_per_m2K_ == values.conductance_W_per_m2K) return new_flow;
-  network_->assemble(values.conductance_W_per_m2K, packed_, lower_);
+  assemble(values.conductance_W_per_m2K);
   assembled_for_W_per_m2K_ = values.conductance_W_per_m2K;
   assembled_ = true;
   return true;
+}
+
+void RightHandSide::assemble(const Eigen::VectorXd& conductance_W_per_m2K) {
+  const Eigen::Index others = (conductance_W_per_m2K.array() != base_W_per_m2K_.array()).count();
+  if (!assembled_ || 2 * others > base_W_per_m2K_.size()) {
+    network_->assemble(conductance_W_per_m2K, base_packed_, lower_);
+    base_W_per_m2K_ = conductance_W_per_m2K;
+  } else {
+    network_->assemble_from(base_W_per_m2K_, base_packed_, conductance_W_per_m2K, packed_, lower_);
+  }
 }
 
 void RightHandSide::evaluate(const double* x, double* dx) const {

@@ -20,6 +20,9 @@ class RightHandSide {
   /// Returns whether the Jacobian changed. Cycle-safe.
   bool hold(const BoundaryValues& values);
 
+  /// Those in K̃.
+  const Eigen::VectorXd& conductance_W_per_m2K() const { return assembled_for_W_per_m2K_; }
+
   /// dx = f(x). Cycle-safe; x and dx hold N numbers each and do not overlap.
   void evaluate(const double* x, double* dx) const;
 
@@ -28,15 +31,21 @@ class RightHandSide {
   /// target = K̃ − PX̃Pᵀ in full. Cycle-safe for `target` of N x N.
   void full(Eigen::Ref<Eigen::MatrixXd> target) const;
 
+  /// X̃, empty without circuits.
+  const Eigen::MatrixXd& coupling() const { return coupling_; }
   /// K̃, lower triangle valid.
   const Eigen::MatrixXd& lower() const { return lower_; }
   const Eigen::VectorXd& drive() const { return drive_; }
 
  private:
+  void assemble(const Eigen::VectorXd& conductance_W_per_m2K);
+
   std::shared_ptr<const NetworkOperator> network_;
   Eigen::VectorXd assembled_for_W_per_m2K_;
   bool assembled_ = false;
-  Eigen::VectorXd packed_;
+  // Mostly films move and contacts do not, so K̃ is made from an earlier one and the terms that differ from it.
+  Eigen::VectorXd base_W_per_m2K_;
+  Eigen::VectorXd base_packed_, packed_;
   Eigen::MatrixXd lower_;
   Eigen::VectorXd drive_;
   Eigen::VectorXd held_coolant_W_per_K_;
