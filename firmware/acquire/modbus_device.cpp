@@ -48,6 +48,17 @@ bool ModbusDevice::connect() {
   return modbus_connect(context_->modbus) == 0;
 }
 
+Reading& ModbusDevice::reading_of(const Channel& channel) {
+  switch (channel.kind) {
+    case Channel::Kind::sensor:
+      return frame_.sensors[channel.index];
+    case Channel::Kind::displacement:
+      return frame_.displacements[channel.index];
+    default:
+      return frame_.signals[channel.index];
+  }
+}
+
 bool ModbusDevice::poll() {
   std::array<std::uint16_t, MODBUS_MAX_READ_REGISTERS> words{};
   for (const ReadRequest& request : requests_) {
@@ -63,7 +74,7 @@ bool ModbusDevice::poll() {
       const Channel& channel = plan_.channels[c];
       const std::size_t at = static_cast<std::size_t>(channel.source.address - request.address);
       const Reading reading{decode(channel.source, std::span(words).subspan(at)), now_ns};
-      (channel.kind == Channel::Kind::sensor ? frame_.sensors[channel.index] : frame_.signals[channel.index]) = reading;
+      reading_of(channel) = reading;
     }
   }
   return true;

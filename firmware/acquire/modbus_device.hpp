@@ -29,6 +29,7 @@ class ModbusDevice {
 
  private:
   bool connect();
+  Reading& reading_of(const Channel& channel);
   bool poll();
   void sleep_until(std::int64_t time_ns, const std::atomic<bool>& stop);
 

@@ -9,10 +9,10 @@ namespace spindle_twin::firmware {
 
 /// Where a value of the device goes in the DeviceFrame.
 struct Channel {
-  enum class Kind { sensor, signal };
+  enum class Kind { sensor, signal, displacement };
   Kind kind = Kind::sensor;
-  std::size_t index = 0;  ///< key point, or Signal
-  RegisterSource source;  ///< scale and offset lead to K, rpm or a fraction
+  std::size_t index = 0;  ///< key point, Signal or deformation output
+  RegisterSource source;  ///< scale and offset lead to K, rpm, a fraction or m
 };
 
 struct DevicePlan {

@@ -90,6 +90,15 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
     slot.interval_s = sensor.interval_s;
     plan.device.channels.push_back(sensor_channel(sensor, k));
   }
+  for (const ConfiguredProbe& probe : config.probes) {
+    const std::size_t d =
+        find_by_name(network.deformations, probe.output, "deformation output", probe.where, probe.field);
+    if (plan.cycle.probes[d].configured) {
+      throw rom::InputError(probe.where, probe.field, "\"" + probe.output + "\" has a probe already");
+    }
+    plan.cycle.probes[d] = probe.plan;
+    plan.device.channels.push_back({Channel::Kind::displacement, d, probe.source});
+  }
   for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, plan);
   bind_flows(config, network, plan);
   if (!plan.cycle.paper) return plan;

@@ -43,6 +43,15 @@ struct ConfiguredSensor {
   double interval_s = 0.0;
 };
 
+/// A displacement probe.
+struct ConfiguredProbe {
+  std::string output;
+  rom::SourceLine where;
+  std::string field;
+  RegisterSource source;  ///< to m
+  ProbePlan plan;
+};
+
 struct ConfiguredSignal {
   SignalPlan plan;                       ///< in K, rpm, fraction
   std::optional<RegisterSource> source;  ///< of a device signal, to K, rpm, fraction, kg/s
@@ -87,6 +96,7 @@ struct Config {
   DevicePlan device;  ///< without channels
   CyclePlan cycle;    ///< without sensors and signals that need the network
   std::vector<ConfiguredSensor> sensors;
+  std::vector<ConfiguredProbe> probes;
   std::array<ConfiguredSignal, first_flow_signal> signals;
   std::vector<ConfiguredFlow> flows;
   std::vector<ConfiguredGroup> groups;

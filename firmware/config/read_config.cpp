@@ -143,6 +143,24 @@ ConfiguredSensor read_sensor(const TomlTable& table) {
   return sensor;
 }
 
+ConfiguredProbe read_probe(const TomlTable& table) {
+  const rom::Range length_um = rom::between(-1e4, 1e4);
+  ConfiguredProbe probe;
+  probe.output = table.string("output");
+  probe.where = table.where("output");
+  probe.field = table.path("output");
+  probe.source = to_si(read_source(table), {m_per_um, 0.0});
+  ProbePlan& plan = probe.plan;
+  plan.configured = true;
+  plan.sd_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
+  plan.min_m = m_per_um * table.number_or("min_um", plan.min_m / m_per_um, length_um);
+  plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, length_um);
+  if (plan.max_m <= plan.min_m) table.fail("max_um", "must be above min_um");
+  plan.interval_s = table.number_or("interval_s", plan.interval_s, rom::between(1.0, 86400.0));
+  plan.stale_after_s = table.number_or("stale_after_s", plan.stale_after_s, rom::positive);
+  return probe;
+}
+
 rom::PublicKey read_trusted_key(const TomlTable& table, const std::string& text, const std::string& path) {
   rom::PublicKey key{};
   if (rom::parse_public_key(text, key)) return key;
@@ -196,6 +214,11 @@ Config read_root(const TomlTable& root, const std::string& path) {
   for (const TomlTable& table : root.tables_or_empty("sensor")) {
     if (!config.has_device) table.fail("key_point", "sensors need a [device] table");
     config.sensors.push_back(read_sensor(table));
+  }
+
+  for (const TomlTable& table : root.tables_or_empty("displacement")) {
+    if (!config.has_device) table.fail("output", "displacement probes need a [device] table");
+    config.probes.push_back(read_probe(table));
   }
 
   const TomlTable signals = root.table("signals");

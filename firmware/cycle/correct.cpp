@@ -11,6 +11,8 @@ namespace {
 static_assert(bits(CorrectionFreeze::too_few_sensors) == bits(correction::Freeze::too_few_sensors));
 static_assert(bits(CorrectionFreeze::base_failed) == bits(correction::Freeze::base_failed));
 
+constexpr double reading_slack_s = 1e-3;
+
 void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector& corrector) {
   correction::EstimatorOptions options = *plan.estimator;
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
@@ -28,12 +30,11 @@ void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector
 
 /// A reading that was taken before, or is a repeat of one, would count twice.
 bool is_new(const Corrector& corrector, std::size_t channel, const Sensed& reading) {
-  constexpr double slack_s = 1e-3;
   const std::int64_t taken_ns = corrector.taken_ns[channel];
   if (reading.time_ns == taken_ns) return false;
   if (taken_ns == 0) return true;
   return 1e-9 * static_cast<double>(reading.time_ns - taken_ns) * corrector.clock_rate >=
-         corrector.interval_s[channel] - slack_s;
+         corrector.interval_s[channel] - reading_slack_s;
 }
 
 void take_readings(const SensedInputs& sensed, const Judgement& judgement, Corrector& corrector) {
@@ -134,6 +135,24 @@ void take_displacement(int index, double value_m, double deviation_m, Corrector&
   if (!exists || !std::isfinite(value_m) || !(deviation_m > 0.0)) return;
   corrector.estimator->note_displacement(index, value_m, deviation_m);
   ++corrector.displacements;
+  corrector.displacement_due = corrector.estimator->updates() + 1;
+}
+
+void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_m, Corrector& corrector) {
+  if (!corrector.estimator || !corrector.enabled) return;
+  for (std::size_t d = 0; d < plan.probes.size(); ++d) {
+    const ProbePlan& probe = plan.probes[d];
+    const Sensed& reading = sensed.displacements[d];
+    std::int64_t& probed_ns = corrector.probed_ns[d];
+    if (!probe.configured || corrector.estimator->updates() < corrector.displacement_due) continue;
+    const double since_s = 1e-9 * static_cast<double>(reading.time_ns - probed_ns) * plan.clock_rate;
+    const bool due = probed_ns == 0 || since_s >= probe.interval_s - reading_slack_s;
+    const bool good = reading.value >= probe.min_m && reading.value <= probe.max_m &&
+                      reading.age_s <= probe.stale_after_s && reading.time_ns != probed_ns;
+    if (!due || !good) continue;
+    probed_ns = reading.time_ns;
+    take_displacement(static_cast<int>(d), reading.value + (d == 0 ? tare_m : 0.0), probe.sd_m, corrector);
+  }
 }
 
 }  // namespace spindle_twin::firmware

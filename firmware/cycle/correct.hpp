@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,10 +20,12 @@ struct Corrector {
   bool enabled = false;
   std::uint16_t corrections = 0;
   std::uint16_t displacements = 0;
-  std::uint16_t freeze = 0;  ///< CorrectionFreeze
+  long displacement_due = 0;  ///< a length that was noted goes into the update after so many
+  std::uint16_t freeze = 0;   ///< CorrectionFreeze
 
-  std::vector<std::size_t> channels;   ///< key point of each channel of the estimator
-  std::vector<double> interval_s;      ///< of each channel
+  std::vector<std::size_t> channels;  ///< key point of each channel of the estimator
+  std::vector<double> interval_s;     ///< of each channel
+  std::array<std::int64_t, slots::deformations> probed_ns{};
   std::vector<std::int64_t> taken_ns;  ///< time of the reading that each channel took last
   double clock_rate = 1.0;
   rom::CorrectionFactors none;    ///< all 1
@@ -52,5 +55,8 @@ CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, 
 /// out while no estimator corrects, and where the output does not exist or the deviation is not above 0. Runs in the
 /// cycle.
 void take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
+
+/// The same for each probe whose interval has passed and whose reading is new, in range and fresh; one per update.
+void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_m, Corrector& corrector);
 
 }  // namespace spindle_twin::firmware

@@ -19,6 +19,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   take_orders(command);
 
   if (started_ || ready_to_start()) {
+    take_probes(plan_, sensed_, snapshot_.tare_m, corrector_);
     const CorrectedInputs inputs =
         correct(sensed_, judgement_, operating_, snapshot_.model_time_s, advance_s, model_, corrector_);
     note(integrate(network_, inputs.operating, inputs.factors, advance_s, model_));

@@ -21,6 +21,16 @@ struct SensorPlan {
   double interval_s = 0.0;     ///< the device renews it so often, readings in between are repeats; 0: each is new
 };
 
+/// A displacement probe at one deformation output. It counts as the published value does: of the nose minus the tare.
+struct ProbePlan {
+  bool configured = false;
+  double sd_m = 1e-6;
+  double min_m = -1e-3;  ///< a reading outside is not used
+  double max_m = 1e-3;
+  double interval_s = 60.0;    ///< between readings that are taken in
+  double stale_after_s = 3.0;  ///< model time
+};
+
 enum class SignalSource { constant, device, plc };
 
 struct SignalPlan {
@@ -37,6 +47,7 @@ struct CyclePlan {
   double clock_rate = 1.0;  ///< model seconds per second of the clock
   bool compare_uncorrected = true;
   std::array<SensorPlan, slots::key_points> sensors;
+  std::array<ProbePlan, slots::deformations> probes;
   std::array<SignalPlan, signal_count> signals;   ///< flows that no circuit has are constants of 0
   bool correction_enabled = true;                 ///< until the PLC says otherwise
   std::optional<correction::PaperOptions> paper;  ///< the published law corrects

@@ -22,6 +22,9 @@ void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& co
   for (std::size_t k = 0; k < sensed.sensors.size(); ++k) {
     sensed.sensors[k] = sensed_at(frame.sensors[k], now_ns, plan.clock_rate);
   }
+  for (std::size_t d = 0; d < sensed.displacements.size(); ++d) {
+    sensed.displacements[d] = sensed_at(frame.displacements[d], now_ns, plan.clock_rate);
+  }
   for (std::size_t s = 0; s < signal_count; ++s) {
     switch (plan.signals[s].source) {
       case SignalSource::constant:

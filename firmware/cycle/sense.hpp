@@ -14,6 +14,7 @@ struct Sensed {
 struct SensedInputs {
   std::array<Sensed, slots::key_points> sensors;
   std::array<Sensed, signal_count> signals;
+  std::array<Sensed, slots::deformations> displacements;
   bool device_connected = false;
 };
 

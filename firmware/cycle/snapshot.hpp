@@ -33,6 +33,7 @@ struct Reading {
 struct DeviceFrame {
   std::array<Reading, slots::key_points> sensors;
   std::array<Reading, signal_count> signals;
+  std::array<Reading, slots::deformations> displacements;  ///< probes, in m; in the order of the network's deformations
   bool connected = false;
 };
 

@@ -55,7 +55,8 @@ TEST(RunTable, errors_are_those_of_the_rise) {
   EXPECT_NE(text.find("simulated spindle"), std::string::npos);
   EXPECT_NE(text.find("+2.00          +0.10      +5.0%"), std::string::npos) << text;
   EXPECT_NE(text.find("+8.00          +0.50      +7.1%             1.50"), std::string::npos) << text;
-  EXPECT_NE(text.find("+8.00          +0.50      +7.1%                -"), std::string::npos) << "the nose has no sigma";
+  EXPECT_NE(text.find("+8.00          +0.50      +7.1%                -"), std::string::npos)
+      << "the nose has no sigma";
 }
 
 TEST_F(ReportFiles, page_holds_the_chart_library_and_says_simulated) {

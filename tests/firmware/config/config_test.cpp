@@ -128,6 +128,22 @@ TEST(ConfigErrors, the_estimators_options_say_what_is_allowed) {
   EXPECT_NE(unknown.find("correction.relaxation: unknown key"), std::string::npos) << unknown;
 }
 
+TEST(Config, a_probe_stands_at_a_deformation_output) {
+  const std::string probe =
+      "[[displacement]]\noutput = \"nose\"\nregister = 20\nscale = 0.1\nsd_um = 0.5\ninterval_s = 30.0\n";
+  const DaemonPlan plan = bind_config(parse_config(good + probe, "twin.toml"), tests::small_network());
+  EXPECT_TRUE(plan.cycle.probes[0].configured);
+  EXPECT_FALSE(plan.cycle.probes[1].configured);
+  EXPECT_DOUBLE_EQ(plan.cycle.probes[0].sd_m, 0.5e-6);
+  EXPECT_DOUBLE_EQ(plan.cycle.probes[0].interval_s, 30.0);
+  ASSERT_EQ(plan.device.channels[2].kind, Channel::Kind::displacement);
+  EXPECT_DOUBLE_EQ(plan.device.channels[2].source.scale, 1e-7);
+  EXPECT_NE(error_of(good + probe + probe).find("\"nose\" has a probe already"), std::string::npos);
+  EXPECT_EQ(
+      error_of(good + "[[displacement]]\noutput = \"tip\"\nregister = 20\nsd_um = 1.0\n"),
+      "/etc/twin.toml:27: displacement[1].output: the network has no deformation output \"tip\"; it has nose, rear");
+}
+
 TEST(Config, groups_name_sensors_and_sources) {
   const std::string text =
       good + "[[correction.group]]\nname = \"rear\"\nsensors = [\"sleeve_outer\"]\nsources = [\"bearing\"]\n";

@@ -256,6 +256,32 @@ TEST(EstimatorCycle, a_measured_length_is_taken_in_and_counts_from_the_tare) {
   EXPECT_EQ(run.last.displacement_count, 1);
 }
 
+TEST(EstimatorCycle, a_probe_is_taken_in_each_interval_and_not_when_it_reads_nonsense) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = estimated();
+  plan.probes[0] = {true, 1e-8, -1e-4, 1e-4, 60.0, 3.0};
+  plan.probes[1] = plan.probes[0];
+  Pair run(network, plan, 0.5);
+  Pair without(network, estimated(), 0.5);
+  while (run.n < 600) {
+    DeviceFrame frame = run.machine.frame(at_s(run.n));
+    for (std::size_t d = 0; d < 2; ++d) {
+      frame.displacements[d] = {run.machine.model.outputs.deformations_m[static_cast<Eigen::Index>(d)], at_s(run.n)};
+    }
+    if (run.n >= 300) frame.displacements[0].value = not_a_value;
+    if (run.n >= 300) frame.displacements[1].value = 2e-4;
+    run.last = run.cycle.step(frame, {}, at_s(run.n++), 0);
+    run.machine.advance(1.0);
+    without.step();
+    if (run.n == 295) {
+      EXPECT_EQ(run.last.displacement_count, 10) << "5 minutes of two probes, the second an update behind the first";
+      EXPECT_NEAR(run.nose_error_m(), 0.0, 5e-8);
+      EXPECT_LT(run.last.deformation_sd_m[0], without.last.deformation_sd_m[0]);
+    }
+  }
+  EXPECT_EQ(run.last.displacement_count, 10);
+}
+
 TEST(EstimatorCycle, no_heap_call_after_warm_up) {
   const rom::Network network = tests::small_network();
   Cycle cycle(network, estimated(), runtime);
