@@ -10,6 +10,8 @@ namespace spindle_twin::firmware {
 const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
                             std::int64_t missed) {
   const double advance_s = plan_.period_s * static_cast<double>(1 + missed);
+  if (snapshot_.sequence == 0) first_ns_ = now_ns;
+  snapshot_.clock_ns = now_ns - first_ns_;
 
   sense(plan_, frame, command, now_ns, sensed_);
   judge(plan_, sensed_, judgement_);

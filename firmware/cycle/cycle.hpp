@@ -55,6 +55,7 @@ class Cycle {
   rom::OperatingState operating_;
   Eigen::VectorXd start_K_;
   Snapshot snapshot_;
+  std::int64_t first_ns_ = 0;
   std::uint32_t tare_orders_ = 0;
   std::uint32_t displacements_ = 0;
   bool started_ = false;

@@ -50,6 +50,8 @@ void Cycle::take_orders(const PlcCommand& command) {
     const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
     take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.sd_m, corrector_);
     displacements_ = command.displacements;
+    snapshot_.displacement = length;
+    ++snapshot_.displacement_orders;
   }
   if (command.tare_orders == tare_orders_) return;
   if (command.tare_order == TareOrder::take && !started_) return;

@@ -73,7 +73,8 @@ struct ChannelUpdate {
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
 /// Entries beyond the counts, and values that do not exist, are NaN. Room as in registers.toml.
 struct Snapshot {
-  std::int64_t time_ns = 0;  ///< monotonic, end of the cycle
+  std::int64_t time_ns = 0;   ///< monotonic, end of the cycle
+  std::int64_t clock_ns = 0;  ///< monotonic, when this cycle began, from the first one on
   std::uint32_t sequence = 0;
   State state = State::starting;
   std::uint16_t quality = 0;  ///< bits of Quality
@@ -118,6 +119,8 @@ struct Snapshot {
   std::uint16_t parameters = 0;
   std::uint16_t parameters_determined = 0;  ///< of which the sensors tell more than a tenth of the prior deviation
   std::uint16_t displacement_count = 0;     ///< measured lengths taken in since the start
+  std::uint32_t displacement_orders = 0;    ///< those that the PLC gave, and the last of them
+  Displacement displacement;
   std::array<ChannelUpdate, slots::key_points> sensor_update{};
   ChannelUpdate displacement_update;
 };

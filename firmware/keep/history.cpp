@@ -88,6 +88,7 @@ std::string history_header(const rom::Network& network) {
   }
   header += ",displacement_count";
   for (const auto& [column, unit] : displacement_columns) header.append(",").append(column).append(unit);
+  header += ",clock_ns,tare_count,length_orders,length_output,length_m,length_sd_m";
   return header;
 }
 
@@ -128,6 +129,10 @@ std::string history_row(const Snapshot& snapshot) {
   add(row, um_per_m * std::sqrt(length.variance));
   add(row, length.test_ratio);
   add(row, length.flags);
+  fmt::format_to(std::back_inserter(row), ",{},{},{},{}", snapshot.clock_ns, snapshot.tare_count,
+                 snapshot.displacement_orders, snapshot.displacement.output);
+  add_exactly(row, snapshot.displacement.value_m);
+  add_exactly(row, snapshot.displacement.sd_m);
   return row;
 }
 

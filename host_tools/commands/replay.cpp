@@ -55,6 +55,10 @@ struct Tally {
   }
 };
 
+double percent(std::size_t part, std::size_t whole) {
+  return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
 Json statistics_json(const ErrorStatistics& errors, const std::string& unit, double scale, double rise) {
   if (errors.count == 0) return {};
   Json json{{"rms_" + unit, scale * errors.rms()},
@@ -71,6 +75,10 @@ Json errors_json(const std::vector<OutputErrors>& outputs, const std::string& un
     Json entry{{"name", output.name}, {"readings", output.twin.count}, {"rise_" + unit, scale * output.rise()}};
     if (sensors) entry["used"] = output.used;
     entry["twin"] = statistics_json(output.twin, unit, scale, output.rise());
+    if (output.with_sd > 0) {
+      entry["sd_" + unit] = scale * output.sd();
+      entry["within_2_sd_percent"] = percent(output.within_2_sd, output.with_sd);
+    }
     entry["uncorrected"] = statistics_json(output.uncorrected, unit, scale, output.rise());
     list.push_back(entry);
   }
@@ -82,7 +90,7 @@ void print_json(const Options& options, const rom::Network& network, const firmw
   Json json{{"spindle", network.spindle},
             {"log", options.log},
             {"log_is_history", log.cycle_s.has_value()},
-            {"correction", plan.paper ? "paper" : "none"},
+            {"correction", law_of(plan)},
             {"log_s", log.rows.back().time_s - log.rows.front().time_s},
             {"period_s", plan.period_s},
             {"cycles", tally.cycles},
@@ -94,39 +102,41 @@ void print_json(const Options& options, const rom::Network& network, const firmw
   std::printf("%s\n", json.dump(2).c_str());
 }
 
-void print_errors(const char* title, const std::vector<OutputErrors>& outputs, const char* unit, double scale) {
+void print_errors(const char* title, const std::vector<OutputErrors>& outputs, double scale) {
   if (outputs.empty()) return;
-  std::printf("\n%-28s %8s %8s %9s %9s %9s %9s %17s\n", title, "readings", "rise", "rms", "worst", "last", "of rise",
-              "uncorrected rms");
+  std::printf("\n%-28s %8s %8s %9s %9s %9s %9s %9s %9s %16s\n", title, "readings", "rise", "rms", "worst", "last",
+              "of rise", "1 sigma", "within 2", "uncorrected rms");
   for (const OutputErrors& output : outputs) {
-    if (output.twin.count == 0) {
-      std::printf("%-28s %8d\n", output.name.c_str(), 0);
-      continue;
+    std::printf("%-28s %8zu", output.name.c_str(), output.twin.count);
+    if (output.twin.count > 0) {
+      std::printf(" %8.2f %9.3f %9.3f %9.3f", scale * output.rise(), scale * output.twin.rms(),
+                  scale * output.twin.worst, scale * output.twin.last);
+      output.rise() > 0.0 ? std::printf(" %7.1f %%", 100.0 * output.twin.rms() / output.rise())
+                          : std::printf(" %9s", "");
+      output.with_sd > 0
+          ? std::printf(" %9.3f %7.1f %%", scale * output.sd(), percent(output.within_2_sd, output.with_sd))
+          : std::printf(" %9s %9s", "", "");
+      if (output.uncorrected.count > 0) std::printf(" %16.3f", scale * output.uncorrected.rms());
     }
-    std::printf("%-28s %8zu %8.2f %9.3f %9.3f %9.3f", output.name.c_str(), output.twin.count, scale * output.rise(),
-                scale * output.twin.rms(), scale * output.twin.worst, scale * output.twin.last);
-    output.rise() > 0.0 ? std::printf(" %7.1f %%", 100.0 * output.twin.rms() / output.rise()) : std::printf(" %9s", "");
-    output.uncorrected.count > 0 ? std::printf(" %14.3f %s\n", scale * output.uncorrected.rms(), unit)
-                                 : std::printf(" %17s\n", "");
+    std::printf("\n");
   }
 }
 
 void print_table(const Options& options, const rom::Network& network, const firmware::CyclePlan& plan, const Log& log,
                  const Tally& tally, const ReplayErrors& errors) {
   std::printf("%s, %s: %g s, %zu cycles of %g s, correction %s\n", network.spindle.c_str(), options.log.c_str(),
-              log.rows.back().time_s - log.rows.front().time_s, tally.cycles, plan.period_s,
-              plan.paper ? "paper" : "none");
+              log.rows.back().time_s - log.rows.front().time_s, tally.cycles, plan.period_s, law_of(plan));
   std::printf("cycles:");
   for (std::size_t s = 0; s < std::size(states); ++s) {
     if (tally.in_state[s] > 0) std::printf(" %s %zu", states[s], tally.in_state[s]);
   }
-  if (plan.paper) std::printf("; corrections %u", tally.corrections);
+  if (tally.corrections > 0) std::printf("; corrections %u", tally.corrections);
   std::printf("\n");
   for (std::size_t f = 0; f < std::size(faults); ++f) {
     if (tally.with_fault[f] > 0) std::printf("fault %s in %zu cycles\n", faults[f].name, tally.with_fault[f]);
   }
-  print_errors("sensor, error in K", errors.sensors(), "K", 1.0);
-  print_errors("deformation, error in um", errors.deformations(), "um", micrometres_per_metre);
+  print_errors("sensor, error in K", errors.sensors(), 1.0);
+  print_errors("deformation, error in um", errors.deformations(), micrometres_per_metre);
 }
 
 void run(const Options& options) {
@@ -138,9 +148,9 @@ void run(const Options& options) {
   Tally tally;
   std::string table = replay_header(network) + "\n";
   replay(network, plan, log, [&](const ReplayedCycle& cycle) {
-    const std::vector<double>& innovation_K = errors.add(cycle);
+    const std::vector<double>& error_K = errors.add(cycle);
     tally.add(cycle.snapshot);
-    if (!options.output.empty()) table.append(replay_row(cycle.snapshot, innovation_K)).append("\n");
+    if (!options.output.empty()) table.append(replay_row(cycle.snapshot, error_K)).append("\n");
   });
   if (!options.output.empty()) rom::write_whole_file(options.output, table);
   options.json ? print_json(options, network, plan, log, tally, errors)
@@ -157,8 +167,9 @@ void add_replay(CLI::App& app) {
   command->add_option("network", replay.network, "network file, .rom")->required();
   command->add_option("log", options->log, "CSV: a history of spindle-twind, or any log with its columns")->required();
   command
-      ->add_option("--correction", replay.correction, "none or paper; else as the configuration says, without it none")
-      ->check(CLI::IsMember({"none", "paper"}));
+      ->add_option("--correction", replay.correction,
+                   "none, paper or estimator; else as the configuration says, without it estimator")
+      ->check(CLI::IsMember({"none", "paper", "estimator"}));
   CLI::Option* config = command->add_option("--config", replay.config,
                                             "the daemon's configuration: its sensors, limits, periods and options");
   command

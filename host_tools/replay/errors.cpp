@@ -8,12 +8,18 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-void add_reading(double measured, double predicted, double uncorrected, double time_s, OutputErrors& errors) {
+void add_reading(double measured, double predicted, double sd, double uncorrected, double time_s,
+                 OutputErrors& errors) {
   if (!std::isfinite(measured) || !std::isfinite(predicted)) return;
   const bool first = errors.twin.count == 0;
   errors.lowest = first ? measured : std::min(errors.lowest, measured);
   errors.highest = first ? measured : std::max(errors.highest, measured);
   errors.twin.add(predicted - measured, time_s);
+  if (std::isfinite(sd)) {
+    ++errors.with_sd;
+    errors.sum_of_variances += sd * sd;
+    if (std::abs(predicted - measured) <= 2.0 * sd) ++errors.within_2_sd;
+  }
   if (std::isfinite(uncorrected)) errors.uncorrected.add(uncorrected - measured, time_s);
 }
 
@@ -32,31 +38,35 @@ double ErrorStatistics::rms() const {
   return count > 0 ? std::sqrt(sum_of_squares / static_cast<double>(count)) : firmware::not_a_value;
 }
 
+double OutputErrors::sd() const {
+  return with_sd > 0 ? std::sqrt(sum_of_variances / static_cast<double>(with_sd)) : firmware::not_a_value;
+}
+
 ReplayErrors::ReplayErrors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log, double from_s)
     : log_(log),
       from_s_(from_s),
       slack_s_(1e-6 * plan.period_s),
       before_{firmware::not_a_value, firmware::first_snapshot(network)},
       after_(before_),
-      innovation_K_(network.key_points.size(), firmware::not_a_value) {
+      error_K_(network.key_points.size(), firmware::not_a_value) {
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     if (!log.has_sensor[k]) continue;
     sensor_slots_.push_back(k);
-    sensors_.push_back({network.key_points[k].name, plan.sensors[k].configured, 0.0, 0.0, {}, {}});
+    sensors_.push_back({network.key_points[k].name, plan.sensors[k].configured});
   }
   for (std::size_t d = 0; d < network.deformations.size(); ++d) {
     if (!log.has_deformation[d]) continue;
     deformation_slots_.push_back(d);
-    deformations_.push_back({network.deformations[d].name, false, 0.0, 0.0, {}, {}});
+    deformations_.push_back({network.deformations[d].name, false});
   }
 }
 
 const std::vector<double>& ReplayErrors::add(const ReplayedCycle& cycle) {
-  std::fill(innovation_K_.begin(), innovation_K_.end(), firmware::not_a_value);
+  std::fill(error_K_.begin(), error_K_.end(), firmware::not_a_value);
   while (next_ < log_.rows.size() && log_.rows[next_].time_s <= cycle.time_s + slack_s_) judge(log_.rows[next_++]);
   before_ = after_;
   after_ = {cycle.end_s, cycle.snapshot};
-  return innovation_K_;
+  return error_K_;
 }
 
 void ReplayErrors::judge(const LogRow& row) {
@@ -70,8 +80,9 @@ void ReplayErrors::judge(const LogRow& row) {
     const std::size_t k = sensor_slots_[i];
     const double twin_K = predicted(before_.snapshot.predicted_K[k], after_.snapshot.predicted_K[k]);
     const double uncorrected_K = predicted(before_.snapshot.uncorrected_K[k], after_.snapshot.uncorrected_K[k]);
-    innovation_K_[k] = row.measured_K[k] - twin_K;
-    if (counts) add_reading(row.measured_K[k], twin_K, uncorrected_K, row.time_s, sensors_[i]);
+    error_K_[k] = twin_K - row.measured_K[k];
+    const double sd_K = after_.snapshot.predicted_sd_K[k];
+    if (counts) add_reading(row.measured_K[k], twin_K, sd_K, uncorrected_K, row.time_s, sensors_[i]);
   }
   const auto open_loop_m = [](const Prediction& prediction, std::size_t d) {
     return d == 0 ? prediction.snapshot.nose_uncorrected_m + prediction.snapshot.tare_m : firmware::not_a_value;
@@ -80,7 +91,8 @@ void ReplayErrors::judge(const LogRow& row) {
     const std::size_t d = deformation_slots_[i];
     const double twin_m = predicted(before_.snapshot.deformation_m[d], after_.snapshot.deformation_m[d]);
     const double uncorrected_m = predicted(open_loop_m(before_, d), open_loop_m(after_, d));
-    add_reading(row.deformation_m[d], twin_m, uncorrected_m, row.time_s, deformations_[i]);
+    const double sd_m = after_.snapshot.deformation_sd_m[d];
+    add_reading(row.deformation_m[d], twin_m, sd_m, uncorrected_m, row.time_s, deformations_[i]);
   }
 }
 

@@ -21,11 +21,18 @@ struct ErrorStatistics {
 
 struct OutputErrors {
   std::string name;
-  bool used = false;                   ///< a sensor that the correction is given; the others only judge
-  double lowest = 0.0, highest = 0.0;  ///< measured
-  ErrorStatistics twin;
-  ErrorStatistics uncorrected;  ///< without a count where the cycle does not publish it
+  bool used = false;     ///< a sensor that the correction is given; the others only judge
+  double lowest = 0.0;   ///< measured
+  double highest = 0.0;  ///< measured
+  ErrorStatistics twin{};
+  ErrorStatistics uncorrected{};  ///< without a count where the cycle does not publish it
 
+  // Against the published standard deviation, where there is one; the reading's own noise is not in it.
+  std::size_t with_sd = 0;
+  std::size_t within_2_sd = 0;
+  double sum_of_variances = 0.0;
+
+  double sd() const;  ///< root mean square
   double rise() const { return highest - lowest; }
 };
 
@@ -36,7 +43,7 @@ class ReplayErrors {
   /// Nothing before from_s counts.
   ReplayErrors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log, double from_s);
 
-  /// Every reading up to this cycle's instant; returns measured minus predicted per key point, NaN without a reading.
+  /// Every reading up to this cycle's instant; returns predicted minus measured per key point, NaN without a reading.
   const std::vector<double>& add(const ReplayedCycle& cycle);
 
   /// Those that the log has.
@@ -57,7 +64,7 @@ class ReplayErrors {
   Prediction before_, after_;
   std::vector<std::size_t> sensor_slots_, deformation_slots_;
   std::vector<OutputErrors> sensors_, deformations_;
-  std::vector<double> innovation_K_;
+  std::vector<double> error_K_;
 };
 
 }  // namespace spindle_twin::host_tools

@@ -110,6 +110,40 @@ void check_times(const Log& log, double longest_gap_s) {
   }
 }
 
+/// What came at which instant; without the columns, which histories of before had not, cycles came on time.
+void read_orders(const rom::CsvTable& table, double period_ns, Log& log) {
+  const std::vector<double>& enabled = full_column(table, "correction_enabled");
+  const std::vector<double>& tare_um = full_column(table, "tare_um");
+  std::int64_t clock_ns = 0;
+  for (std::size_t i = 0; i < log.rows.size(); ++i) {
+    LogRow& row = log.rows[i];
+    row.correction_enabled = enabled[i] != 0.0;
+    log.switched_correction = log.switched_correction || row.correction_enabled;
+    row.tared = tare_um[i] != 0.0;
+    row.tare_orders = i > 0 ? log.rows[i - 1].tare_orders : 0;
+    if (i > 0 && tare_um[i] != tare_um[i - 1]) ++row.tare_orders;
+    if (i > 0) clock_ns += std::llround(period_ns * static_cast<double>(1 + row.missed));
+    row.clock_ns = clock_ns;
+  }
+  if (!table.has("clock_ns")) return;
+  const std::vector<double>& began_ns = full_column(table, "clock_ns");
+  const std::vector<double>& tares = full_column(table, "tare_count");
+  const std::vector<double>& orders = full_column(table, "length_orders");
+  const std::vector<double>& output = full_column(table, "length_output");
+  const std::vector<double>& length_m = table.column("length_m");
+  const std::vector<double>& length_sd_m = table.column("length_sd_m");
+  for (std::size_t i = 0; i < log.rows.size(); ++i) {
+    LogRow& row = log.rows[i];
+    row.clock_ns = std::llround(began_ns[i]);
+    row.tare_orders = static_cast<std::uint32_t>(tares[i]);
+    row.length_orders = static_cast<std::uint32_t>(orders[i]);
+    row.length = {static_cast<std::size_t>(output[i]), length_m[i], length_sd_m[i]};
+    if (i > 0 && row.clock_ns <= log.rows[i - 1].clock_ns) {
+      throw rom::InputError(row.where, "clock_ns", "must rise from row to row");
+    }
+  }
+}
+
 /// A history's rows are cycles: what each advanced the model by follows from the periods that it missed, and its time
 /// is that of the prediction, one advance later than the cycle's own. While the daemon waited for its sensors time
 /// stood.
@@ -118,8 +152,6 @@ void read_cycles(const rom::CsvTable& table, Log& log) {
   const std::vector<double>& sequence = full_column(table, "sequence");
   const std::vector<double>& overruns = full_column(table, "overruns");
   const std::vector<double>& quality = full_column(table, "quality");
-  const std::vector<double>& enabled = full_column(table, "correction_enabled");
-  const std::vector<double>& tare_um = full_column(table, "tare_um");
   const auto offline = static_cast<unsigned>(firmware::Quality::device_offline);
   for (std::size_t i = 0; i < log.rows.size(); ++i) {
     LogRow& row = log.rows[i];
@@ -131,9 +163,6 @@ void read_cycles(const rom::CsvTable& table, Log& log) {
     if (overruns[i] < before) throw rom::InputError(row.where, "overruns", "must not fall");
     row.missed = std::llround(overruns[i] - before);
     row.connected = (static_cast<unsigned>(quality[i]) & offline) == 0;
-    row.correction_enabled = enabled[i] != 0.0;
-    row.tare_m = 1e-6 * tare_um[i];
-    log.switched_correction = log.switched_correction || row.correction_enabled;
     if (time_s[i] == 0.0 || (i == 0 && sequence[0] != 1.0)) continue;
     const double rise_s = time_s[i] - (i > 0 ? time_s[i - 1] : 0.0);
     const double period_s = std::round(1e6 * rise_s / static_cast<double>(1 + row.missed)) / 1e6;
@@ -144,6 +173,7 @@ void read_cycles(const rom::CsvTable& table, Log& log) {
   }
   if (!log.cycle_s)
     throw rom::InputError({log.file, 0}, "time_s", "this history holds no two cycles with a prediction");
+  read_orders(table, 1e9 * *log.cycle_s, log);
   double end_s = std::max(0.0, time_s[0] - *log.cycle_s * static_cast<double>(1 + log.rows[0].missed));
   log.before_s = end_s;
   for (LogRow& row : log.rows) {

@@ -24,7 +24,11 @@ struct LogRow {
   std::int64_t missed = 0;  ///< periods without a cycle before this one
   bool connected = true;
   bool correction_enabled = true;
-  double tare_m = 0.0;
+  std::int64_t clock_ns = 0;        ///< when the cycle began
+  std::uint32_t tare_orders = 0;    ///< since the start
+  bool tared = false;               ///< what the last of them left
+  std::uint32_t length_orders = 0;  ///< touch-offs since the start, and the last one
+  firmware::Displacement length;
 };
 
 /// The log of a machine. A plain one has a row per sample, at any times; a history of spindle-twind a row per cycle.

@@ -53,11 +53,23 @@ firmware::Config config_of_log(const rom::Network& network, const Log& log, cons
   return config;
 }
 
-void choose_correction(const std::string& law, firmware::Config& config) {
-  if (law == "none" || (law.empty() && config.path.empty())) config.cycle.paper.reset();
-  if (law == "paper" && !config.cycle.paper) config.cycle.paper.emplace();
-  if (!law.empty() && law != "none") config.cycle.correction_enabled = true;
-  if (config.cycle.paper && config.sensors.empty()) {
+void choose_correction(const std::string& wanted, firmware::Config& config) {
+  if (wanted.empty() && !config.path.empty()) return;
+  const std::string law = !wanted.empty() ? wanted : config.sensors.empty() ? "none" : "estimator";
+  firmware::CyclePlan& cycle = config.cycle;
+  cycle.estimator_corrects = law == "estimator";
+  cycle.correction_enabled = true;
+  if (law == "paper") {
+    cycle.estimator.reset();
+    if (!cycle.paper) cycle.paper.emplace();
+  } else {
+    cycle.paper.reset();
+    if (!cycle.estimator) {
+      correction::EstimatorOptions& options = cycle.estimator.emplace();
+      options.period_s = std::max(options.period_s, cycle.period_s);
+    }
+  }
+  if (law != "none" && config.sensors.empty()) {
     throw rom::InputError({}, "--correction", "\"" + law + "\" needs at least one sensor in the log");
   }
 }
@@ -91,6 +103,11 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
                               std::to_string(plan.period_s) + " s");
   }
   return plan;
+}
+
+const char* law_of(const firmware::CyclePlan& plan) {
+  if (plan.paper) return "paper";
+  return plan.estimator && plan.estimator_corrects ? "estimator" : "none";
 }
 
 }  // namespace spindle_twin::host_tools

@@ -12,7 +12,7 @@ namespace spindle_twin::host_tools {
 /// How a log is to be run.
 struct ReplayOptions {
   std::string network;               ///< the file's path, for messages
-  std::string correction;            ///< none, paper; empty: as the configuration says, without one none
+  std::string correction;            ///< none, paper, estimator; empty: as the configuration or its default says
   std::string config;                ///< of the daemon; its sensors, ranges, periods and options count. Empty: none
   std::vector<std::string> sensors;  ///< key points that the correction is given, without a configuration; empty: all
   std::optional<double> period_s;    ///< without a configuration; else a history's own, else 1 s
@@ -26,5 +26,8 @@ struct ReplayOptions {
 /// for a configured sensor that the log lacks, for a correction without a sensor, and for a start without a
 /// temperature.
 firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, const ReplayOptions& options);
+
+/// none, paper or estimator.
+const char* law_of(const firmware::CyclePlan& plan);
 
 }  // namespace spindle_twin::host_tools

@@ -2,11 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <iterator>
-#include <memory>
 
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/keep/history.hpp"
@@ -21,114 +18,80 @@ using firmware::SignalSource;
 constexpr std::int64_t start_ns = 1'000'000'000'000'000'000;  // anything but 0, which means never read
 constexpr double ns_per_s = 1e9;
 
-/// Time as the log has it: waking the cycle moves the clock on, hands over the readings that are due, and takes the
-/// snapshot of the cycle before.
-class LogClock final : public firmware::Clock {
- public:
-  LogClock(const firmware::CyclePlan& plan, const Log& log, const std::function<void(const ReplayedCycle&)>& on_cycle)
-      : plan_(plan), log_(log), on_cycle_(on_cycle), ns_per_model_s_(ns_per_s / plan.clock_rate) {
-    frame_.connected = true;
-  }
-
-  std::int64_t now_ns() const override { return now_ns_; }
-
-  void sleep_until_ns(std::int64_t time_ns) override {
-    hand_out();
-    if (next_ == log_.rows.size() && (log_.cycle_s || time_ns > log_ns(log_.rows.back().time_s))) {
-      stop_ = true;  // and the time stays, so that no further cycle is due
-      return;
-    }
-    now_ns_ = time_ns;
-    if (log_.cycle_s) {
-      wake_for_cycle();
-    } else {
-      while (next_ < log_.rows.size() && log_ns(log_.rows[next_].time_s) <= now_ns_) take(log_.rows[next_++]);
-    }
-  }
-
-  void hand_out() {
-    firmware::Snapshot snapshot;
-    while (ring_.pop(snapshot)) {
-      const double began_s =
-          log_.rows.front().time_s + static_cast<double>(snapshot.time_ns - first_ns_) / ns_per_model_s_;
-      const double end_s = began_s + plan_.period_s;
-      snapshot.model_time_s = log_.cycle_s ? snapshot.model_time_s + log_.before_s : end_s;
-      on_cycle_({began_s, end_s, snapshot});
-    }
-  }
-
-  firmware::CyclePorts ports() { return {device_, plc_, server_, &ring_, nullptr}; }
-  const std::atomic<bool>& stop() const { return stop_; }
-
- private:
-  std::int64_t log_ns(double time_s) const {
-    return start_ns + std::llround((time_s - log_.rows.front().time_s) * ns_per_model_s_);
-  }
-
-  /// The daemon came as late as it says.
-  void wake_for_cycle() {
-    const auto period_ns = static_cast<std::int64_t>(ns_per_s * plan_.period_s / plan_.clock_rate);
-    const LogRow& row = log_.rows[next_];
-    if (now_ns_ < due_ns_) return;
-    now_ns_ = due_ns_ + row.missed * period_ns;
-    if (next_ == 0) first_ns_ = now_ns_;
-    due_ns_ = now_ns_ + period_ns;
-    take(row);
-    ++next_;
-  }
-
-  void take(const LogRow& row) {
-    frame_.connected = row.connected;
-    for (std::size_t s = 0; s < row.signals.size(); ++s) {
-      if (log_.has_signal[s]) frame_.signals[s] = {row.signals[s], now_ns_};
-    }
-    for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
-      if (log_.has_sensor[k]) take_sensor(row, k);
-    }
-    device_.write(frame_);
-    if (log_.cycle_s) take_orders(row);
-  }
-
-  void take_sensor(const LogRow& row, std::size_t k) {
-    Reading& reading = frame_.sensors[k];
-    if (std::isfinite(row.age_s[k])) {
-      reading = {row.measured_K[k], now_ns_ - std::llround(row.age_s[k] * ns_per_model_s_)};
-    } else if (std::isfinite(row.measured_K[k])) {
-      reading = {row.measured_K[k], log_.cycle_s ? now_ns_ : log_ns(row.time_s)};
-    } else if (log_.cycle_s) {
-      reading = {};  // never read
-    }
-  }
-
-  void take_orders(const LogRow& row) {
-    if (log_.switched_correction) {
-      command_.correction = row.correction_enabled ? firmware::CorrectionOrder::on : firmware::CorrectionOrder::off;
-    }
-    if (row.tare_m != tare_m_) {
-      command_.tare_order = row.tare_m == 0.0 ? firmware::TareOrder::clear : firmware::TareOrder::take;
-      ++command_.tare_orders;
-      tare_m_ = row.tare_m;
-    }
-    plc_.write(command_);
-  }
-
-  const firmware::CyclePlan& plan_;
-  const Log& log_;
-  const std::function<void(const ReplayedCycle&)>& on_cycle_;
-  double ns_per_model_s_;
-  std::int64_t now_ns_ = start_ns;
-  std::int64_t first_ns_ = start_ns;
-  std::int64_t due_ns_ = start_ns;
-  std::size_t next_ = 0;
-  double tare_m_ = 0.0;
-  firmware::DeviceFrame frame_;
-  firmware::PlcCommand command_;
-  firmware::Latest<firmware::DeviceFrame> device_;
-  firmware::Latest<firmware::PlcCommand> plc_;
-  firmware::Latest<firmware::Snapshot> server_;
-  firmware::SnapshotRing ring_;
-  std::atomic<bool> stop_{false};
+/// What device and PLC have said so far.
+struct Inputs {
+  firmware::DeviceFrame frame;
+  firmware::PlcCommand command;
 };
+
+void take_signals(const LogRow& row, const Log& log, std::int64_t now_ns, Inputs& inputs) {
+  inputs.frame.connected = row.connected;
+  for (std::size_t s = 0; s < row.signals.size(); ++s) {
+    if (log.has_signal[s]) inputs.frame.signals[s] = {row.signals[s], now_ns};
+  }
+}
+
+/// A row of a plain log: an empty cell leaves the reading before.
+void take_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs& inputs) {
+  take_signals(row, log, row_ns, inputs);
+  for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
+    if (std::isfinite(row.measured_K[k])) inputs.frame.sensors[k] = {row.measured_K[k], row_ns};
+  }
+}
+
+/// A row of a history: what the cycle of that row saw, readings as old as they were then.
+void take_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64_t now_ns, Inputs& inputs) {
+  take_signals(row, log, now_ns, inputs);
+  for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
+    Reading& reading = inputs.frame.sensors[k];
+    reading = {};
+    if (std::isfinite(row.age_s[k])) {
+      reading = {row.measured_K[k], now_ns - std::llround(row.age_s[k] / clock_rate * ns_per_s)};
+    } else if (std::isfinite(row.measured_K[k])) {
+      reading = {row.measured_K[k], now_ns};
+    }
+  }
+  firmware::PlcCommand& command = inputs.command;
+  if (log.switched_correction) {
+    command.correction = row.correction_enabled ? firmware::CorrectionOrder::on : firmware::CorrectionOrder::off;
+  }
+  command.tare_orders = row.tare_orders;
+  command.tare_order = row.tared ? firmware::TareOrder::take : firmware::TareOrder::clear;
+  command.displacements = row.length_orders;
+  command.displacement = row.length;
+}
+
+using OnCycle = std::function<void(const ReplayedCycle&)>;
+
+void replay_history(firmware::Cycle& cycle, const firmware::CyclePlan& plan, const Log& log, const OnCycle& on_cycle) {
+  Inputs inputs;
+  for (const LogRow& row : log.rows) {
+    const std::int64_t now_ns = start_ns + row.clock_ns;
+    take_cycle(row, log, plan.clock_rate, now_ns, inputs);
+    firmware::Snapshot snapshot = cycle.step(inputs.frame, inputs.command, now_ns, row.missed);
+    snapshot.model_time_s += log.before_s;
+    on_cycle({row.time_s, row.time_s + plan.period_s, snapshot});
+  }
+}
+
+void replay_samples(firmware::Cycle& cycle, const firmware::CyclePlan& plan, const Log& log, const OnCycle& on_cycle) {
+  const double first_s = log.rows.front().time_s;
+  const auto at_ns = [&](double time_s) { return start_ns + std::llround((time_s - first_s) * ns_per_s); };
+  const std::int64_t last_ns = at_ns(log.rows.back().time_s);
+  Inputs inputs;
+  std::size_t next = 0;
+  for (std::int64_t n = 0;; ++n) {
+    const double time_s = first_s + static_cast<double>(n) * plan.period_s;
+    const std::int64_t now_ns = at_ns(time_s);
+    if (now_ns > last_ns) return;
+    for (; next < log.rows.size() && at_ns(log.rows[next].time_s) <= now_ns; ++next) {
+      take_sample(log.rows[next], log, at_ns(log.rows[next].time_s), inputs);
+    }
+    firmware::Snapshot snapshot = cycle.step(inputs.frame, inputs.command, now_ns, 0);
+    snapshot.model_time_s = time_s + plan.period_s;
+    on_cycle({time_s, snapshot.model_time_s, snapshot});
+  }
+}
 
 }  // namespace
 
@@ -144,20 +107,18 @@ void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& lo
     }
   }
   firmware::Cycle cycle(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
-  const auto clock = std::make_unique<LogClock>(plan, log, on_cycle);
-  firmware::run_cycle(cycle, plan, *clock, clock->ports(), clock->stop());
-  clock->hand_out();
+  log.cycle_s ? replay_history(cycle, plan, log, on_cycle) : replay_samples(cycle, plan, log, on_cycle);
 }
 
 std::string replay_header(const rom::Network& network) {
   std::string header = firmware::history_header(network);
-  for (const rom::KeyPoint& point : network.key_points) header.append(",innovation.").append(point.name).append("_K");
+  for (const rom::KeyPoint& point : network.key_points) header.append(",error.").append(point.name).append("_K");
   return header;
 }
 
-std::string replay_row(const firmware::Snapshot& snapshot, const std::vector<double>& innovation_K) {
+std::string replay_row(const firmware::Snapshot& snapshot, const std::vector<double>& error_K) {
   std::string row = firmware::history_row(snapshot);
-  for (const double value : innovation_K) {
+  for (const double value : error_K) {
     row += ',';
     if (std::isfinite(value)) fmt::format_to(std::back_inserter(row), "{:.9g}", value);
   }

@@ -19,16 +19,17 @@ struct ReplayedCycle {
   const firmware::Snapshot& snapshot;
 };
 
-/// Runs the log through firmware::run_cycle, the daemon's own loop, on a clock that the log moves: no thread, no
-/// device, no waiting, the same bits every time. A plain log has cycles every plan.period_s from its first row to its
-/// last, each with the newest row; of a history each row is a cycle, with its missed periods, tares and orders. Where
-/// the plan names a signal that the log has, the log's counts. Throws rom::InputError as firmware::Cycle does.
+/// Runs the log through the daemon's own cycle at the instants that the log says: no thread, no device, no waiting, the
+/// same bits every time. A plain log has cycles every plan.period_s from its first row to its last, each with the
+/// newest readings; of a history each row is a cycle, with its missed periods, its orders and readings as old as they
+/// were. A signal that the log has is taken from there whatever the plan says. Throws rom::InputError as
+/// firmware::Cycle does.
 void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& log,
             const std::function<void(const ReplayedCycle&)>& on_cycle);
 
-/// A row per cycle: firmware::history_row, then measured minus predicted at the instant of the reading for every key
-/// point, NaN where nothing was read.
+/// A row per cycle: firmware::history_row, then predicted minus measured at the instant of the reading for every key
+/// point, empty where nothing was read.
 std::string replay_header(const rom::Network& network);
-std::string replay_row(const firmware::Snapshot& snapshot, const std::vector<double>& innovation_K);
+std::string replay_row(const firmware::Snapshot& snapshot, const std::vector<double>& error_K);
 
 }  // namespace spindle_twin::host_tools

@@ -93,6 +93,8 @@ std::vector<std::uint64_t> bits_of(const Snapshot& snapshot) {
   add(snapshot.uncorrected_K);
   add(snapshot.part_maximum_K);
   add(snapshot.deformation_m);
+  add(snapshot.predicted_sd_K);
+  add(snapshot.deformation_sd_m);
   add(snapshot.heat_factor);
   add(snapshot.conductance_factor);
   for (const firmware::SensorQuality quality : snapshot.sensor_quality) bits.push_back(firmware::bits(quality));
@@ -107,7 +109,7 @@ struct Life {
   std::string history;
 };
 
-Life live(const rom::Network& network, unsigned seed) {
+Life live(const rom::Network& network, unsigned seed, bool paper = true) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::normal_distribution<double> noise_K(0.0, 0.03);
@@ -117,8 +119,14 @@ Life live(const rom::Network& network, unsigned seed) {
   for (std::size_t k = 0; k < 3; ++k) life.plan.sensors[k].configured = true;
   for (std::size_t s = 0; s < 4; ++s) life.plan.signals[s] = {firmware::SignalSource::device, 0.0, -1e5, 1e5, 0.0};
   life.plan.signals[2].value = life.plan.signals[3].value = 300.15;
-  life.plan.paper = correction::PaperOptions{};
-  life.plan.paper->groups = correction::common_heat_group(network);
+  if (paper) {
+    life.plan.paper = correction::PaperOptions{};
+    life.plan.paper->groups = correction::common_heat_group(network);
+  } else {
+    life.plan.estimator = correction::EstimatorOptions{};
+    life.plan.sensors[1].interval_s = 3.0;
+    life.plan.sensors[2].lag_s = 4.0;
+  }
   firmware::Cycle cycle(network, life.plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
   life.history = firmware::history_header(network) + "\n";
   firmware::DeviceFrame frame;
@@ -147,6 +155,10 @@ Life live(const rom::Network& network, unsigned seed) {
       ++command.tare_orders;
       command.tare_order = n == 700 ? firmware::TareOrder::take : firmware::TareOrder::clear;
     }
+    if (n == 650 || n == 900) {
+      ++command.displacements;
+      command.displacement = {0, 1e-6 * share(random), 2e-7};
+    }
     command.correction = n > 300 && n < 420 ? firmware::CorrectionOrder::off : firmware::CorrectionOrder::on;
     life.snapshots.push_back(cycle.step(frame, command, now_ns, missed));
     life.history += firmware::history_row(life.snapshots.back()) + "\n";
@@ -155,16 +167,20 @@ Life live(const rom::Network& network, unsigned seed) {
 }
 
 TEST_F(Replay, a_history_gives_the_daemons_own_predictions_to_the_bit) {
-  const Life life = live(network_, 20240611);
-  ASSERT_GT(life.snapshots.back().correction_count, 5) << "the correction had to do something";
-  ASSERT_GT(life.snapshots.back().overruns, 20U);
-  const Log log = this->log(life.history);
-  ASSERT_EQ(log.rows.size(), life.snapshots.size());
-  EXPECT_EQ(log.cycle_s, 1.0);
-  const std::vector<Snapshot> again = run(life.plan, log);
-  ASSERT_EQ(again.size(), life.snapshots.size());
-  for (std::size_t i = 0; i < again.size(); ++i) {
-    ASSERT_EQ(bits_of(again[i]), bits_of(life.snapshots[i])) << "cycle " << i;
+  for (const bool paper : {true, false}) {
+    SCOPED_TRACE(paper ? "paper" : "estimator");
+    const Life life = live(network_, 20240611, paper);
+    ASSERT_GT(life.snapshots.back().correction_count, 5) << "the correction had to do something";
+    ASSERT_GT(life.snapshots.back().overruns, 20U);
+    ASSERT_EQ(life.snapshots.back().displacement_count, paper ? 0 : 2);
+    const Log log = this->log(life.history);
+    ASSERT_EQ(log.rows.size(), life.snapshots.size());
+    EXPECT_EQ(log.cycle_s, 1.0);
+    const std::vector<Snapshot> again = run(life.plan, log);
+    ASSERT_EQ(again.size(), life.snapshots.size());
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      ASSERT_EQ(bits_of(again[i]), bits_of(life.snapshots[i])) << "cycle " << i;
+    }
   }
 }
 
@@ -316,8 +332,10 @@ TEST_F(Replay, a_plan_that_the_log_cannot_serve_is_refused) {
   ReplayOptions started;
   started.start_degC = 27.0;
   EXPECT_EQ(message_of(bare, started), "no error");
-  started.correction = "paper";
-  EXPECT_NE(message_of(bare, started).find("needs at least one sensor in the log"), std::string::npos);
+  for (const char* law : {"paper", "estimator"}) {
+    started.correction = law;
+    EXPECT_NE(message_of(bare, started).find("needs at least one sensor in the log"), std::string::npos) << law;
+  }
   ReplayOptions other;
   other.sensors = {"sleeve_outer"};
   EXPECT_NE(

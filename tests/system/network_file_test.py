@@ -95,10 +95,13 @@ class NetworkFiles(host_tool_case.Case):
         told = subprocess.run([script, self.folder], env={**os.environ, "TWIN": TWIN}, capture_output=True, text=True, timeout=120)
         self.assertEqual(told.returncode, 0, told.stderr)
         network, log = self.folder / "motor_spindle.rom", self.folder / "log.csv"
-        nose = [self.json_of("replay", network, log, "--correction", law)["deformations"][0] for law in ("none", "paper")]
+        nose = [self.json_of("replay", network, log, "--correction", law)["deformations"][0]
+                for law in ("none", "paper", "estimator")]
         self.assertEqual(nose[0]["twin"], nose[0]["uncorrected"])
         self.assertEqual(nose[0]["twin"], nose[1]["uncorrected"])
-        self.assertLess(nose[1]["twin"]["rms_um"], 0.5 * nose[0]["twin"]["rms_um"])
+        for law in nose[1:]:
+            self.assertLess(law["twin"]["rms_um"], 0.5 * nose[0]["twin"]["rms_um"])
+        self.assertGreater(nose[2]["within_2_sd_percent"], 90.0)
         again = self.folder / "again.csv"
         self.good("replay", network, log, "--correction", "paper", "-o", again)
         self.assertEqual(again.read_bytes(), (self.folder / "replayed_paper.csv").read_bytes())
