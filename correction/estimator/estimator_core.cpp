@@ -41,11 +41,16 @@ EstimatorCore::EstimatorCore(const rom::Network& the_network, EstimatorOptions t
     prior_covariance(p + s, p + s) = offset_K * offset_K;
   }
   filter = SquareRootFilter(prior_mean, prior_covariance);
+  prior = filter;
   prior_root = filter.root();
+  last_update.theta = last_update.displacement_row = Eigen::VectorXd::Zero(p);
+  last_update.rows = Eigen::MatrixXd::Zero(p, m);
+  last_update.residual_K = last_update.noise_K2 = Eigen::VectorXd::Zero(m);
   keep = Eigen::VectorXd::Ones(p + m);
   growth = Eigen::VectorXd::Zero(p + m);
   row = Eigen::VectorXd::Zero(p + m);
   theta = theta_before = theta_step = Eigen::VectorXd::Zero(p);
+  outputs.set_alternatives(Eigen::MatrixXd::Zero(p, m));
   neutral_mean = Eigen::VectorXd::Zero(p + m);
   factors = no_correction(network.boundaries);
   bias_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
@@ -68,6 +73,7 @@ EstimatorCore::EstimatorCore(const rom::Network& the_network, EstimatorOptions t
 }
 
 void EstimatorCore::forget() {
+  outputs.clear_alternatives();
   filter.set_mean(prior_mean);
   filter.set_root(prior_root);
   theta = prior_mean.head(parameters.count());
@@ -137,19 +143,24 @@ void EstimatorCore::close_period(double time_s) {
   }
 }
 
-void EstimatorCore::pass_time(double elapsed_s) {
+void EstimatorCore::passing_of_time(double elapsed_s, Eigen::VectorXd& to_keep, Eigen::VectorXd& to_grow) const {
   const Eigen::Index p = parameters.count();
+  to_keep.setOnes();
   for (Eigen::Index i = 0; i < p; ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
     if (parameter.memory_s > 0.0) {
-      keep[i] = std::exp(-elapsed_s / parameter.memory_s);
-      growth[i] = parameter.deviation * parameter.deviation * (1.0 - keep[i] * keep[i]);
+      to_keep[i] = std::exp(-elapsed_s / parameter.memory_s);
+      to_grow[i] = parameter.deviation * parameter.deviation * (1.0 - to_keep[i] * to_keep[i]);
     } else {
-      growth[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
+      to_grow[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
     }
   }
   const double offset_walk = options.offset_walk_K_per_root_hour * options.offset_walk_K_per_root_hour;
-  for (Eigen::Index i = p; i < growth.size(); ++i) growth[i] = offset_walk * elapsed_s / seconds_per_hour;
+  for (Eigen::Index i = p; i < to_grow.size(); ++i) to_grow[i] = offset_walk * elapsed_s / seconds_per_hour;
+}
+
+void EstimatorCore::pass_time(double elapsed_s) {
+  passing_of_time(elapsed_s, keep, growth);
   filter.pass_time(prior_mean, keep, growth);
 }
 
@@ -168,6 +179,8 @@ void EstimatorCore::fuse_sensor(Eigen::Index s, double time_s) {
   SensorRecord& record = window.record;
   record.rejected = record.fused = false;
   record.observation_K = std::numeric_limits<double>::quiet_NaN();
+  last_update.rows.col(s) = window.lagged_sensitivity;
+  last_update.residual_K[s] = std::numeric_limits<double>::quiet_NaN();
   if (window.samples == 0) return;
   const Eigen::Index p = parameters.count();
   row.setZero();
@@ -181,6 +194,8 @@ void EstimatorCore::fuse_sensor(Eigen::Index s, double time_s) {
   const double interval_s = std::max(time_s - window.fused_s, options.period_s);
   const double noise = (sensor.noise_K * sensor.noise_K / count + options.floor_K * options.floor_K) *
                        std::max(1.0, options.correlation_s / interval_s);
+  last_update.residual_K[s] = window.residual_K / count;
+  last_update.noise_K2[s] = noise;
   fuse(record, innovation, noise);
   if (record.fused) window.fused_s = time_s;
 }
@@ -195,6 +210,9 @@ void EstimatorCore::fuse_displacement() {
   const double predicted_m = output.row_m_per_K.dot(nodes_K) -
                              output.row_m_per_K.sum() * network.boundaries.reference_temperature_K +
                              displacement_row.dot(theta_step);
+  last_update.displacement_row = displacement_row;
+  last_update.displacement_variance_m2 = displacement_variance_m2;
+  last_update.displacement_m = displacement_m - predicted_m + displacement_row.dot(theta_step);
   displacement_record.observation_K = displacement_m;
   fuse(displacement_record, displacement_m - predicted_m, displacement_variance_m2);
   displacement_pending = false;
@@ -202,11 +220,22 @@ void EstimatorCore::fuse_displacement() {
 
 bool EstimatorCore::update(double time_s) {
   const Eigen::Index p = parameters.count();
-  pass_time(time_s - fused_s);
+  last_update.elapsed_s = time_s - fused_s;
+  pass_time(last_update.elapsed_s);
   fused_s = time_s;
   theta_before = filter.mean().head(p);
+  last_update.theta = theta_before;
+  last_update.displacement_m = std::numeric_limits<double>::quiet_NaN();
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(windows.size()); ++s) fuse_sensor(s, time_s);
   if (displacement_pending) fuse_displacement();
+  const bool moved = follow_filter();
+  for (SensorWindow& window : windows) window.clear();
+  ++updates;
+  return moved;
+}
+
+bool EstimatorCore::follow_filter() {
+  const Eigen::Index p = parameters.count();
   theta = filter.mean().head(p);
   for (Eigen::Index i = 0; i < p; ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
@@ -221,14 +250,24 @@ bool EstimatorCore::update(double time_s) {
   for (std::size_t s = 0; s < windows.size(); ++s) {
     windows[s].lagged_K += windows[s].lagged_sensitivity.dot(theta_step);
     windows[s].temperature_K += windows[s].sensitivity.dot(theta_step);
-    windows[s].clear();
     const Eigen::Index b = p + static_cast<Eigen::Index>(s);
     windows[s].record.offset_K = filter.mean()[b];
     windows[s].record.offset_deviation_K = filter.deviation(b);
   }
   outputs.evaluate(sensitivities, filter, nodes_K);
-  ++updates;
   return moved;
+}
+
+void EstimatorCore::adopt(const SquareRootFilter& other, const rom::OperatingState& operating) {
+  theta_before = theta;
+  filter.set_mean(other.mean());
+  filter.set_root(other.root());
+  outputs.clear_alternatives();
+  follow_filter();
+  publish_factors(operating);
+  // What is held so far belongs to the old parameters; the period that begins here, to the new ones.
+  period_open = false;
+  open_period(seen_s, operating);
 }
 
 EstimatorStep EstimatorCore::step(const EstimatorSample& sample) {
@@ -282,6 +321,13 @@ void EstimatorCore::stand_by(double time_s, const Eigen::VectorXd& nodes, const 
     outputs.evaluate(sensitivities, filter, nodes_K);
   }
   if (!period_open) open_period(time_s, operating);
+}
+
+void EstimatorCore::widen_offset(Eigen::Index sensor, double deviation_K) {
+  keep.setOnes();
+  growth.setZero();
+  growth[parameters.count() + sensor] = deviation_K * deviation_K;
+  filter.pass_time(prior_mean, keep, growth);
 }
 
 void EstimatorCore::note_displacement(int index, double value_m, double deviation_m) {

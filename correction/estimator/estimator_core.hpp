@@ -18,6 +18,9 @@ struct EstimatorCore {
   EstimatorStep step(const EstimatorSample& sample);
   void stand_by(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating);
   void note_displacement(int index, double value_m, double deviation_m);
+  void widen_offset(Eigen::Index sensor, double deviation_K);
+  void passing_of_time(double elapsed_s, Eigen::VectorXd& to_keep, Eigen::VectorXd& to_grow) const;
+  void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
   void save(EstimatorState& state) const;
   bool restore(const EstimatorState& state);
 
@@ -34,6 +37,8 @@ struct EstimatorCore {
   void fuse_sensor(Eigen::Index s, double time_s);
   void fuse_displacement();
   bool update(double time_s);
+  /// θ from the filter, within its limits, and the state with it. Whether θ moved.
+  bool follow_filter();
 
  public:
   const rom::Network& network;
@@ -42,7 +47,8 @@ struct EstimatorCore {
   ParameterModel parameters;
   Sensitivities sensitivities;
   DeviationOfOutputs outputs;
-  SquareRootFilter filter;
+  SquareRootFilter filter, prior;
+  EstimatorUpdate last_update;
   Eigen::VectorXd prior_mean, neutral_mean, keep, growth, row;
   Eigen::MatrixXd prior_covariance, prior_root;
   Eigen::VectorXd theta, theta_before, theta_step;

@@ -39,6 +39,22 @@ void EstimatorCorrection::note_displacement(int index, double value_m, double de
   impl_->note_displacement(index, value_m, deviation_m);
 }
 
+void EstimatorCorrection::widen_offset(Eigen::Index sensor, double deviation_K) {
+  impl_->widen_offset(sensor, deviation_K);
+}
+
+const EstimatorUpdate& EstimatorCorrection::last_update() const { return impl_->last_update; }
+double EstimatorCorrection::gate() const { return impl_->options.gate; }
+const SquareRootFilter& EstimatorCorrection::filter() const { return impl_->filter; }
+const SquareRootFilter& EstimatorCorrection::prior() const { return impl_->prior; }
+void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const {
+  impl_->passing_of_time(elapsed_s, keep, growth);
+}
+void EstimatorCorrection::set_alternatives(const Eigen::MatrixXd& steps) { impl_->outputs.set_alternatives(steps); }
+void EstimatorCorrection::adopt(const SquareRootFilter& other, const rom::OperatingState& operating) {
+  impl_->adopt(other, operating);
+}
+
 void EstimatorCorrection::set_parameters(const Eigen::VectorXd& theta) {
   impl_->filter.set_first(theta);
   impl_->theta = theta;

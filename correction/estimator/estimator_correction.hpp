@@ -7,6 +7,7 @@
 
 #include "correction/estimator/output_deviations.hpp"
 #include "correction/estimator/parameters.hpp"
+#include "correction/estimator/square_root_filter.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::correction {
@@ -71,6 +72,18 @@ struct ParameterEstimate {
   bool undetermined() const { return deviation > 0.9 * prior_deviation; }
 };
 
+/// What an update was made from, for other filters over the same (θ, b) that see the same readings.
+struct EstimatorUpdate {
+  double elapsed_s = 0.0;       ///< since the update before
+  Eigen::VectorXd theta;        ///< before it; residuals and rows hold there
+  Eigen::MatrixXd rows;         ///< p x sensors: sensitivity of each prediction
+  Eigen::VectorXd residual_K;   ///< mean of reading − prediction, offset included; NaN without a valid reading
+  Eigen::VectorXd noise_K2;     ///< variance of the residual besides that of (θ, b)
+  double displacement_m = 0.0;  ///< reading − prediction of a touch-off; NaN without one
+  double displacement_variance_m2 = 0.0;
+  Eigen::VectorXd displacement_row;  ///< p
+};
+
 /// All that the estimator remembers; plain numbers, for a checkpoint. Its sizes depend on network and options.
 struct EstimatorState {
   std::vector<double> mean, root, sensitivities, lagged;
@@ -109,6 +122,24 @@ class EstimatorCorrection {
   /// A touch-off or a reading of a displacement probe: deformation output `index`, counted from the reference
   /// temperature. It is taken in with the next update, gated like a sensor. deviation_m > 0.
   void note_displacement(int index, double value_m, double deviation_m);
+
+  /// The sensor's offset may have changed by so much (1σ) since it was last used: what comes next of it teaches its
+  /// offset before anything else. For a sensor that returns after a fault. May run in the cycle.
+  void widen_offset(Eigen::Index sensor, double deviation_K);
+
+  const EstimatorUpdate& last_update() const;
+  double gate() const;
+  /// The filter over (θ, b), its prior and its passing of time: z ← centre + keep (z − centre), P ← keep P keep +
+  /// growth.
+  const SquareRootFilter& filter() const;
+  const SquareRootFilter& prior() const;
+  void passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const;
+  /// Steps in θ (p x any number, as many in every call) of which one may be true besides: from the next update on
+  /// deviations() has room for each.
+  void set_alternatives(const Eigen::MatrixXd& steps);
+  /// Goes over to another filter of the same (θ, b), the state with it; after step(). The caller then sets its stepper
+  /// to corrected_nodes_K().
+  void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
 
   /// Starts θ at `theta` instead of the priors' mean, everything else as it is.
   void set_parameters(const Eigen::VectorXd& theta);

@@ -61,7 +61,11 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
 double DeviationOfOutputs::deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
                                      SquareRootFilter& filter) {
   sensitivities.of_row(internal, sensitivity_);
-  return std::sqrt(filter.variance_of_first(sensitivity_) + certificate * certificate);
+  double alternative = 0.0;
+  for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
+    alternative = std::max(alternative, std::abs(alternatives_.col(s).dot(sensitivity_)));
+  }
+  return std::sqrt(filter.variance_of_first(sensitivity_) + certificate * certificate + alternative * alternative);
 }
 
 void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter,

@@ -19,13 +19,17 @@ struct OutputDeviations {
 };
 
 /// σ² = l S P Sᵀ lᵀ + certificate², with P of the parameters: what state and parameters leave open, and what the
-/// network itself leaves out. Of a part's maximum the row l is that of its hottest candidate point.
+/// network itself leaves out. Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of
+/// a part's maximum the row l is that of its hottest candidate point.
 class DeviationOfOutputs {
  public:
   /// Allocates; evaluate() does not.
   DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, Eigen::Index parameters);
 
   void evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& nodes_K);
+  /// p x any number of steps, as many in every call.
+  void set_alternatives(const Eigen::MatrixXd& steps) { alternatives_ = steps; }
+  void clear_alternatives() { alternatives_.setZero(); }
   const OutputDeviations& deviations() const { return deviations_; }
 
  private:
@@ -43,6 +47,7 @@ class DeviationOfOutputs {
   std::vector<std::vector<Eigen::VectorXd>> candidates_;
   std::vector<double> part_maximum_certificate_;
   Eigen::VectorXd sensitivity_, candidate_K_;
+  Eigen::MatrixXd alternatives_;
   OutputDeviations deviations_;
 };
 

@@ -1,18 +1,12 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <mutex>
-#include <thread>
 
-#include "fem_offline/model/build_model.hpp"
-#include "fem_offline/reduce/reduce.hpp"
-#include "rom/file/rom_file.hpp"
 #include "tests/bench/campaign/campaign.hpp"
+#include "tests/bench/campaign/models.hpp"
 #include "tests/bench/campaign/results.hpp"
 
 namespace spindle_twin::bench {
@@ -33,62 +27,9 @@ struct Options {
   double floor_K = correction::EstimatorOptions{}.floor_K;
 };
 
-fem_offline::Spindle described(double element_size_mm) {
-  fem_offline::Spindle spindle =
-      fem_offline::read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/reference.toml");
-  spindle.mesh.element_size_m = 1e-3 * element_size_mm;
-  const auto add = [&](const char* name, const char* part, double r_mm, double z_mm) {
-    auto point = spindle.key_points.front();
-    point.name = name;
-    const auto found = std::find_if(spindle.parts.begin(), spindle.parts.end(),
-                                    [&](const auto& candidate) { return candidate.name == part; });
-    point.part = static_cast<int>(found - spindle.parts.begin());
-    point.at = {1e-3 * r_mm, 1e-3 * z_mm};
-    spindle.key_points.push_back(point);
-  };
-  add("front_seat", "front_seat", 52.0, 68.0);
-  add("winding", "end_winding_front", 49.0, 150.0);
-  add("jacket", "jacket", 62.0, 215.0);
-  return spindle;
-}
-
-fem_offline::FeModel model_of(double element_size_mm) {
-  const fem_offline::Spindle spindle = described(element_size_mm);
-  return {spindle, fem_offline::build_section(spindle)};
-}
-
-rom::Network twin_network(const Options& options) {
-  std::string path;
-  if (!options.cache.empty()) {
-    path = options.cache + "/twin_" + std::to_string(options.nodes) + ".rom";
-    if (std::filesystem::exists(path)) return rom::read_network(path);
-  }
-  fem_offline::ReduceOptions reduce;
-  reduce.nodes = options.nodes;
-  reduce.full_sets = 16;
-  reduce.rich_states = 240;
-  reduce.rich_sets = 40;
-  reduce.threads = options.threads;
-  rom::Network network = fem_offline::reduce_model(model_of(options.twin_mm).affine(), reduce);
-  if (!path.empty()) rom::write_network(network, path);
-  return network;
-}
-
-/// Calls work(i) for i in [0, count) from several threads.
-template <class Work>
-void in_parallel(int threads, int count, const Work& work) {
-  std::atomic<int> next = 0;
-  std::vector<std::jthread> pool;
-  for (int t = 0; t < threads; ++t) {
-    pool.emplace_back([&] {
-      for (int i = next++; i < count; i = next++) work(i);
-    });
-  }
-}
-
 /// How many limits were missed.
 int run(const Options& options) {
-  const rom::Network network = twin_network(options);
+  const rom::Network network = twin_network({options.nodes, options.threads, options.twin_mm, options.cache});
   std::printf("seed %llu, %d runs of 2 h for each of A and B; twin: %zu nodes from a mesh of %g mm; truth: %g mm\n",
               static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(), options.twin_mm,
               options.truth_mm);

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace spindle_twin::correction {
+
+/// When a machine counts as isothermal. All positive.
+struct TareLimits {
+  double rest_s = 7200.0;             ///< without heat
+  double block_s = 300.0;             ///< readings are compared over two blocks of this length
+  double rate_K_per_h = 0.3;          ///< of every sensor, between the blocks
+  double spread_K = 1.0;              ///< largest minus smallest reading: untared class A sensors are within 0.2 K each
+  double model_spread_K = 0.05;       ///< of the model's temperatures at the sensors
+  double common_deviation_K = 0.015;  ///< 1σ by which places of a resting machine still differ
+};
+
+/// Offsets that were taken; plain numbers, for a checkpoint. reading − offset is what is used.
+struct SensorTare {
+  std::uint32_t count = 0;          ///< how often a tare was taken
+  std::vector<double> offset_K;     ///< per channel; 0 where none was taken
+  std::vector<double> deviation_K;  ///< 1σ; 0 where none was taken
+};
+
+struct TareSample {
+  bool valid = false;
+  double reading_K = 0.0;  ///< as read
+  double model_K = 0.0;
+};
+
+/// In-situ tare. In a machine that has had no heat for long all sensors stand at one temperature, and what they differ
+/// by is their offsets:
+///   offered     no heat for rest_s, and over the last two blocks  |mean₂ − mean₁| / block_s <= rate,
+///               max − min of the readings <= spread, of the model at the same places <= model_spread
+///   offset_i    = (mean₁ + mean₂)_i / 2 − common,   common: mean over the valid sensors, or the ambient where one is
+///   given σ²          = noise² / samples + common_deviation²
+/// The common mean leaves the mean of all offsets unknown, which shifts all temperatures alike and hardly the growth;
+/// an ambient that is measured better than σ / √sensors of the sensors sees that too. Nothing is taken by itself.
+/// No allocation after construction; may run in the cycle.
+class IsothermalTare {
+ public:
+  IsothermalTare(std::size_t channels, const TareLimits& limits);
+
+  /// heated: the spindle turns, or has load.
+  void step(const std::vector<TareSample>& samples, bool heated, double h_s);
+  bool offered() const { return offered_; }
+  /// False, and nothing changed, while it is not offered or fewer than two sensors are valid. ambient_K: NaN for the
+  /// common mean.
+  bool take(double ambient_K, double noise_K, SensorTare& tare) const;
+  static void clear(SensorTare& tare);
+
+ private:
+  struct Block {
+    std::vector<double> sum_K;
+    std::vector<int> samples;
+  };
+  void begin(Block& block);
+  double mean_K(const Block& block, std::size_t i) const { return block.sum_K[i] / block.samples[i]; }
+  bool both(std::size_t i) const { return whole_ && earlier_.samples[i] > 0 && later_.samples[i] > 0; }
+  void judge(const std::vector<TareSample>& samples);
+
+  TareLimits limits_;
+  Block earlier_, later_, filling_;
+  double rest_s_ = 0.0;
+  double filled_s_ = 0.0;
+  int blocks_ = 0;
+  bool whole_ = false;
+  bool offered_ = false;
+};
+
+}  // namespace spindle_twin::correction

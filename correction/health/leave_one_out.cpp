@@ -1,0 +1,97 @@
+#include "correction/health/leave_one_out.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spindle_twin::correction {
+
+LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
+    : filters_(estimator.sensors().size(), estimator.prior()),
+      misfits_(estimator.sensors().size()),
+      keep_(Eigen::VectorXd::Ones(estimator.prior().size())),
+      growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
+      row_(growth_),
+      bounded_(Eigen::VectorXd::Zero(estimator.parameters().count())),
+      alternatives_(Eigen::MatrixXd::Zero(bounded_.size(), static_cast<Eigen::Index>(filters_.size()))) {}
+
+void LeaveOneOut::restart(const EstimatorCorrection& estimator) {
+  for (SquareRootFilter& filter : filters_) {
+    filter.set_mean(estimator.prior().mean());
+    filter.set_root(estimator.prior().root());
+  }
+  std::fill(misfits_.begin(), misfits_.end(), Misfit{});
+}
+
+void LeaveOneOut::update(const EstimatorCorrection& estimator) {
+  estimator.passing_of_time(estimator.last_update().elapsed_s, keep_, growth_);
+  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(filters_.size()); ++s) update_one(estimator, s);
+}
+
+void LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index sensor) {
+  const EstimatorUpdate& made = estimator.last_update();
+  SquareRootFilter& filter = filters_[static_cast<std::size_t>(sensor)];
+  Misfit& misfit = misfits_[static_cast<std::size_t>(sensor)];
+  const Eigen::Index p = made.theta.size();
+  const auto sensors = static_cast<Eigen::Index>(filters_.size());
+  filter.pass_time(estimator.prior().mean(), keep_, growth_);
+  const auto innovation_K = [&](Eigen::Index j) {
+    row_.setZero();
+    row_.head(p) = made.rows.col(j);
+    row_[p + j] = 1.0;
+    return made.residual_K[j] - row_.head(p).dot(filter.mean().head(p) - made.theta) - filter.mean()[p + j];
+  };
+  const double missed_K = innovation_K(sensor);
+  misfit.judged = std::isfinite(missed_K);
+  if (misfit.judged) {
+    misfit.misfit_K = missed_K;
+    misfit.deviation_K = std::sqrt(filter.variance_of(row_) + made.noise_K2[sensor]);
+  }
+  const double gate = estimator.gate();
+  for (Eigen::Index j = 0; j < sensors; ++j) {
+    if (j == sensor || !std::isfinite(made.residual_K[j])) continue;
+    const double innovation = innovation_K(j);
+    const double variance_K2 = filter.variance_of(row_) + made.noise_K2[j];
+    if (innovation * innovation > gate * gate * variance_K2) continue;
+    filter.update(row_, innovation, made.noise_K2[j]);
+  }
+  if (std::isfinite(made.displacement_m)) {
+    row_.setZero();
+    row_.head(p) = made.displacement_row;
+    const double innovation = made.displacement_m - row_.head(p).dot(filter.mean().head(p) - made.theta);
+    if (innovation * innovation <= gate * gate * (filter.variance_of(row_) + made.displacement_variance_m2)) {
+      filter.update(row_, innovation, made.displacement_variance_m2);
+    }
+  }
+  for (Eigen::Index i = 0; i < p; ++i) {
+    const Parameter& parameter = estimator.parameters().list()[static_cast<std::size_t>(i)];
+    bounded_[i] = std::clamp(filter.mean()[i], parameter.minimum, parameter.maximum);
+  }
+  filter.set_first(bounded_);
+}
+
+void LeaveOneOut::widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K) {
+  keep_.setOnes();
+  growth_.setZero();
+  growth_[estimator.parameters().count() + sensor] = deviation_K * deviation_K;
+  for (SquareRootFilter& filter : filters_) filter.pass_time(estimator.prior().mean(), keep_, growth_);
+}
+
+const Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
+  for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
+    const double weight = std::clamp(std::abs(misfit(s).ratio()) - 1.0, 0.0, 1.0);
+    alternatives_.col(s) = weight * (without(s).mean() - estimator.filter().mean()).head(alternatives_.rows());
+  }
+  return alternatives_;
+}
+
+void LeaveOneOut::settle_on(Eigen::Index sensor) {
+  const SquareRootFilter& chosen = without(sensor);
+  for (std::size_t s = 0; s < filters_.size(); ++s) {
+    if (static_cast<Eigen::Index>(s) == sensor) continue;
+    filters_[s].set_mean(chosen.mean());
+    filters_[s].set_root(chosen.root());
+  }
+  std::fill(misfits_.begin(), misfits_.end(), Misfit{});
+}
+
+}  // namespace spindle_twin::correction

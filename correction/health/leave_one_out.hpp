@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "correction/estimator/estimator_correction.hpp"
+
+namespace spindle_twin::correction {
+
+/// What all other sensors say of one.
+struct Misfit {
+  bool judged = false;       ///< the sensor had a valid reading at the last update
+  double misfit_K = 0.0;     ///< reading − what the others predict
+  double deviation_K = 1.0;  ///< 1σ of that
+  double ratio() const { return judged ? misfit_K / deviation_K : 0.0; }
+};
+
+/// One filter over (θ, b) per sensor, which is fed with all sensors but that one (the bank of filters of multiple-model
+/// fault isolation). They share the estimator's model and sensitivities S, around whose θ they are linear:
+///   prediction of filter s at sensor j     L_j T + h_j (θ_s − θ) + b_s,j
+///   misfit of sensor s                     y_s − L_s T − h_s (θ_s − θ) − b_s,s,     σ² = [h_s, 1] P_s [h_s, 1]ᵀ +
+///   noise
+/// A slow fault of s shows in its own misfit in full, as far as the others can tell what s should read; the estimator
+/// itself has by then bent its parameters to it. When s has failed, its filter is what the estimator would be had it
+/// never seen s: it can be taken over (EstimatorCorrection::adopt).
+/// No allocation after construction; may run in the cycle: m (m − 1) rank-one updates and m Cholesky factors.
+class LeaveOneOut {
+ public:
+  explicit LeaveOneOut(const EstimatorCorrection& estimator);
+
+  /// Forgets everything, as the estimator does with reset().
+  void restart(const EstimatorCorrection& estimator);
+  /// After each update of the estimator.
+  void update(const EstimatorCorrection& estimator);
+  /// The sensor's offset may have changed (EstimatorCorrection::widen_offset).
+  void widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K);
+  /// The sensor failed and the estimator went over to its filter: all others follow.
+  void settle_on(Eigen::Index sensor);
+
+  /// For EstimatorCorrection::set_alternatives: θ_s − θ per sensor, weighed by how far its misfit is one that a healthy
+  /// sensor does not have (0 up to one deviation, 1 from two on). As long as it is open whether s has failed, the truth
+  /// may lie where its filter says.
+  const Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
+
+  const Misfit& misfit(Eigen::Index sensor) const { return misfits_[static_cast<std::size_t>(sensor)]; }
+  const SquareRootFilter& without(Eigen::Index sensor) const { return filters_[static_cast<std::size_t>(sensor)]; }
+
+ private:
+  void update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
+
+  std::vector<SquareRootFilter> filters_;
+  std::vector<Misfit> misfits_;
+  Eigen::VectorXd keep_, growth_, row_, bounded_;
+  Eigen::MatrixXd alternatives_;
+};
+
+}  // namespace spindle_twin::correction

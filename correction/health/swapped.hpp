@@ -1,0 +1,41 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "correction/health/limits.hpp"
+
+namespace spindle_twin::correction {
+
+/// First-order high-pass: what is left of x when its running mean over tau is taken away.
+struct HighPass {
+  double mean = 0.0;
+  bool started = false;
+
+  double pass(double x, double h_s, double tau_s) {
+    if (!started) mean = x;
+    started = true;
+    const double out = x - mean;
+    mean += (1.0 - std::exp(-h_s / tau_s)) * out;
+    return out;
+  }
+};
+
+/// Two channels fit each other's movement much better than their own. y and m: reading and model's movement, both freed
+/// from their running means, so that offsets and slow errors do not count; ⟨⟩: running mean. What is left of y_i when
+/// m_j times its best factor is taken away, so that a wrong gain of the model does not count either:
+///   R_ij = ⟨y_i²⟩ − ⟨y_i m_j⟩² / ⟨m_j²⟩,  the factor positive
+///   swapped:   R_ij + R_ji < share · (R_ii + R_jj)    and    R_ii, R_jj > swap²
+/// Neighbours that move alike are never told apart, and need not be. Runs in the cycle.
+inline double left_over(double y_y, double y_m, double m_m) {
+  return y_m > 0.0 && m_m > 0.0 ? std::max(0.0, y_y - y_m * y_m / m_m) : y_y;
+}
+
+inline bool fits_swapped(double own_i_K2, double own_j_K2, double cross_ij_K2, double cross_ji_K2,
+                         const HealthLimits& limits) {
+  const double least_K2 = limits.swap_K * limits.swap_K;
+  return own_i_K2 > least_K2 && own_j_K2 > least_K2 &&
+         cross_ij_K2 + cross_ji_K2 < limits.swap_share * (own_i_K2 + own_j_K2);
+}
+
+}  // namespace spindle_twin::correction

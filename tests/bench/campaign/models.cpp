@@ -1,0 +1,55 @@
+#include "tests/bench/campaign/models.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "fem_offline/reduce/reduce.hpp"
+#include "rom/file/rom_file.hpp"
+
+namespace spindle_twin::bench {
+namespace {
+
+fem_offline::Spindle described(double element_size_mm) {
+  fem_offline::Spindle spindle =
+      fem_offline::read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/reference.toml");
+  spindle.mesh.element_size_m = 1e-3 * element_size_mm;
+  const auto add = [&](const char* name, const char* part, double r_mm, double z_mm) {
+    auto point = spindle.key_points.front();
+    point.name = name;
+    const auto found = std::find_if(spindle.parts.begin(), spindle.parts.end(),
+                                    [&](const auto& candidate) { return candidate.name == part; });
+    point.part = static_cast<int>(found - spindle.parts.begin());
+    point.at = {1e-3 * r_mm, 1e-3 * z_mm};
+    spindle.key_points.push_back(point);
+  };
+  add("front_seat", "front_seat", 52.0, 68.0);
+  add("winding", "end_winding_front", 49.0, 150.0);
+  add("jacket", "jacket", 62.0, 215.0);
+  return spindle;
+}
+
+}  // namespace
+
+fem_offline::FeModel model_of(double element_size_mm) {
+  const fem_offline::Spindle spindle = described(element_size_mm);
+  return {spindle, fem_offline::build_section(spindle)};
+}
+
+rom::Network twin_network(const TwinOptions& options) {
+  std::string path;
+  if (!options.cache.empty()) {
+    path = options.cache + "/twin_" + std::to_string(options.nodes) + ".rom";
+    if (std::filesystem::exists(path)) return rom::read_network(path);
+  }
+  fem_offline::ReduceOptions reduce;
+  reduce.nodes = options.nodes;
+  reduce.full_sets = 16;
+  reduce.rich_states = 240;
+  reduce.rich_sets = 40;
+  reduce.threads = options.threads;
+  rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm).affine(), reduce);
+  if (!path.empty()) rom::write_network(network, path);
+  return network;
+}
+
+}  // namespace spindle_twin::bench

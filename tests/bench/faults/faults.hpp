@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "correction/health/limits.hpp"
+
+namespace spindle_twin::bench {
+
+/// The ways in which a sensor fails.
+enum class FaultKind { none, withdrawn, open, shorted, out_of_range, jump, spikes, stuck, swapped, drift };
+inline constexpr std::array all_faults{FaultKind::open,    FaultKind::shorted, FaultKind::out_of_range,
+                                       FaultKind::jump,    FaultKind::spikes,  FaultKind::stuck,
+                                       FaultKind::swapped, FaultKind::drift};
+
+const char* name_of(FaultKind kind);
+
+struct Fault {
+  FaultKind kind = FaultKind::none;
+  int sensor = 0;
+  int partner = 0;  ///< of swapped sensors
+  double from_s = 0.0;
+  double until_s = 1e18;
+  double size_K = 0.0;        ///< of a jump or a spike, with its sign
+  double rate_K_per_s = 0.0;  ///< of a drift
+  bool at(double time_s) const { return kind != FaultKind::none && time_s >= from_s && time_s < until_s; }
+};
+
+/// What a fault makes of the readings, sample by sample.
+class Saboteur {
+ public:
+  Saboteur(const Fault& fault, std::uint64_t seed) : fault_(fault), random_(seed) {}
+  void tamper(double time_s, Eigen::VectorXd& readings_K);
+
+ private:
+  Fault fault_;
+  std::mt19937_64 random_;
+  double held_K_ = 0.0;
+  bool holding_ = false;
+};
+
+}  // namespace spindle_twin::bench

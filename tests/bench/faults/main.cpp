@@ -1,0 +1,127 @@
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdio>
+
+#include "tests/bench/campaign/models.hpp"
+#include "tests/bench/campaign/results.hpp"
+#include "tests/bench/faults/tables.hpp"
+
+namespace spindle_twin::bench {
+namespace {
+
+constexpr int first_common = 48;
+constexpr int sensors = 6;
+constexpr double earliest_s = 900.0;
+constexpr double latest_s = 5400.0;
+constexpr double repaired_after_s = 1200.0;
+constexpr std::array rates_K_per_h{0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
+
+struct Options {
+  int runs = 8;
+  int nodes = 110;
+  int threads = 2;
+  int drift_runs = 4;
+  double cycle_s = 1.0;
+  std::uint64_t seed = 1;
+  double twin_mm = 4.0;
+  double truth_mm = 6.0;
+  bool is_short = false;
+  bool verbose = false;
+  std::string cache;
+};
+
+/// The faults of one virtual spindle; each first the run in which the sensor is only withdrawn.
+std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool drifts) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<Fault> faults{{}};
+  for (int sensor = 0; sensor < sensors; ++sensor) {
+    Fault fault;
+    fault.sensor = sensor;
+    fault.partner = (sensor + 1 + static_cast<int>(unit(random) * (sensors - 1))) % sensors;
+    fault.from_s = std::floor(earliest_s + (latest_s - earliest_s) * unit(random));
+    const double sign = unit(random) < 0.5 ? -1.0 : 1.0;
+    const double jump_K = sign * (1.0 + 4.0 * unit(random));
+    const bool repaired = unit(random) < 0.5;
+    if (options.is_short && sensor != static_cast<int>(seed % sensors)) continue;
+    fault.kind = FaultKind::withdrawn;
+    faults.push_back(fault);
+    for (const FaultKind kind : all_faults) {
+      if (kind == FaultKind::drift) continue;
+      fault.kind = kind;
+      fault.size_K = kind == FaultKind::spikes ? 5.0 * sign : jump_K;
+      fault.until_s = repaired && kind != FaultKind::swapped ? fault.from_s + repaired_after_s : 1e18;
+      faults.push_back(fault);
+    }
+    if (!drifts) continue;
+    fault.kind = FaultKind::drift;
+    fault.until_s = 1e18;
+    fault.from_s = earliest_s;  // so that a slow one has time
+    faults.push_back(fault);
+    faults.back().kind = FaultKind::withdrawn;
+    for (const double rate_K_per_h : rates_K_per_h) {
+      fault.rate_K_per_s = sign * rate_K_per_h / 3600.0;
+      faults.push_back(fault);
+    }
+  }
+  return faults;
+}
+
+int run(const Options& options) {
+  const rom::Network network = twin_network({options.nodes, options.threads, options.twin_mm, options.cache});
+  const fem_offline::FeModel fe = model_of(options.truth_mm);
+  std::printf("seed %llu, %d virtual spindles of 2 h, cycles of %g s, %zu nodes\n",
+              static_cast<unsigned long long>(options.seed), options.runs, options.cycle_s, network.nodes.size());
+  std::vector<SpindleRuns> all(static_cast<std::size_t>(options.runs));
+  in_parallel(options.threads, options.runs, [&](int i) {
+    const HeatErrors heats = i % 2 == 0 ? HeatErrors::independent : HeatErrors::common;
+    FollowOptions follow_options;
+    follow_options.cycle_s = options.cycle_s;
+    follow_options.estimator.priors = priors_of(heats);
+    const correction::ParameterModel parameters(network, follow_options.estimator.priors);
+    const std::uint64_t seed =
+        1000 * options.seed + static_cast<std::uint64_t>(i / 2 + (heats == HeatErrors::common ? first_common : 0));
+    const Truth truth = cached_truth(options.cache, fe.affine(), parameters, seed, heats);
+    SpindleRuns& runs = all[static_cast<std::size_t>(i)];
+    runs.seed = seed;
+    for (const Fault& fault : draw_faults(seed, options, i < options.drift_runs)) {
+      runs.followed.push_back(follow(network, truth, fault, follow_options));
+      if (options.verbose) print_run(seed, runs.followed.back());
+    }
+    std::fprintf(stderr, "spindle %d of %d\n", i + 1, options.runs);
+  });
+  return print_tables(all, options.cycle_s);
+}
+
+}  // namespace
+}  // namespace spindle_twin::bench
+
+int main(int argc, char** argv) {
+  using namespace spindle_twin::bench;
+  Options options;
+  CLI::App app{"fault_campaign: virtual spindles whose sensors fail"};
+  app.add_option("--runs", options.runs, "virtual spindles, each with every fault on every sensor")
+      ->check(CLI::Range(1, 96))
+      ->capture_default_str();
+  app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
+  app.add_option("--nodes", options.nodes, "of the twin")->check(CLI::Range(20, 400))->capture_default_str();
+  app.add_option("--threads", options.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  app.add_option("--cycle-s", options.cycle_s, "period of the daemon")
+      ->check(CLI::Range(0.1, 10.0))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed)->capture_default_str();
+  app.add_option("--cache", options.cache, "folder that keeps network and truths");
+  app.add_flag("--short", options.is_short, "one spindle, one sensor, coarse models: a quick look");
+  app.add_flag("--verbose", options.verbose, "a line per run");
+  CLI11_PARSE(app, argc, argv);
+  if (options.is_short) {
+    options.runs = 1;
+    options.drift_runs = 0;
+    options.nodes = 80;
+    options.twin_mm = 8.0;
+    options.truth_mm = 10.0;
+    options.cycle_s = 5.0;
+  }
+  return run(options) == 0 ? 0 : 1;
+}

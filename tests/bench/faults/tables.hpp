@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tests/bench/faults/follow.hpp"
+
+namespace spindle_twin::bench {
+
+/// All runs of one virtual spindle: the healthy one, then per sensor the withdrawn one before its faults.
+struct SpindleRuns {
+  std::uint64_t seed = 0;
+  std::vector<Followed> followed;
+};
+
+void print_run(std::uint64_t seed, const Followed& run);
+
+/// Prints tables and limits. Returns how many limits were missed.
+int print_tables(const std::vector<SpindleRuns>& all, double cycle_s);
+
+}  // namespace spindle_twin::bench
