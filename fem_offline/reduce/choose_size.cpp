@@ -28,19 +28,19 @@ struct TriedStep {
   double logarithm;  ///< of the excess
 };
 
-/// Errors fall about exponentially with the size: the next step to try is where the line through the logarithms of the
-/// last two comes to zero, or through one of them at the usual rate, between those that are known to be too small and
-/// enough.
+/// Errors fall about exponentially with the size, so the next step to try is where the line through the logarithms
+/// comes to zero: between the two that bracket it, else from the last one at the usual rate.
 int next_step(const std::vector<TriedStep>& tried, int too_small, int enough) {
   constexpr double usual_rate = -0.02 * size_step;
   if (tried.empty()) return (too_small + enough) / 2;
-  const TriedStep& last = tried.back();
-  double rate = usual_rate;
-  if (tried.size() > 1) {
-    const TriedStep& before = tried[tried.size() - 2];
-    rate = std::min((last.logarithm - before.logarithm) / (last.step - before.step), 0.25 * usual_rate);
-  }
-  const double wanted = std::ceil(last.step - last.logarithm / rate);
+  const auto at = [&](int step) {
+    return std::find_if(tried.begin(), tried.end(), [&](const TriedStep& item) { return item.step == step; });
+  };
+  const auto low = at(too_small), high = at(enough);
+  const bool bracketed = low != tried.end() && high != tried.end();
+  const TriedStep& from = tried.back();
+  const double rate = bracketed ? (high->logarithm - low->logarithm) / (high->step - low->step) : usual_rate;
+  const double wanted = std::ceil(from.step - from.logarithm / rate);
   return static_cast<int>(std::clamp(wanted, too_small + 1.0, enough - 1.0));
 }
 

@@ -15,7 +15,7 @@ namespace {
 /// Longest FE step, for an error in time well below that of the network (README.md has the command that shows it):
 /// short behind a jump, where the balls and the air follow within seconds.
 double fe_step_for_s(const HeldInterval& interval, double longest_s) {
-  constexpr double first_s = 0.125, share_of_time_since_jump = 1.0 / 8.0;
+  constexpr double first_s = 0.25, share_of_time_since_jump = 1.0 / 4.0;
   return std::clamp(share_of_time_since_jump * interval.since_jump_s, std::min(first_s, longest_s), longest_s);
 }
 
@@ -60,7 +60,7 @@ Eigen::VectorXd fe_outputs(const AffineModel& model, const Eigen::VectorXd& temp
 }
 
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s) {
-  FeStepper stepper(model);
+  FeStepper stepper(model, FeScheme::order_4);
   stepper.set_uniform_temperature(drive.initial_temperature_K);
   Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
   follow(model.boundaries, drive, [&](Eigen::Index i, const HeldInterval& interval, const rom::BoundaryValues& values) {

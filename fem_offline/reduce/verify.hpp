@@ -14,8 +14,8 @@ struct VerifyOptions {
   std::uint32_t cases = 20;
   std::uint64_t seed = 1;
   int threads = 2;
-  /// Longest time step of the FE solution; after a jump its steps are shorter anyway. Against 8 s the default moves the
-  /// reference spindle's figures by about 0.001 K and 0.001 um (README.md names the command).
+  /// Longest time step of the FE solution, of order 4; after a jump its steps are shorter anyway. README.md names the
+  /// command that shows what it contributes.
   double fe_step_s = 32.0;
   CaseOptions drive;
 };

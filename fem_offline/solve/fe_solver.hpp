@@ -33,13 +33,17 @@ Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_
 rom::CoolantOutlets coolant_outlets(const AffineModel& model, const rom::BoundaryValues& values,
                                     const Eigen::VectorXd& temperatures_K);
 
-/// Transient FE solution, SDIRK2 (γ = 1 − 1/√2, L-stable, order 2) with a CHOLMOD factor kept per step length and set
+/// Rules of the transient, both L-stable and stiffly accurate with one factor per step length: SDIRK of order 2 with
+/// two solutions per step, and of order 4 with five, for solutions that others are measured against.
+enum class FeScheme { order_2, order_4 };
+
+/// Transient FE solution (SDIRK) with a CHOLMOD factor kept per step length and set
 /// of conductances; symbolic analysis done once; coolant circuits exactly, by the Woodbury identity per factor. Heats,
 /// conductances and environments are held over advance().
 class FeStepper {
  public:
   /// Starts at initial_temperatures with the reference temperature elsewhere.
-  explicit FeStepper(const AffineModel& model);
+  explicit FeStepper(const AffineModel& model, FeScheme scheme = FeScheme::order_2);
   ~FeStepper();
   FeStepper(FeStepper&&) noexcept;
   FeStepper& operator=(FeStepper&&) noexcept;

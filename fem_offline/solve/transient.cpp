@@ -2,6 +2,7 @@
 #include <cmath>
 #include <list>
 #include <numbers>
+#include <vector>
 
 #include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
@@ -10,7 +11,30 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
+/// Stages kᵢ of (C + γhK) kᵢ = f − K (T + h Σⱼ<ᵢ aᵢⱼ kⱼ) with one γ; the last row of `a` with γ is also that of the
+/// weights (stiffly accurate).
+struct Tableau {
+  double gamma;
+  Eigen::MatrixXd below;
+};
+
+/// γ = 1 − 1/√2.
+Tableau order_2() {
+  constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
+  Eigen::MatrixXd below = Eigen::MatrixXd::Zero(2, 2);
+  below(1, 0) = 1.0 - gamma;
+  return {gamma, below};
+}
+
+/// Hairer, Wanner: Solving Ordinary Differential Equations II, table IV.6.5.
+Tableau order_4() {
+  Eigen::MatrixXd below = Eigen::MatrixXd::Zero(5, 5);
+  below(1, 0) = 1.0 / 2.0;
+  below.row(2).head(2) << 17.0 / 50.0, -1.0 / 25.0;
+  below.row(3).head(3) << 371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0;
+  below.row(4).head(4) << 25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0;
+  return {0.25, below};
+}
 
 // After a jump the steps start at about this length and then follow the time since the jump, doubling.
 constexpr double first_step_s = 0.7;
@@ -45,7 +69,11 @@ Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_
 }
 
 struct FeStepper::Impl {
-  explicit Impl(const AffineModel& model) : system(model), coupling(model) {}
+  Impl(const AffineModel& model, FeScheme scheme)
+      : system(model),
+        coupling(model),
+        tableau(scheme == FeScheme::order_4 ? order_4() : order_2()),
+        slopes_K_per_s(static_cast<std::size_t>(tableau.below.rows())) {}
 
   ThermalSystem system;
   CoolantCoupling coupling;
@@ -53,7 +81,9 @@ struct FeStepper::Impl {
   double since_jump_s = 0.0;
   Eigen::VectorXd temperatures_K;
   std::list<KeptFactor> factors;  // the most recent first
-  Eigen::VectorXd load_W, residual_W, stage_K, slope1_K_per_s, slope2_K_per_s;
+  Tableau tableau;
+  std::vector<Eigen::VectorXd> slopes_K_per_s;
+  Eigen::VectorXd load_W, residual_W, stage_K;
 
   void take(const rom::BoundaryValues& values) {
     const bool is_first = held.heat_W.size() == 0;
@@ -78,31 +108,33 @@ struct FeStepper::Impl {
       factors.splice(factors.begin(), factors, found);
       return factors.front().factor;
     }
-    const SparseMatrix matrix = system.combined_lower(gamma * step_s);
+    const SparseMatrix matrix = system.combined_lower(tableau.gamma * step_s);
     CholeskyFactor made =
         factors.empty() ? CholeskyFactor(matrix) : CholeskyFactor(factors.front().factor.symmetric(), matrix);
     factors.push_front({step_s, held.conductance_W_per_m2K, held.coolant_W_per_K,
-                        CoupledFactor(std::move(made), coupling, gamma * step_s)});
+                        CoupledFactor(std::move(made), coupling, tableau.gamma * step_s)});
     if (factors.size() > most_factors) factors.pop_back();
     return factors.front().factor;
   }
 
-  /// (C + γ h K) kᵢ = f − K (T + h Σⱼ<ᵢ aᵢⱼ kⱼ); T += h ((1 − γ) k₁ + γ k₂), stiffly accurate.
   void step(double step_s) {
     CoupledFactor& factor = factor_for(step_s);
     const auto conduction = system.conduction_lower().selfadjointView<Eigen::Lower>();
-    residual_W.noalias() = load_W - conduction * temperatures_K;
-    coupling.add_heat(temperatures_K, residual_W);
-    factor.solve(residual_W, coupling, slope1_K_per_s);
-    stage_K = temperatures_K + (1.0 - gamma) * step_s * slope1_K_per_s;
-    residual_W.noalias() = load_W - conduction * stage_K;
-    coupling.add_heat(stage_K, residual_W);
-    factor.solve(residual_W, coupling, slope2_K_per_s);
-    temperatures_K = stage_K + gamma * step_s * slope2_K_per_s;
+    for (std::size_t i = 0; i < slopes_K_per_s.size(); ++i) {
+      stage_K = temperatures_K;
+      for (std::size_t j = 0; j < i; ++j) {
+        stage_K +=
+            step_s * tableau.below(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * slopes_K_per_s[j];
+      }
+      residual_W.noalias() = load_W - conduction * stage_K;
+      coupling.add_heat(stage_K, residual_W);
+      factor.solve(residual_W, coupling, slopes_K_per_s[i]);
+    }
+    temperatures_K = stage_K + tableau.gamma * step_s * slopes_K_per_s.back();
   }
 };
 
-FeStepper::FeStepper(const AffineModel& model) : impl_(std::make_unique<Impl>(model)) {
+FeStepper::FeStepper(const AffineModel& model, FeScheme scheme) : impl_(std::make_unique<Impl>(model, scheme)) {
   set_temperatures(initial_temperatures(model, model.boundaries.reference_temperature_K));
 }
 FeStepper::~FeStepper() = default;

@@ -154,6 +154,10 @@ TEST(CoolantTransient, follows_the_matrix_exponential_at_order_two) {
     before_K = error_K;
   }
   EXPECT_LT(before_K, 1e-4);
+  FeStepper exact(model, FeScheme::order_4);
+  exact.set_temperatures(start_K);
+  exact.advance(time_s, 0.5, values_of(model));
+  EXPECT_LT((exact.temperatures_K() - exact_K).lpNorm<Eigen::Infinity>(), 1e-2 * before_K);
 }
 
 TEST(CoolantTransient, heat_stored_is_heat_in_less_heat_carried_off) {

@@ -84,6 +84,21 @@ TEST(FeStepper, converges_to_the_exact_solution_at_order_two) {
   EXPECT_NEAR(std::log2(errors_K[1] / errors_K[2]), 2.0, 0.1) << errors_K[1] << " " << errors_K[2];
 }
 
+TEST(FeStepper, its_rule_for_comparisons_converges_at_order_four) {
+  const AffineModel model = two_lumps();
+  const rom::BoundaryValues values = values_of(50.0, 3.0, 30.0, 290.0);
+  const Eigen::Vector2d start_K(310.0, 295.0);
+  std::vector<double> errors_K;
+  for (const double step_s : {0.7, 0.35, 0.175}) {
+    FeStepper stepper(model, FeScheme::order_4);
+    stepper.set_temperatures(start_K);
+    stepper.advance(2.8, step_s, values);
+    errors_K.push_back((stepper.temperatures_K() - exact_K(values, start_K, 2.8)).norm());
+  }
+  EXPECT_NEAR(std::log2(errors_K[0] / errors_K[1]), 4.0, 0.3) << errors_K[0] << " " << errors_K[1];
+  EXPECT_NEAR(std::log2(errors_K[1] / errors_K[2]), 4.0, 0.3) << errors_K[1] << " " << errors_K[2];
+}
+
 TEST(FeStepper, insulated_body_gains_exactly_the_heat) {
   const AffineModel model = two_lumps();
   FeStepper stepper(model);
@@ -104,10 +119,12 @@ TEST(FeStepper, uniform_field_without_heat_stays) {
 /// The fast mode of stiff contact must not ring (L-stability), however long the step.
 TEST(FeStepper, stiff_contact_does_not_ring) {
   const AffineModel model = two_lumps();
-  FeStepper stepper(model);
-  stepper.set_temperatures(Eigen::Vector2d(310.0, 290.0));
-  stepper.advance(10.0, 10.0, values_of(1e7, 3.0, 0.0, 290.0));
-  EXPECT_LT(std::abs(stepper.temperatures_K()[0] - stepper.temperatures_K()[1]), 1e-4);
+  for (const FeScheme scheme : {FeScheme::order_2, FeScheme::order_4}) {
+    FeStepper stepper(model, scheme);
+    stepper.set_temperatures(Eigen::Vector2d(310.0, 290.0));
+    stepper.advance(10.0, 10.0, values_of(1e7, 3.0, 0.0, 290.0));
+    EXPECT_LT(std::abs(stepper.temperatures_K()[0] - stepper.temperatures_K()[1]), 1e-4);
+  }
 }
 
 /// Factors are kept for several operating states: switching back and forth must use the right one.

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Rises and deformations of ngspice on an exported netlist beside those of spindle-twin simulate.
-compare.py NAME NETWORK.json NGSPICE.data SIMULATION.csv LIMIT: prints the largest differences; 1 if one is over LIMIT."""
+compare.py NAME NETWORK.json NGSPICE.data SIMULATION.csv LIMIT_K LIMIT_UM: prints the largest differences; 1 if one is over
+its limit."""
 import bisect
 import csv
 import json
 import sys
 
-name, network, ngspice, simulation, limit = sys.argv[1:]
+name, network, ngspice, simulation, limit_K, limit_um = sys.argv[1:]
 reference_degC = json.load(open(network))["reference_temperature_degC"]
 
 
@@ -47,7 +48,9 @@ with open(simulation, newline="") as file:
                     error = abs(spice_at(names.index(wanted), time_s) - (float(text) - shift))
                     worst[wanted] = max(worst.get(wanted, 0.0), error)
 assert worst, "the two have no output in common"
+failed = False
 for wanted, error in worst.items():
-    unit = "um" if wanted.startswith("v(deformation") else "K"
+    unit, limit = ("um", float(limit_um)) if wanted.startswith("v(deformation") else ("K", float(limit_K))
+    failed |= not error <= limit
     print(f"{name:10} {wanted:28} largest difference {error:.2e} {unit} over {times[-1]:.0f} s, {len(times)} points")
-sys.exit(1 if max(worst.values()) > float(limit) else 0)
+sys.exit(1 if failed else 0)
