@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "rom/laws/evaluate.hpp"
+
 namespace spindle_twin::rom {
 
 /// coefficient · x^exponent, with x = |speed| / reference speed.
@@ -32,25 +34,48 @@ struct JointFit {
   double pressure_per_outer_rise_Pa_per_K = 0.0;
 };
 
+/// A temperature that a law reads: the mean of a part, or an environment, or, with neither, always nominal_K. Models
+/// that hold their laws (the FE model, what is exported) take nominal_K for the part.
+struct LawTemperature {
+  int part = -1;         ///< index into the part list
+  int environment = -1;  ///< index into Boundaries::environments
+  double nominal_K = 293.15;
+};
+
+/// A physical law and where its inputs come from. Speed, load, current and power are the machine's.
+struct BoundLaw {
+  PhysicalLaw law;
+  LawTemperature first;
+  LawTemperature second;
+  int pressure = -1;                    ///< index into Network::contact_pressures; -1: always nominal_pressure_Pa
+  int displacement = -1;                ///< index into Network::deformations; -1: always 0
+  double displacement_sign = 1.0;       ///< times that output: + = the rings come nearer
+  double nominal_pressure_Pa = 0.0;     ///< of a model that holds its laws
+  double nominal_displacement_m = 0.0;  ///< likewise, with the sign of the output
+  int circuit = -1;                     ///< index into Boundaries::circuits, whose flow it reads; -1: none
+};
+
 enum class ConductanceKind { contact, gap_film, air_film, environment_film };
 
 /// One affine parameter of the model: a contact conductance or a film coefficient.
 struct Conductance {
   std::string name;
   ConductanceKind kind = ConductanceKind::contact;
-  double nominal_W_per_m2K = 0.0;  ///< at the reference operating state, where `law` is 1
+  double nominal_W_per_m2K = 0.0;  ///< at the reference operating state, where `law` is 1; of physics, at its nominals
   double area_m2 = 0.0;            ///< wetted or touching area
   int environment = -1;            ///< index into Boundaries::environments; -1 for exchange between bodies
   int part_a = -1;                 ///< index into the part list; -1 when several parts or none
   int part_b = -1;
   SpeedLaw law;
   std::optional<JointFit> fit;
+  std::optional<BoundLaw> physics = {};  ///< in place of nominal value and `law`
 };
 
 struct HeatSource {
   std::string name;
-  double nominal_W = 0.0;  ///< at the reference operating state, where `law` is 1
+  double nominal_W = 0.0;  ///< at the reference operating state, where `law` is 1; of physics, at its nominal inputs
   SpeedLaw law;
+  std::optional<BoundLaw> physics = {};  ///< in place of nominal value and `law`
 };
 
 enum class EnvironmentKind { ambient, coolant };
@@ -75,9 +100,11 @@ struct CoolantCircuit {
 /// What the machine and its surroundings do at one instant.
 struct OperatingState {
   double speed_rpm = 0.0;
-  double load = 0.0;                   ///< fraction of the rated load, 1 at the reference state
-  Eigen::VectorXd environment_K;       ///< one temperature per environment (coolant inlet, ambient)
-  Eigen::VectorXd flow_kg_per_s = {};  ///< one per circuit; negative when it runs backwards
+  double load = 0.0;                     ///< fraction of the rated load, 1 at the reference state
+  Eigen::VectorXd environment_K;         ///< one temperature per environment (coolant inlet, ambient)
+  Eigen::VectorXd flow_kg_per_s = {};    ///< one per circuit; negative when it runs backwards
+  std::optional<double> current_A = {};  ///< measured phase current of the motor, rms
+  std::optional<double> power_W = {};    ///< measured electrical power of the motor
 };
 
 /// Everything at the border of the spindle that FE model and network share, in the same order.
@@ -97,6 +124,19 @@ struct CorrectionFactors {
   Eigen::VectorXd conductance;  ///< one per conductance
 };
 
+/// What physical laws read besides temperatures, and the corrections that multiply their values.
+struct LawDrive {
+  bool follow =
+      false;  ///< laws follow the temperatures inside a step; otherwise heats and conductances stay as they are
+  double speed_rpm = 0.0;
+  double load = 0.0;
+  std::optional<double> current_A;
+  std::optional<double> power_W;
+  Eigen::VectorXd flow_kg_per_s = {};       ///< one per circuit
+  Eigen::VectorXd heat_factor = {};         ///< one per source
+  Eigen::VectorXd conductance_factor = {};  ///< one per conductance; of a circuit's segment it multiplies the film
+};
+
 /// The right-hand side's inputs at one instant; sized once, refilled in the cycle.
 struct BoundaryValues {
   /// For a segment of a circuit the effective G/A of the channel law, for all others the film or contact itself.
@@ -104,6 +144,7 @@ struct BoundaryValues {
   Eigen::VectorXd heat_W;
   Eigen::VectorXd environment_K;
   Eigen::VectorXd coolant_W_per_K = {};  ///< ṁ c, one per circuit, with the sign of the flow
+  LawDrive laws = {};                    ///< of a network with physical laws
 };
 
 }  // namespace spindle_twin::rom

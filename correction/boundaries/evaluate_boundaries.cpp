@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "rom/laws/channel_law.hpp"
-#include "rom/laws/speed_law.hpp"
+#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -39,23 +39,29 @@ rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries) {
   values.heat_W = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.sources.size()));
   values.environment_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.environments.size()));
   values.coolant_W_per_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.circuits.size()));
+  values.laws.flow_kg_per_s = values.coolant_W_per_K;
+  values.laws.heat_factor = values.heat_W;
+  values.laws.conductance_factor = values.conductance_W_per_m2K;
   return values;
 }
 
 void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::OperatingState& state,
                          const rom::CorrectionFactors& factors, rom::BoundaryValues& values) {
+  values.environment_K = state.environment_K;
+  rom::take_machine(state, values.laws);
+  values.laws.heat_factor = factors.heat;
+  values.laws.conductance_factor = factors.conductance;
+  values.laws.follow = true;
+  const double reference_rpm = boundaries.reference_speed_rpm;
   for (Eigen::Index j = 0; j < values.conductance_W_per_m2K.size(); ++j) {
-    const rom::Conductance& conductance = boundaries.conductances[static_cast<std::size_t>(j)];
     values.conductance_W_per_m2K[j] =
-        factors.conductance[j] * conductance.nominal_W_per_m2K *
-        rom::evaluate_speed_law(conductance.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
+        rom::held_conductance_W_per_m2K(boundaries.conductances[static_cast<std::size_t>(j)], reference_rpm,
+                                        factors.conductance[j], values.laws, values.environment_K);
   }
   for (Eigen::Index i = 0; i < values.heat_W.size(); ++i) {
-    const rom::HeatSource& source = boundaries.sources[static_cast<std::size_t>(i)];
-    values.heat_W[i] = factors.heat[i] * source.nominal_W *
-                       rom::evaluate_speed_law(source.law, state.speed_rpm, boundaries.reference_speed_rpm, state.load);
+    values.heat_W[i] = rom::held_heat_W(boundaries.sources[static_cast<std::size_t>(i)], reference_rpm, factors.heat[i],
+                                        values.laws, values.environment_K);
   }
-  values.environment_K = state.environment_K;
   apply_channel_law(boundaries, state, values);
 }
 

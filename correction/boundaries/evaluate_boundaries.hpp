@@ -11,6 +11,8 @@ rom::CorrectionFactors no_correction(const rom::Boundaries& boundaries);
 rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries);
 
 /// gⱼ = factorⱼ · nominalⱼ · lawⱼ(speed, load), q_i likewise; environments copied. [W/m²K, W, K]
+/// A physical law is taken at its nominal temperatures and so held; whoever integrates a network lets it follow its own
+/// (rom::LawDrive, which is filled in and says so).
 /// For the segments of a coolant circuit g becomes the effective G/A of the channel law (rom::CoolantCircuit), 0
 /// without flow; the circuits' ṁ c are filled in. Cycle-safe: no allocation when `values` came from
 /// make_boundary_values.

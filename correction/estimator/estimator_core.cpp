@@ -121,9 +121,12 @@ void EstimatorCore::open_period(double time_s, const rom::OperatingState& operat
   held_state.load = operating.load;
   held_state.environment_K = operating.environment_K;
   held_state.flow_kg_per_s = operating.flow_kg_per_s;
+  held_state.current_A = operating.current_A;
+  held_state.power_W = operating.power_W;
   corrected_state = held_state;
   corrected_state.environment_K += bias_K;
   evaluate_boundaries(network.boundaries, corrected_state, factors, values);
+  shared->laws().at_temperatures(nodes_K, values);
   start_K = nodes_K;
   opened_s = time_s;
   period_open = true;

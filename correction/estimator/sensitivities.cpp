@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "correction/boundaries/evaluate_boundaries.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
@@ -50,6 +52,9 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   coupling_ = Eigen::MatrixXd::Zero(segments, segments);
   wall_sensitivity_ = fed_sensitivity_ = Eigen::MatrixXd::Zero(p, segments);
   wall_rises_K_ = Eigen::VectorXd::Zero(segments);
+  law_values_ = make_boundary_values(network.boundaries);
+  law_inputs_ = Eigen::VectorXd::Zero(operator_->laws().rows().cols());
+  law_slopes_ = Eigen::MatrixXd::Zero(operator_->laws().count(), static_cast<Eigen::Index>(rom::law_readings));
 }
 
 void Sensitivities::start(const ParameterModel& parameters) {
@@ -163,6 +168,24 @@ void Sensitivities::substitute(Eigen::MatrixXd& right_side) const {
   }
 }
 
+/// A heat that follows its parts' temperatures acts back on the source's own rise by its slope; the difference between
+/// the parts that it reads and the places where it acts is left out, which keeps the matrix symmetric.
+void Sensitivities::add_law_slopes(const HeldPeriod& held) {
+  const rom::LawTerms& laws = operator_->laws();
+  if (laws.empty()) return;
+  law_values_ = held.values;
+  operator_->to_internal(held.end_K, x_);
+  law_inputs_ = laws.offset();
+  law_inputs_.noalias() += laws.rows().transpose() * x_;
+  laws.evaluate(law_inputs_, law_values_, law_slopes_);
+  for (Eigen::Index t = 0; t < laws.count(); ++t) {
+    const int source = laws.list()[static_cast<std::size_t>(t)].source;
+    if (source < 0) continue;
+    const double loss_W_per_K = -(law_slopes_(t, 0) + law_slopes_(t, 1));
+    lower_.selfadjointView<Eigen::Lower>().rankUpdate(sources_.col(source), loss_W_per_K);
+  }
+}
+
 bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parameters) {
   if (!(held.period_s > 0.0)) return true;
   const double step = gamma * held.period_s;
@@ -173,6 +196,7 @@ bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parame
     if (!parameters.is_friction(i) || loss_per_K == 0.0) continue;
     lower_.selfadjointView<Eigen::Lower>().rankUpdate(sources_.col(i), loss_per_K * held.values.heat_W[i]);
   }
+  add_law_slopes(held);
   lower_ *= step;
   lower_.diagonal().array() += 1.0;
   cholesky_.compute(lower_);

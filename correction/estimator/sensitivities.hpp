@@ -23,6 +23,7 @@ struct HeldPeriod {
 /// S = dx/dθ of the network in its internal coordinates x (rom::NetworkOperator), carried along with the model:
 ///   dS/dt = −(K̃ + Σ_f β q_f b_f b_fᵀ) S + D        b_f = L⁻¹B's column of a friction heat, whose loss of heat with its
 ///                                                  own rise is one more conductance
+///                                                  (of a heat with a physical law −dq_f/dT stands for β q_f)
 ///   D: heat i          q_i b_i
 ///      conductance j   −g_j F̃_j (F̃_jᵀ x − F_jᵀ1 (T_env − T_ref))
 ///      environment e   Σ_j g_j F̃_j F_jᵀ1
@@ -65,6 +66,7 @@ class Sensitivities {
   void set_transposed(const Eigen::MatrixXd& transposed) { transposed_ = transposed; }
 
  private:
+  void add_law_slopes(const HeldPeriod& held);
   void drive(const HeldPeriod& held, const ParameterModel& parameters);
   void substitute(Eigen::MatrixXd& right_side) const;
 
@@ -86,6 +88,9 @@ class Sensitivities {
   Eigen::VectorXd mean_K_, x_, projected_, rises_K_, shift_;
   Eigen::MatrixXd coupling_, wall_sensitivity_, fed_sensitivity_;
   Eigen::VectorXd wall_rises_K_, unused_drive_;
+  rom::BoundaryValues law_values_;
+  Eigen::VectorXd law_inputs_;
+  Eigen::MatrixXd law_slopes_;
 };
 
 }  // namespace spindle_twin::correction

@@ -72,7 +72,8 @@ struct Run {
 
 Run run(const rom::Network& network, const ParameterModel& parameters, const Schedule& schedule,
         const std::vector<SensorPlace>& places, const IdentifyOptions& options) {
-  Sensitivities sensitivities(network, std::make_shared<const rom::NetworkOperator>(network), parameters);
+  const auto coordinates = std::make_shared<const rom::NetworkOperator>(network);
+  Sensitivities sensitivities(network, coordinates, parameters);
   sensitivities.start(parameters);
   const auto stepper = rom::make_runtime_stepper(network);
   rom::CorrectionFactors factors = no_correction(network.boundaries);
@@ -97,8 +98,11 @@ Run run(const rom::Network& network, const ParameterModel& parameters, const Sch
     sensitivities.source_rises(start_K, rises_K);
     parameters.apply(theta, state.speed_rpm, rises_K, factors, bias_K);
     evaluate_boundaries(network.boundaries, state, factors, values);
-    if (stepper->advance(period_s, values) != rom::StepStatus::ok ||
-        !sensitivities.advance({period_s, state.speed_rpm, start_K, stepper->temperatures_K(), values, theta},
+    if (stepper->advance(period_s, values) != rom::StepStatus::ok) {
+      throw std::runtime_error("the network has no solution at " + std::to_string(begin_s) + " s");
+    }
+    coordinates->laws().at_temperatures(stepper->temperatures_K(), values);
+    if (!sensitivities.advance({period_s, state.speed_rpm, start_K, stepper->temperatures_K(), values, theta},
                                parameters)) {
       throw std::runtime_error("the network has no solution at " + std::to_string(begin_s) + " s");
     }

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/paper/check_options.hpp"
 #include "correction/paper/joint_law.hpp"
+#include "rom/integrate/network_operator.hpp"
+#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -74,6 +77,7 @@ struct PaperCorrection::Impl {
     check_options(network, options);
     const auto key_points = static_cast<Eigen::Index>(network.key_points.size());
     const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
+    if (rom::has_physics(network.boundaries)) coordinates.emplace(network);
     factors = no_correction(network.boundaries);
     values = make_boundary_values(network.boundaries);
     rescaled_K = base_nodes_K = Eigen::VectorXd::Zero(nodes);
@@ -289,12 +293,16 @@ struct PaperCorrection::Impl {
     return result;
   }
 
-  void advance_bases(const rom::OperatingState& operating, double advance_s) {
+  /// `nodes_K`: of the corrected network. Superposition holds for heats and conductances that do not depend on which of
+  /// two solutions is asked, so the bases hold what physical laws are at the network's temperatures.
+  void advance_bases(const rom::OperatingState& operating, const Eigen::VectorXd& nodes_K, double advance_s) {
     for (Group& group : groups) {
       group.base_factors.heat = factors.heat;
       group.base_factors.conductance = factors.conductance;
       for (const int source : group.members.sources) group.base_factors.heat[source] = 0.0;
       evaluate_boundaries(network.boundaries, operating, group.base_factors, values);
+      if (coordinates) coordinates->laws().at_temperatures(nodes_K, values);
+      values.laws.follow = false;
       if (group.base->advance(advance_s, values) != rom::StepStatus::ok) group.base_failed = true;
     }
   }
@@ -311,7 +319,7 @@ struct PaperCorrection::Impl {
       due_s += options.period_s;
       if (due_s <= sample.time_s) due_s = sample.time_s + options.period_s;
     }
-    advance_bases(sample.operating, advance_s);
+    advance_bases(sample.operating, sample.nodes_K, advance_s);
     return result;
   }
 
@@ -327,11 +335,12 @@ struct PaperCorrection::Impl {
     }
     clear_window();
     due_s = time_s + advance_s + options.period_s;
-    advance_bases(operating, advance_s);
+    advance_bases(operating, nodes_K, advance_s);
   }
 
   const rom::Network& network;
   PaperOptions options;
+  std::optional<const rom::NetworkOperator> coordinates;  // of a network with physical laws
   rom::CorrectionFactors factors;
   rom::BoundaryValues values;
   std::vector<Group> groups;

@@ -49,6 +49,7 @@ constexpr double prescribed_over_element = 1e7;
 
 Film read_film(const TomlTable& table, Names& names, const Names& surroundings, const Names& parts) {
   Film film = read_film_places(table, names, surroundings, parts);
+  if (rom::has_law(table, {"coefficient_W_per_m2K", "speed_law"})) return film;
   film.coefficient_W_per_m2K = table.number("coefficient_W_per_m2K", positive);
   film.law = read_speed_law(table);
   return film;
@@ -88,10 +89,11 @@ GapFilm read_gap_film(const TomlTable& table, Names& names, const Names& parts) 
   GapFilm gap;
   gap.name = names.add(table);
   gap.where = table.where("name");
-  gap.coefficient_W_per_m2K = table.number("coefficient_W_per_m2K", positive);
+  const bool physical = rom::has_law(table, {"coefficient_W_per_m2K", "speed_law"});
+  if (!physical) gap.coefficient_W_per_m2K = table.number("coefficient_W_per_m2K", positive);
   std::tie(gap.part_a, gap.part_b) = parts.find_pair(table, "between");
   gap.region = box_from(table, "region", table.numbers("region", 4, any_number), false);
-  gap.law = read_speed_law(table);
+  if (!physical) gap.law = read_speed_law(table);
   return gap;
 }
 
@@ -116,11 +118,13 @@ HeatSource read_heat(const TomlTable& table, Names& names, const Names& parts) {
   HeatSource heat;
   heat.name = names.add(table);
   heat.where = table.where("name");
-  heat.heat_W = table.optional_number("heat_W", not_negative);
+  const bool physical =
+      rom::has_law(table, {"heat_W", "density_W_per_m3", "flux_W_per_m2", "density_over", "speed_law"});
+  heat.heat_W = physical ? 0.0 : table.optional_number("heat_W", not_negative);
   heat.density_W_per_m3 = table.optional_number("density_W_per_m3", not_negative);
   heat.flux_W_per_m2 = table.optional_number("flux_W_per_m2", not_negative);
   heat.density_over = parts.find_all(table, "density_over", table.strings_or_empty("density_over"));
-  heat.law = read_speed_law(table);
+  if (!physical) heat.law = read_speed_law(table);
   double weights = 0.0;
   bool only_volumes = true, only_faces = true;
   for (const auto& share : table.tables("shares")) {
@@ -131,7 +135,7 @@ HeatSource read_heat(const TomlTable& table, Names& names, const Names& parts) {
     only_faces = only_faces && !in_volume;
   }
   if (heat.heat_W.has_value() + heat.density_W_per_m3.has_value() + heat.flux_W_per_m2.has_value() != 1) {
-    table.fail("heat_W", "a heat needs either heat_W or density_W_per_m3 or flux_W_per_m2");
+    table.fail("heat_W", "a heat needs either heat_W or density_W_per_m3 or flux_W_per_m2 or law");
   }
   if (!heat.density_W_per_m3 && !heat.density_over.empty()) {
     table.fail("density_over", heat.heat_W ? "goes with density_W_per_m3, not with heat_W"

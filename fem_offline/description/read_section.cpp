@@ -113,7 +113,9 @@ Contact read_contact(const TomlTable& table, const Names& parts, Geometry geomet
   const auto names = table.strings("between");
   if (names.size() == 2) table.show_as(names[0] + "-" + names[1]);
   std::tie(contact.part_a, contact.part_b) = parts.find_pair(table, "between");
-  contact.conductance_W_per_m2K = table.number("conductance_W_per_m2K", positive);
+  if (!rom::has_law(table, {"conductance_W_per_m2K"})) {
+    contact.conductance_W_per_m2K = table.number("conductance_W_per_m2K", positive);
+  }
   if (const auto fit = table.optional_table("interference_fit")) {
     if (geometry == Geometry::planar) table.fail("interference_fit", "a planar geometry has no rings to fit");
     InterferenceFit read;

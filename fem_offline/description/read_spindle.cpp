@@ -8,6 +8,15 @@ namespace spindle_twin::fem_offline {
 
 using rom::InputError;
 
+namespace {
+
+void add_law(const TomlTable& owner, rom::LawRole role, std::size_t index, const rom::LawDefaults& defaults,
+             std::vector<rom::PendingLaw>& laws) {
+  if (const auto law = owner.optional_table("law")) laws.push_back({*law, role, index, defaults});
+}
+
+}  // namespace
+
 Spindle parse_spindle(const std::string& text, const std::string& file, double mesh_factor) {
   const TomlTable root = TomlTable::parse(text, file);
   Spindle spindle;
@@ -30,11 +39,21 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   const auto contacts = root.tables_or_empty("contact");
   for (const auto& table : contacts) spindle.contacts.push_back(read_contact(table, parts, spindle.geometry));
   check_contacts_once(spindle.contacts, contacts);
+  std::vector<rom::PendingLaw> laws;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Contact& contact = spindle.contacts[i];
+    add_law(contacts[i], rom::LawRole::conductance, i,
+            {static_cast<int>(contact.part_a), static_cast<int>(contact.part_b)}, laws);
+  }
   for (const auto& table : root.tables("surrounding")) {
     spindle.surroundings.push_back(read_surrounding(table, surroundings));
   }
   for (const auto& table : root.tables_or_empty("film")) {
     spindle.films.push_back(read_film(table, films, surroundings, parts));
+    const std::size_t film = spindle.films.size() - 1;
+    if (const auto law = table.optional_table("law")) {
+      laws.push_back(law_of_film(*law, spindle.films[film], film, spindle));
+    }
   }
   for (const auto& table : root.tables_or_empty("prescribed_temperature")) {
     spindle.films.push_back(read_prescribed_temperature(table, films, surroundings, parts));
@@ -42,10 +61,14 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   for (const auto& table : root.tables_or_empty("radiation")) {
     spindle.films.push_back(read_radiation(table, films, surroundings, parts));
   }
-  read_coolant_circuits(root, parts, surroundings, films, spindle);
+  read_coolant_circuits(root, parts, surroundings, films, spindle, laws);
   // Films and gap films share one list of names because a network addresses both as conductances.
   for (const auto& table : root.tables_or_empty("gap_film")) {
     spindle.gap_films.push_back(read_gap_film(table, films, parts));
+    const GapFilm& gap = spindle.gap_films.back();
+    add_law(table, rom::LawRole::conductance,
+            spindle.contacts.size() + spindle.films.size() + spindle.gap_films.size() - 1,
+            {static_cast<int>(gap.part_a), static_cast<int>(gap.part_b)}, laws);
   }
   for (const auto& table : root.tables_or_empty("adiabatic")) {
     Adiabatic adiabatic;
@@ -54,7 +77,10 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
     adiabatic.regions = read_regions(table);
     spindle.adiabatics.push_back(std::move(adiabatic));
   }
-  for (const auto& table : root.tables_or_empty("heat")) spindle.heats.push_back(read_heat(table, heats, parts));
+  for (const auto& table : root.tables_or_empty("heat")) {
+    spindle.heats.push_back(read_heat(table, heats, parts));
+    add_law(table, rom::LawRole::heat, spindle.heats.size() - 1, {}, laws);
+  }
   for (const auto& table : root.tables_or_empty("support")) {
     spindle.supports.push_back(read_support(table, parts, spindle.geometry));
   }
@@ -70,6 +96,7 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   read_mechanics(root, parts, spindle);
   spindle.operating = read_operating(root.table("operating"), spindle.surroundings, surroundings);
   set_prescribed_coefficients(spindle);
+  read_laws(laws, spindle);
   read_verification(root, spindle);
   root.finish();
   return spindle;

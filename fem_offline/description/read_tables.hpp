@@ -6,6 +6,7 @@
 
 #include "fem_offline/description/spindle.hpp"
 #include "rom/read/names.hpp"
+#include "rom/read/read_physical_law.hpp"
 #include "rom/read/read_speed_law.hpp"
 #include "rom/read/strict_toml.hpp"
 
@@ -52,10 +53,17 @@ Film read_radiation(const TomlTable& table, Names& names, const Names& surroundi
 void set_prescribed_coefficients(Spindle& spindle);
 /// [[coolant_circuit]], whose segments join the films.
 void read_coolant_circuits(const TomlTable& root, const Names& parts, const Names& surroundings, Names& films,
-                           Spindle& spindle);
+                           Spindle& spindle, std::vector<rom::PendingLaw>& laws);
 GapFilm read_gap_film(const TomlTable& table, Names& names, const Names& parts);
 HeatSource read_heat(const TomlTable& table, Names& names, const Names& parts);
 Operating read_operating(const TomlTable& table, const std::vector<Surrounding>& surroundings, const Names& names);
+
+/// The law of spindle.films[film_index], which is `film`.
+rom::PendingLaw law_of_film(const TomlTable& law, const Film& film, std::size_t film_index, const Spindle& spindle);
+
+/// The tables `law`, once all that they may name is known: each becomes the `physics` of its item and gives its nominal
+/// value. `index` of a law: heats by itself; of the rest, contacts, then films, then gap films.
+void read_laws(const std::vector<rom::PendingLaw>& laws, Spindle& spindle);
 
 /// [verification] and [[expect]]; needs everything else of the description.
 void read_verification(const TomlTable& root, Spindle& spindle);

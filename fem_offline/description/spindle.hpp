@@ -78,6 +78,7 @@ struct Contact {
   std::optional<InterferenceFit> fit;
   std::optional<double> preload_pressure_Pa;  ///< of a bolted or clamped joint, at assembly
   rom::SourceLine where;
+  std::optional<rom::BoundLaw> physics = {};  ///< whose nominal value the conductance is
 };
 
 enum class SurroundingKind { ambient, coolant, air };
@@ -105,6 +106,7 @@ struct Film {
   std::vector<std::size_t> only_parts;
   rom::SpeedLaw law;
   rom::SourceLine where;
+  std::optional<rom::BoundLaw> physics = {};  ///< whose nominal value stands above
 };
 
 /// A channel that coolant passes from segment to segment, warming up on the way (rom::CoolantCircuit). Its segments are
@@ -127,6 +129,7 @@ struct GapFilm {
   Box region;  ///< the void between the two faces
   rom::SpeedLaw law;
   rom::SourceLine where;
+  std::optional<rom::BoundLaw> physics = {};  ///< whose nominal value stands above
 };
 
 /// Exposed faces whose outward side lies in a region and that carry no heat.
@@ -158,6 +161,7 @@ struct HeatSource {
   std::vector<HeatShare> shares;
   rom::SpeedLaw law;
   rom::SourceLine where;
+  std::optional<rom::BoundLaw> physics = {};  ///< whose nominal value stands above
 };
 
 /// What holds a component of displacement: u = 0, a spring to the ground, or for `plane` all values on the face equal,

@@ -75,6 +75,7 @@ void append_film(ExchangeTerms& terms, const Spindle& spindle, const Section& se
   conductance.environment = environment;
   conductance.part_a = only_part(section, index);
   conductance.law = film.law;
+  conductance.physics = film.physics;
   append(terms, form, unknowns, std::move(conductance));
 }
 
@@ -102,6 +103,7 @@ ExchangeTerms exchange_terms(const Spindle& spindle, const Section& section, con
     conductance.name = part_a.name + "/" + part_b.name;
     conductance.kind = rom::ConductanceKind::contact;
     conductance.nominal_W_per_m2K = contact.conductance_W_per_m2K;
+    conductance.physics = contact.physics;
     conductance.part_a = static_cast<int>(contact.part_a);
     conductance.part_b = static_cast<int>(contact.part_b);
     if (contact.fit) {
@@ -118,6 +120,7 @@ ExchangeTerms exchange_terms(const Spindle& spindle, const Section& section, con
     conductance.part_a = static_cast<int>(gap.part_a);
     conductance.part_b = static_cast<int>(gap.part_b);
     conductance.law = gap.law;
+    conductance.physics = gap.physics;
     append(terms, between_parts(rules, PieceKind::gap, i), unknowns, std::move(conductance));
   }
   for (std::size_t i = 0; i < spindle.films.size(); ++i) {

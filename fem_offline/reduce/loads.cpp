@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rom/laws/speed_law.hpp"
+#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -23,10 +23,15 @@ Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_hi
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();
   Loads loads;
   loads.heat_W = model.source_distribution;
+  rom::LawDrive drive;
+  rom::take_machine(boundaries.operating, drive);
+  drive.speed_rpm = speed_high_rpm;
+  drive.load = load_high;
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     const rom::HeatSource& source = boundaries.sources[i];
-    const double law = rom::evaluate_speed_law(source.law, speed_high_rpm, boundaries.reference_speed_rpm, load_high);
-    loads.heat_W.col(static_cast<Eigen::Index>(i)) *= source.nominal_W * std::max(law, 1.0);
+    const double fast_W =
+        rom::held_heat_W(source, boundaries.reference_speed_rpm, 1.0, drive, boundaries.operating.environment_K);
+    loads.heat_W.col(static_cast<Eigen::Index>(i)) *= std::max(fast_W, source.nominal_W);
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     loads.film_column.push_back(boundaries.conductances[j].environment);

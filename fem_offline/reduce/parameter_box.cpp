@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "rom/laws/channel_law.hpp"
-#include "rom/laws/speed_law.hpp"
+#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -64,11 +64,15 @@ Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const Par
   double speed_rpm = random.uniform(0.0, box.speed_high_rpm);
   if (corner) speed_rpm = speed_rpm < 0.5 * box.speed_high_rpm ? 0.0 : box.speed_high_rpm;
   const double load = random.uniform(0.0, box.load_high);
+  rom::LawDrive drive;
+  rom::take_machine(boundaries.operating, drive);
+  drive.speed_rpm = speed_rpm;
+  drive.load = load;
   Eigen::VectorXd conductances = random_conductance_factors(boundaries, box, corner, random);
   for (Eigen::Index j = 0; j < conductances.size(); ++j) {
     const rom::Conductance& item = boundaries.conductances[static_cast<std::size_t>(j)];
-    conductances[j] *=
-        item.nominal_W_per_m2K * rom::evaluate_speed_law(item.law, speed_rpm, boundaries.reference_speed_rpm, load);
+    conductances[j] *= rom::held_conductance_W_per_m2K(item, boundaries.reference_speed_rpm, 1.0, drive,
+                                                       boundaries.operating.environment_K);
   }
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     double factor = random.log_uniform(box.flow_low, box.flow_high);

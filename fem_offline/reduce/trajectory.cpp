@@ -28,6 +28,8 @@ void follow(const rom::Boundaries& boundaries, const DriveCase& drive, const Vis
     const HeldInterval& interval = drive.intervals[i];
     if (interval.conductance_factors.size() > 0) factors.conductance = interval.conductance_factors;
     correction::evaluate_boundaries(boundaries, interval.state, factors, values);
+    values.laws.follow =
+        false;  // the FE model holds them at their nominal temperatures, and the basis is what is judged
     visit(static_cast<Eigen::Index>(i), interval, values);
   }
 }

@@ -90,14 +90,17 @@ Inspection inspect(const std::string& path) {
   result.values = correction::make_boundary_values(boundaries);
   correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries),
                                   result.values);
-  const Eigen::VectorXd all_s =
-      rom::time_constants_s(rom::NetworkOperator(result.network), result.values.conductance_W_per_m2K);
+  const auto coordinates = std::make_shared<const rom::NetworkOperator>(result.network);
+  if (!coordinates->laws().empty()) {
+    const Eigen::VectorXd steady_K = rom::steady_temperatures_K(coordinates, result.values);
+    if (steady_K.allFinite()) coordinates->laws().at_temperatures(steady_K, result.values);
+  }
+  const Eigen::VectorXd all_s = rom::time_constants_s(*coordinates, result.values.conductance_W_per_m2K);
   result.time_constants_s = all_s.head(std::min(shown_time_constants, all_s.size()));
   result.checks = check(result.network);
   if (!boundaries.circuits.empty()) {
-    const auto channels = std::make_shared<const rom::NetworkOperator>(result.network);
     result.coolant =
-        rom::coolant_outlets(*channels, result.values, rom::steady_temperatures_K(channels, result.values));
+        rom::coolant_outlets(*coordinates, result.values, rom::steady_temperatures_K(coordinates, result.values));
   }
   return result;
 }

@@ -36,7 +36,7 @@ struct Inspection {
   std::uint32_t schema_version = 0;  ///< of the file's payload
   std::string sha256;                ///< of the file's payload, hex
   std::string signed_by;             ///< public key, hex; empty: not signed
-  rom::BoundaryValues values;        ///< at the operating state, nothing corrected
+  rom::BoundaryValues values;        ///< at the operating state, nothing corrected; laws at its steady temperatures
   Eigen::VectorXd time_constants_s;
   rom::CoolantOutlets coolant;  ///< in the steady state at the operating state
   Checks checks;

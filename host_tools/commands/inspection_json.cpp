@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host_tools/commands/inspection.hpp"
+#include "host_tools/commands/law_facts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -23,6 +24,8 @@ nlohmann::json boundaries_json(const Inspection& result) {
     json["sources"].push_back({{"name", boundaries.sources[i].name},
                                {"nominal_W", boundaries.sources[i].nominal_W},
                                {"operating_W", result.values.heat_W[static_cast<Eigen::Index>(i)]}});
+    if (boundaries.sources[i].physics)
+      json["sources"].back()["law"] = law_json(result.network, *boundaries.sources[i].physics);
   }
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
     json["environments"].push_back(
@@ -39,6 +42,7 @@ nlohmann::json boundaries_json(const Inspection& result) {
          {"operating_W_per_m2K", result.values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)]},
          {"area_m2", conductance.area_m2},
          {"rank", result.network.factors_m[j].cols()}});
+    if (conductance.physics) json["conductances"].back()["law"] = law_json(result.network, *conductance.physics);
   }
   return json;
 }

@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "host_tools/commands/inspection.hpp"
+#include "host_tools/commands/law_facts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -9,8 +10,10 @@ void print_inputs(const Inspection& result) {
   const rom::Boundaries& boundaries = result.network.boundaries;
   std::printf("\n%-24s %12s %12s\n", "heat source", "nominal W", "operating W");
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
-    std::printf("%-24s %12.2f %12.2f\n", boundaries.sources[i].name.c_str(), boundaries.sources[i].nominal_W,
-                result.values.heat_W[static_cast<Eigen::Index>(i)]);
+    const rom::HeatSource& source = boundaries.sources[i];
+    std::printf("%-24s %12.2f %12.2f%s%s\n", source.name.c_str(), source.nominal_W,
+                result.values.heat_W[static_cast<Eigen::Index>(i)], source.physics ? "  " : "",
+                source.physics ? law_words(result.network, *source.physics).c_str() : "");
   }
   std::printf("\n%-24s %-10s %12s\n", "environment", "kind", "degC");
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
@@ -21,9 +24,10 @@ void print_inputs(const Inspection& result) {
   std::printf("\n%-44s %-17s %12s %12s %5s\n", "conductance", "kind", "W/m2K", "area mm2", "rank");
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     const rom::Conductance& conductance = boundaries.conductances[j];
-    std::printf("%-44s %-17s %12.1f %12.1f %5ld\n", conductance.name.c_str(), kind_name(conductance.kind),
+    std::printf("%-44s %-17s %12.1f %12.1f %5ld%s%s\n", conductance.name.c_str(), kind_name(conductance.kind),
                 conductance.nominal_W_per_m2K, 1e6 * conductance.area_m2,
-                static_cast<long>(result.network.factors_m[j].cols()));
+                static_cast<long>(result.network.factors_m[j].cols()), conductance.physics ? "  " : "",
+                conductance.physics ? law_words(result.network, *conductance.physics).c_str() : "");
   }
 }
 

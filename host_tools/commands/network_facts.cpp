@@ -1,7 +1,10 @@
 #include "host_tools/commands/network_facts.hpp"
 
 #include <map>
+#include <optional>
 #include <sstream>
+
+#include "host_tools/commands/law_facts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -64,6 +67,17 @@ void add_network(const Inspection& inspection, Facts& facts) {
   }
 }
 
+/// A law's own facts, each with a name of its own; a network without laws has none of them.
+void add_law(const rom::Network& network, const std::optional<rom::BoundLaw>& law, Facts& facts) {
+  if (!law) return;
+  const nlohmann::json json = law_json(network, *law);
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_string()) facts.add("law " + key, value.get<std::string>());
+    if (value.is_number()) facts.add("law " + key, value.get<double>());
+  }
+  for (const auto& [key, value] : json["numbers"].items()) facts.add("law " + key, value.get<double>());
+}
+
 void add_boundaries(const rom::Network& network, Facts& facts) {
   const rom::Boundaries& boundaries = network.boundaries;
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
@@ -75,6 +89,7 @@ void add_boundaries(const rom::Network& network, Facts& facts) {
     facts.start("source", boundaries.sources[i].name);
     facts.add("nominal_W", boundaries.sources[i].nominal_W);
     facts.add("law", text_of(boundaries.sources[i].law));
+    add_law(network, boundaries.sources[i].physics, facts);
     facts.add("distribution", network.source_distribution.col(static_cast<Eigen::Index>(i)));
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
@@ -87,6 +102,7 @@ void add_boundaries(const rom::Network& network, Facts& facts) {
     facts.add("part_a", name_at(network.parts, conductance.part_a));
     facts.add("part_b", name_at(network.parts, conductance.part_b));
     facts.add("law", text_of(conductance.law));
+    add_law(network, conductance.physics, facts);
     if (conductance.fit) {
       facts.add("assembly_pressure_Pa", conductance.fit->assembly_pressure_Pa);
       facts.add("pressure_per_inner_rise_Pa_per_K", conductance.fit->pressure_per_inner_rise_Pa_per_K);

@@ -94,8 +94,13 @@ void simulate(const Options& options) {
   stepper->set_temperatures(
       Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), correction::rest_temperature_K(boundaries, state)));
   std::string table = header(network);
-  rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
-  add_row(table, 0.0, outputs, values.heat_W, rom::coolant_outlets(channels, values, stepper->temperatures_K()));
+  const auto add_row_at = [&](double time_s) {
+    const Eigen::VectorXd& nodes_K = stepper->temperatures_K();
+    rom::evaluate_outputs(network, nodes_K, outputs);
+    channels.laws().at_temperatures(nodes_K, values);
+    add_row(table, time_s, outputs, values.heat_W, rom::coolant_outlets(channels, values, nodes_K));
+  };
+  add_row_at(0.0);
 
   double time_s = 0.0;
   double due_s = options.every_s;
@@ -108,8 +113,7 @@ void simulate(const Options& options) {
     time_s = end_s;
     if (time_s < due_s - 1e-6 * options.period_s && time_s < schedule.end_s) continue;
     while (due_s <= time_s + 1e-6 * options.period_s) due_s += options.every_s;
-    rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
-    add_row(table, time_s, outputs, values.heat_W, rom::coolant_outlets(channels, values, stepper->temperatures_K()));
+    add_row_at(time_s);
   }
   rom::write_whole_file(options.output, table);
   if (stepper->fallbacks() > 0) {

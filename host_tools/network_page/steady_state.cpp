@@ -152,6 +152,7 @@ std::optional<SteadyState> steady_state(const rom::Network& network, const rom::
                      {}};
   correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), steady.values);
   steady.temperatures_K = rom::steady_temperatures_K(steady.coordinates, steady.values);
+  steady.coordinates->laws().at_temperatures(steady.temperatures_K, steady.values);
   if (!steady.temperatures_K.allFinite() || steady.temperatures_K.cwiseAbs().maxCoeff() > 1e6) return std::nullopt;
   steady.flows = rom::heat_flows(network, steady.bodies, steady.values, steady.temperatures_K);
   return steady;

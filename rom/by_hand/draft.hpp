@@ -5,6 +5,7 @@
 
 #include "rom/network.hpp"
 #include "rom/read/names.hpp"
+#include "rom/read/read_physical_law.hpp"
 #include "rom/read/strict_toml.hpp"
 
 /// The pieces of read_by_hand, one function per group of tables; used there only. All throw InputError.
@@ -20,6 +21,7 @@ struct Draft {
   std::vector<std::string> parts;                ///< in the order of their first node
   std::vector<std::vector<std::size_t>> linked;  ///< per node, the nodes that it exchanges heat with
   std::vector<bool> cooled;                      ///< per node, whether a film leads to a surrounding
+  std::vector<PendingLaw> laws;                  ///< read last, when all that they may name is known
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(network.nodes.size()); }
 };
@@ -40,6 +42,9 @@ void read_exchanges(const TomlTable& root, Draft& draft);
 
 /// [[heat]], [[key_point]], [[deformation]], [[contact_pressure]], and mean and maximum of each part.
 void read_inputs_and_outputs(const TomlTable& root, Draft& draft);
+
+/// The tables `law` of heats, contacts, films and circuits.
+void read_laws(Draft& draft);
 
 /// Every node must reach every other, and heat must reach a surrounding.
 void check_connected(const TomlTable& root, const Draft& draft);

@@ -106,6 +106,25 @@ void check_connected(const TomlTable& root, const Draft& draft) {
   }
 }
 
+void read_laws(Draft& draft) {
+  Boundaries& boundaries = draft.network.boundaries;
+  LawPlaces places{draft.parts, {}, {}, {}};
+  for (const Environment& environment : boundaries.environments) places.environments.push_back(environment.name);
+  for (const auto& output : draft.network.contact_pressures) places.contact_pressures.push_back(output.name);
+  for (const DeformationOutput& output : draft.network.deformations) places.deformations.push_back(output.name);
+  for (const PendingLaw& pending : draft.laws) {
+    const BoundLaw law = read_physical_law(pending, places, boundaries.reference_temperature_K);
+    const double nominal = nominal_value(pending.table, law, boundaries.operating);
+    if (pending.role == LawRole::heat) {
+      boundaries.sources[pending.index].nominal_W = nominal;
+      boundaries.sources[pending.index].physics = law;
+    } else {
+      boundaries.conductances[pending.index].nominal_W_per_m2K = nominal;
+      boundaries.conductances[pending.index].physics = law;
+    }
+  }
+}
+
 Network parse_by_hand(const std::string& text, const std::string& file) {
   const TomlTable root = TomlTable::parse(text, file);
   if (!root.has("node") && root.has("material")) {
@@ -119,6 +138,7 @@ Network parse_by_hand(const std::string& text, const std::string& file) {
   read_operating(root, draft);
   read_exchanges(root, draft);
   read_inputs_and_outputs(root, draft);
+  read_laws(draft);
   root.finish();
   check_connected(root, draft);
   check_network(draft.network, file);

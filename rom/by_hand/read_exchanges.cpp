@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -106,12 +107,27 @@ void add_film(Conductance conductance, const std::vector<Face>& faces, Draft& dr
   draft.network.factors_m.push_back(std::move(factor));
 }
 
+/// Nominal value and speed law, or the table of a physical law, which is returned.
+std::optional<TomlTable> read_value_or_law(const TomlTable& table, const char* key, Conductance& conductance) {
+  auto law = optional_law(table, {key, "speed_law"});
+  if (law) return law;
+  conductance.nominal_W_per_m2K = table.number(key, positive);
+  conductance.law = read_speed_law(table);
+  return std::nullopt;
+}
+
+/// For the conductance added last.
+void await_law(const TomlTable& law, LawRole role, Draft& draft, int circuit = -1) {
+  const std::size_t index = draft.network.boundaries.conductances.size() - 1;
+  const Conductance& conductance = draft.network.boundaries.conductances[index];
+  draft.laws.push_back({law, role, index, {conductance.part_a, conductance.part_b, conductance.environment, circuit}});
+}
+
 void read_contact(const TomlTable& table, Draft& draft) {
   Conductance contact;
   contact.name = draft.conductances.add(table);
   contact.kind = ConductanceKind::contact;
-  contact.nominal_W_per_m2K = table.number("conductance_W_per_m2K", positive);
-  contact.law = read_speed_law(table);
+  const auto law = read_value_or_law(table, "conductance_W_per_m2K", contact);
   if (const auto fit = table.optional_table("joint_fit")) {
     contact.fit = JointFit{fit->number("assembly_pressure_Pa", not_negative),
                            fit->number("pressure_per_inner_rise_Pa_per_K", not_negative),
@@ -119,6 +135,7 @@ void read_contact(const TomlTable& table, Draft& draft) {
   }
   add_between_nodes(std::move(contact), read_pairs(table, draft), draft);
   const Conductance& added = draft.network.boundaries.conductances.back();
+  if (law) await_law(*law, LawRole::conductance, draft);
   if (added.fit && (added.part_a < 0 || added.part_b < 0)) {
     table.fail("joint_fit",
                "needs an inner and an outer part: all first nodes of one part, all second ones of another");
@@ -128,23 +145,23 @@ void read_contact(const TomlTable& table, Draft& draft) {
 void read_gap_film(const TomlTable& table, Draft& draft) {
   Conductance gap;
   gap.name = draft.conductances.add(table);
-  gap.nominal_W_per_m2K = table.number("coefficient_W_per_m2K", positive);
-  gap.law = read_speed_law(table);
+  const auto law = read_value_or_law(table, "coefficient_W_per_m2K", gap);
   const std::vector<Face> faces = read_pairs(table, draft);
   const bool to_air = std::any_of(faces.begin(), faces.end(), [&](const Face& face) {
     return draft.network.nodes[face.nodes.first].part.empty() || draft.network.nodes[face.nodes.second].part.empty();
   });
   gap.kind = to_air ? ConductanceKind::air_film : ConductanceKind::gap_film;
   add_between_nodes(std::move(gap), faces, draft);
+  if (law) await_law(*law, LawRole::conductance, draft);
 }
 
 void read_film(const TomlTable& table, Draft& draft) {
   Conductance film;
   film.name = draft.conductances.add(table);
   film.environment = static_cast<int>(draft.surroundings.find(table, "surrounding"));
-  film.nominal_W_per_m2K = table.number("coefficient_W_per_m2K", positive);
-  film.law = read_speed_law(table);
+  const auto law = read_value_or_law(table, "coefficient_W_per_m2K", film);
   add_film(std::move(film), read_walls(table, draft), draft);
+  if (law) await_law(*law, LawRole::conductance, draft);
 }
 
 void read_circuit(const TomlTable& table, Names& names, Draft& draft, std::vector<double>& flows_kg_per_s) {
@@ -157,16 +174,20 @@ void read_circuit(const TomlTable& table, Names& names, Draft& draft, std::vecto
   }
   flows_kg_per_s.push_back(table.number("flow_kg_per_s"));
   circuit.heat_capacity_J_per_kgK = table.number("heat_capacity_J_per_kgK", positive);
-  const double coefficient_W_per_m2K = table.number("coefficient_W_per_m2K", positive);
-  const SpeedLaw law = read_speed_law(table);
+  Conductance shared;
+  const auto law = read_value_or_law(table, "coefficient_W_per_m2K", shared);
   for (const TomlTable& segment : table.tables("segments")) {
     Conductance film;
     film.name = draft.conductances.add(segment);
     film.environment = circuit.environment;
-    film.nominal_W_per_m2K = segment.number_or("coefficient_W_per_m2K", coefficient_W_per_m2K, positive);
-    film.law = law;
+    if (law && segment.has("coefficient_W_per_m2K")) {
+      segment.fail("coefficient_W_per_m2K", "cannot stand beside the circuit's law, which gives the value");
+    }
+    if (!law) film.nominal_W_per_m2K = segment.number_or("coefficient_W_per_m2K", shared.nominal_W_per_m2K, positive);
+    film.law = shared.law;
     circuit.segments.push_back(static_cast<int>(boundaries.conductances.size()));
     add_film(std::move(film), read_walls(segment, draft), draft);
+    if (law) await_law(*law, LawRole::channel, draft, static_cast<int>(boundaries.circuits.size()));
   }
   boundaries.circuits.push_back(std::move(circuit));
 }

@@ -40,8 +40,12 @@ Eigen::VectorXd read_weights(const TomlTable& table, const Draft& draft) {
 void read_heat(const TomlTable& table, Names& names, Draft& draft) {
   HeatSource source;
   source.name = names.add(table);
-  source.nominal_W = table.number("heat_W", not_negative);
-  source.law = read_speed_law(table);
+  if (const auto law = optional_law(table, {"heat_W", "speed_law"})) {
+    draft.laws.push_back({*law, LawRole::heat, draft.network.boundaries.sources.size(), {}});
+  } else {
+    source.nominal_W = table.number("heat_W", not_negative);
+    source.law = read_speed_law(table);
+  }
   Eigen::MatrixXd& distribution = draft.network.source_distribution;
   distribution.conservativeResize(draft.size(), distribution.cols() + 1);
   distribution.rightCols(1) = read_weights(table, draft);

@@ -1,10 +1,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "rom/file/payload.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/laws/law_fields.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {
@@ -62,6 +64,35 @@ class Checker {
     }
   }
 
+  /// Numbers in range, indices that exist, and a heat where a heat is wanted.
+  void physics(const std::optional<BoundLaw>& bound, bool heat, int segment_of, const Network& network,
+               const std::string& field) const {
+    if (!bound) return;
+    const std::string fault = law_fault(bound->law.parameters);
+    require(fault.empty(), field + " law", fault);
+    require(static_cast<std::size_t>(bound->law.mode) < law_modes.size(), field + " law mode", "does not exist");
+    require(is_heat(bound->law) == heat, field + " law",
+            heat ? "is one of a conductance, not of a heat" : "is one of a heat, not of a conductance");
+    require(heat || is_channel(bound->law) == (segment_of >= 0), field + " law",
+            "of a channel belongs to the segments of a coolant circuit, and any other does not");
+    require(bound->circuit == segment_of, field + " law circuit", "must be the circuit of its segment, -1 without");
+    const auto index = [&](int at, std::size_t size, const std::string& what) {
+      require(at >= -1 && at < static_cast<int>(size), field + " law " + what, "names one that does not exist");
+    };
+    for (const LawTemperature& temperature : {bound->first, bound->second}) {
+      index(temperature.part, network.parts.size(), "part");
+      index(temperature.environment, network.boundaries.environments.size(), "environment");
+      require(temperature.part < 0 || temperature.environment < 0, field + " law temperature",
+              "must be a part's or an environment's, not both");
+      above_absolute_zero(temperature.nominal_K, field + " law nominal_K");
+    }
+    index(bound->pressure, network.contact_pressures.size(), "pressure");
+    index(bound->displacement, network.deformations.size(), "displacement");
+    for (const double number : {bound->displacement_sign, bound->nominal_pressure_Pa, bound->nominal_displacement_m}) {
+      finite(number, field + " law");
+    }
+  }
+
   template <class Item>
   void names(const std::vector<Item>& items, const std::string& what) const {
     std::set<std::string> seen;
@@ -95,6 +126,15 @@ void check_matrices(const Network& network, Eigen::Index nodes, const Checker& c
                 "is not positive semidefinite; heat would flow from cold to warm");
 }
 
+/// The circuit that conductance j is a segment of, -1 if of none.
+int circuit_of(const Boundaries& boundaries, std::size_t j) {
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const std::vector<int>& segments = boundaries.circuits[c].segments;
+    if (std::find(segments.begin(), segments.end(), static_cast<int>(j)) != segments.end()) return static_cast<int>(c);
+  }
+  return -1;
+}
+
 void check_conductances(const Network& network, Eigen::Index nodes, const Checker& check) {
   const Boundaries& boundaries = network.boundaries;
   check.require(network.factors_m.size() == boundaries.conductances.size(), "conductances", "not one factor for each");
@@ -106,6 +146,7 @@ void check_conductances(const Network& network, Eigen::Index nodes, const Checke
     check.not_negative(conductance.nominal_W_per_m2K, field + " nominal_W_per_m2K");
     check.not_negative(conductance.area_m2, field + " area_m2");
     check.law(conductance.law, boundaries.reference_speed_rpm, field);
+    check.physics(conductance.physics, false, circuit_of(boundaries, j), network, field);
     check.require(
         conductance.environment >= -1 && conductance.environment < static_cast<int>(boundaries.environments.size()),
         field + " environment", "names one that does not exist");
@@ -150,6 +191,7 @@ void check_inputs(const Network& network, Eigen::Index nodes, const Checker& che
     const std::string field = "source " + source.name;
     check.not_negative(source.nominal_W, field + " nominal_W");
     check.law(source.law, boundaries.reference_speed_rpm, field);
+    check.physics(source.physics, true, -1, network, field);
     const auto column = network.source_distribution.col(static_cast<Eigen::Index>(i));
     check.finite(column, field + " distribution");
     check.sums_to_one(column.sum(), field + " distribution");

@@ -1,9 +1,11 @@
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
 #include "rom/file/decode_certificate.hpp"
 #include "rom/file/decode_fields.hpp"
+#include "rom/file/decode_law.hpp"
 #include "rom/file/rom.pb.h"
 #include "rom/read/input_error.hpp"
 
@@ -39,6 +41,7 @@ unsigned number_of(const Enum& value) {
 struct ConductanceWithFactor {
   Conductance conductance;
   Eigen::MatrixXd factor_m;
+  std::string law_fault;
 };
 
 bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
@@ -47,7 +50,10 @@ bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
   message.name = attach(conductance.name);
   message.factor_m = attach(item.factor_m);
   attach_law(message.law, conductance.law);
+  DecodedLaw physics;
+  attach_physics(message.physics, physics);
   if (!pb_decode(stream, spindle_twin_rom_Conductance_fields, &message)) return false;
+  if (message.has_physics) conductance.physics = take_physics(message.physics, physics, item.law_fault);
   if (number_of(message.kind) > static_cast<unsigned>(ConductanceKind::environment_film)) {
     PB_RETURN_ERROR(stream, "a conductance of unknown kind");
   }
@@ -68,6 +74,7 @@ bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
 struct SourceWithDistribution {
   HeatSource source;
   Eigen::VectorXd distribution;
+  std::string law_fault;
 };
 
 bool decode_source(pb_istream_t* stream, SourceWithDistribution& item) {
@@ -75,7 +82,10 @@ bool decode_source(pb_istream_t* stream, SourceWithDistribution& item) {
   message.name = attach(item.source.name);
   message.distribution = attach(item.distribution);
   attach_law(message.law, item.source.law);
+  DecodedLaw physics;
+  attach_physics(message.physics, physics);
   if (!pb_decode(stream, spindle_twin_rom_HeatSource_fields, &message)) return false;
+  if (message.has_physics) item.source.physics = take_physics(message.physics, physics, item.law_fault);
   item.source.nominal_W = message.nominal_W;
   take_law(message.law, item.source.law);
   return true;
@@ -205,16 +215,22 @@ struct Lists {
   std::vector<CircuitWithFlow> circuits;
 };
 
+void refuse_law(const std::string& fault, const std::string& file, const std::string& field) {
+  if (!fault.empty()) throw InputError({file, 0}, field, fault);
+}
+
 void take_lists(Lists& lists, Network& network, const std::string& file) {
   const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
   for (ConductanceWithFactor& item : lists.conductances) {
     const Eigen::Index columns = item.factor_m.size() / nodes;
     shape(item.factor_m, nodes, columns, file, "conductance " + item.conductance.name + " factor");
+    refuse_law(item.law_fault, file, "conductance " + item.conductance.name + " law");
     network.boundaries.conductances.push_back(std::move(item.conductance));
     network.factors_m.push_back(std::move(item.factor_m));
   }
   for (const SourceWithDistribution& item : lists.sources) {
     check_length(item.distribution, nodes, file, "source " + item.source.name + " distribution");
+    refuse_law(item.law_fault, file, "source " + item.source.name + " law");
   }
   network.source_distribution.resize(nodes, static_cast<Eigen::Index>(lists.sources.size()));
   for (std::size_t i = 0; i < lists.sources.size(); ++i) {
@@ -269,9 +285,18 @@ void check_version(const spindle_twin_rom_Network& message, const Lists& lists, 
   if (version < payload_schema_version_circuits && !lists.circuits.empty()) {
     throw InputError({file, 0}, "schema_version", "1 with coolant circuits, which come with version 2");
   }
-  if (version < payload_schema_version && (message.hand_written || !errors.empty())) {
+  if (version < payload_schema_version_outputs && (message.hand_written || !errors.empty())) {
     throw InputError({file, 0}, "schema_version",
                      std::to_string(version) + " with a hand-written network or errors per output, which come with 3");
+  }
+  const bool laws =
+      std::any_of(lists.conductances.begin(), lists.conductances.end(),
+                  [](const ConductanceWithFactor& item) { return item.conductance.physics.has_value(); }) ||
+      std::any_of(lists.sources.begin(), lists.sources.end(),
+                  [](const SourceWithDistribution& item) { return item.source.physics.has_value(); });
+  if (version < payload_schema_version && laws) {
+    throw InputError({file, 0}, "schema_version",
+                     std::to_string(version) + " with physical laws, which come with version 4");
   }
 }
 

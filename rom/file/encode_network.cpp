@@ -5,6 +5,7 @@
 
 #include "rom/file/payload.hpp"
 #include "rom/file/rom.pb.h"
+#include "rom/laws/law_fields.hpp"
 
 namespace spindle_twin::rom {
 namespace {
@@ -75,6 +76,42 @@ spindle_twin_rom_SpeedLaw law_message(const SpeedLaw& law) {
   return message;
 }
 
+/// A law's parts as nanopb wants them, alive while it encodes.
+struct EncodedLaw {
+  std::string kind;
+  std::vector<NamedNumber> numbers;
+
+  explicit EncodedLaw(const std::optional<BoundLaw>& physics) {
+    if (!physics) return;
+    kind = law_kinds[physics->law.parameters.index()];
+    numbers = law_numbers(physics->law.parameters);
+  }
+};
+
+bool encode_law_number(pb_ostream_t* stream, const std::vector<NamedNumber>& list, std::size_t i) {
+  spindle_twin_rom_LawNumber message = spindle_twin_rom_LawNumber_init_zero;
+  message.name = attach(list[i].name);
+  message.value = list[i].value;
+  return pb_encode_submessage(stream, spindle_twin_rom_LawNumber_fields, &message);
+}
+
+spindle_twin_rom_PhysicalLaw physics_message(const BoundLaw& physics, const EncodedLaw& encoded) {
+  spindle_twin_rom_PhysicalLaw message = spindle_twin_rom_PhysicalLaw_init_zero;
+  message.kind = attach(encoded.kind);
+  message.mode = static_cast<std::uint32_t>(physics.law.mode);
+  message.numbers = attach_list<std::vector<NamedNumber>, encode_law_number>(encoded.numbers);
+  message.has_first = message.has_second = true;
+  message.first = {physics.first.part, physics.first.environment, physics.first.nominal_K};
+  message.second = {physics.second.part, physics.second.environment, physics.second.nominal_K};
+  message.pressure = physics.pressure;
+  message.displacement = physics.displacement;
+  message.displacement_sign = physics.displacement_sign;
+  message.nominal_pressure_Pa = physics.nominal_pressure_Pa;
+  message.nominal_displacement_m = physics.nominal_displacement_m;
+  message.circuit = physics.circuit;
+  return message;
+}
+
 /// Lists that the network keeps apart from the matrices they own are encoded from the network itself.
 template <class Item>
 struct NetworkList {
@@ -101,6 +138,9 @@ bool encode_conductance(pb_ostream_t* stream, const NetworkList<Conductance>& li
                    item.fit->pressure_per_outer_rise_Pa_per_K};
   }
   message.factor_m = attach(list.network->factors_m[i]);
+  const EncodedLaw encoded(item.physics);
+  message.has_physics = item.physics.has_value();
+  if (item.physics) message.physics = physics_message(*item.physics, encoded);
   return pb_encode_submessage(stream, spindle_twin_rom_Conductance_fields, &message);
 }
 
@@ -113,6 +153,9 @@ bool encode_source(pb_ostream_t* stream, const NetworkList<HeatSource>& list, st
   message.has_law = true;
   message.law = law_message(item.law);
   message.distribution = attach(distribution);
+  const EncodedLaw encoded(item.physics);
+  message.has_physics = item.physics.has_value();
+  if (item.physics) message.physics = physics_message(*item.physics, encoded);
   return pb_encode_submessage(stream, spindle_twin_rom_HeatSource_fields, &message);
 }
 

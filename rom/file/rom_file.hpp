@@ -51,9 +51,9 @@ Network decode_network(const std::vector<std::uint8_t>& bytes, const std::string
 /// The physics that every network keeps, to 1e-9 of the matrix' largest entry (1e-6 for weights that sum to 1): shapes,
 /// finite values, C symmetric positive definite, K₀ symmetric positive semidefinite with rows that sum to zero, columns
 /// of Fⱼ that sum to zero where no environment is exchanged with, columns of B and rows of temperature outputs that sum
-/// to 1, indices in range, nominal values and areas >= 0, temperatures above 0 K, errors of
-/// the certificate finite, >= 0 and one per output or none. Throws InputError; `file` is only for
-/// messages.
+/// to 1, indices in range, physical laws of the right kind with numbers in range, nominal values and areas >= 0,
+/// temperatures above 0 K, errors of the certificate finite, >= 0 and one per output or none. Throws InputError; `file`
+/// is only for messages.
 void check_network(const Network& network, const std::string& file);
 
 }  // namespace spindle_twin::rom

@@ -54,6 +54,24 @@ void coolant_upstream(const CoolantSegments& segments, const BoundaryValues& val
   }
 }
 
+void coolant_slope(const CoolantSegments& segments, const BoundaryValues& values, const Eigen::VectorXd& wall_rise_K,
+                   std::size_t circuit, int changed, Eigen::VectorXd& weights) {
+  weights.setZero();
+  const double flow_W_per_K = std::abs(values.coolant_W_per_K[static_cast<Eigen::Index>(circuit)]);
+  if (!(flow_W_per_K > 0.0)) return;
+  double rise_K = 0.0, rise_slope = 0.0;
+  along_flow(segments, values, circuit, [&](int segment, double heat_W_per_K) {
+    const double area_m2 = segments.area_m2[segment], share = heat_W_per_K / flow_W_per_K;
+    weights[segment] = rise_slope * heat_W_per_K / area_m2;
+    rise_slope *= 1.0 - share;
+    if (segment == changed) {
+      weights[segment] += rise_K;
+      rise_slope += area_m2 / flow_W_per_K * (wall_rise_K[segment] - rise_K);
+    }
+    rise_K += share * (wall_rise_K[segment] - rise_K);
+  });
+}
+
 void march_coolant(const CoolantSegments& segments, const BoundaryValues& values, const Eigen::VectorXd& wall_K,
                    CoolantOutlets& outlets) {
   for (std::size_t c = 0; c + 1 < segments.first.size(); ++c) {

@@ -25,6 +25,12 @@ CoolantSegments coolant_segments(const Boundaries& boundaries);
 /// temperature; it then carries no heat. Cycle-safe when `upstream` is sized.
 void coolant_upstream(const CoolantSegments& segments, const BoundaryValues& values, Eigen::MatrixXd& upstream);
 
+/// What one W/m²K more of the segment `changed` does to Σ_s P_s g_s r_s, with r_s the rise of the liquid that enters
+/// segment s above its inlet: Σ_s P_s weights_s. `wall_rise_K`: area means of the walls above the inlet, one per
+/// segment. Cycle-safe when `weights` (M) is sized.
+void coolant_slope(const CoolantSegments& segments, const BoundaryValues& values, const Eigen::VectorXd& wall_rise_K,
+                   std::size_t circuit, int changed, Eigen::VectorXd& weights);
+
 /// Per circuit the outlet temperature and the heat taken, Σ q_s = |ṁ| c (T_out − T_inlet).
 struct CoolantOutlets {
   Eigen::VectorXd outlet_K;

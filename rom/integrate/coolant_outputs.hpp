@@ -11,7 +11,8 @@ namespace spindle_twin::rom {
 CoolantOutlets coolant_outlets(const NetworkOperator& network, const BoundaryValues& values,
                                const Eigen::VectorXd& temperatures_K);
 
-/// Node temperatures after an endless time with these inputs held: K̃x − PX̃Pᵀx = u. Not finite where nothing leads to an
+/// Node temperatures after an endless time with these inputs held: K̃x − PX̃Pᵀx = u, with physical laws at their own
+/// temperatures by Newton's method. Not finite where nothing leads to an
 /// environment. An LU factorisation: not for the cycle.
 Eigen::VectorXd steady_temperatures_K(std::shared_ptr<const NetworkOperator> network, const BoundaryValues& values);
 

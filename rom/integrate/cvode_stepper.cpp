@@ -42,7 +42,7 @@ bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now, double sh
 }
 
 /// I − γ ∂f/∂x. Its K̃ may be one of some cycles ago.
-int newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix, booleantype serves, booleantype* fresh, realtype gamma,
+int newton_matrix(realtype, N_Vector x, N_Vector, SUNMatrix, booleantype serves, booleantype* fresh, realtype gamma,
                   void* user_data, N_Vector, N_Vector, N_Vector) {
   Problem& problem = *static_cast<Problem*>(user_data);
   const Eigen::VectorXd& wanted_W_per_m2K = problem.rhs->conductance_W_per_m2K();
@@ -52,12 +52,12 @@ int newton_matrix(realtype, N_Vector, N_Vector, SUNMatrix, booleantype serves, b
   const bool same = taken && problem.taken_W_per_m2K == wanted_W_per_m2K;
   const bool take = !taken || !(serves || near || same);
   if (take) {
-    problem.newton->take_matrix(problem.rhs->lower(), problem.rhs->network().walls());
+    problem.newton->take_matrix(problem.rhs->lower(), problem.rhs->network().feedback_columns());
     problem.taken_W_per_m2K = wanted_W_per_m2K;
   }
   *fresh = take || same ? SUNTRUE : SUNFALSE;
   // A positive value tells CVODE to retry with a smaller step before it gives up.
-  return problem.newton->take_step(gamma, problem.rhs->coupling()) ? 0 : 1;
+  return problem.newton->take_step(gamma, problem.rhs->feedback(NV_DATA_S(x))) ? 0 : 1;
 }
 
 /// Failures come back as return values; CVODE's own text would go to stderr from inside the cycle.
@@ -139,7 +139,7 @@ CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const C
 
   context = make_context();
   state = own(N_VMake_Serial(n, x.data(), context.get()));
-  newton.emplace(n, op.segments().count(), context.get());
+  newton.emplace(n, op.feedback_columns().cols(), context.get());
   problem = {&rhs, &*newton, Eigen::VectorXd::Zero(op.conductances()), true};
   matrix = own(SUNMatNewEmpty(context.get()));
   solver = own(view_for_sundials(*newton, context.get()));
@@ -209,7 +209,7 @@ StepStatus CvodeStepper::advance(double period_s, const BoundaryValues& values) 
   if (!all_finite(values) || !m.x.allFinite()) return StepStatus::not_finite;
 
   if (m.inputs_jumped(values)) m.must_restart = true;
-  m.rhs.hold(values);
+  m.rhs.follow(values, m.x.data());
   m.last.conductance_W_per_m2K = values.conductance_W_per_m2K;
   m.last.heat_W = values.heat_W;
   m.last.environment_K = values.environment_K;

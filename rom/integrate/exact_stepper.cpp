@@ -21,7 +21,10 @@ void ExactStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
 StepStatus ExactStepper::advance(double period_s, const BoundaryValues& values) {
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return StepStatus::integrator_failed;
   if (!all_finite(values) || !x_.allFinite()) return StepStatus::not_finite;
-  if (!(rhs_.coupled() ? advance_coupled(period_s, values) : advance_symmetric(period_s, values))) {
+  held_ = values;
+  if (values.laws.follow) rhs_.network().laws().at_temperatures(temperatures_K_, held_);
+  if (!all_finite(held_)) return StepStatus::not_finite;
+  if (!(rhs_.coupled() ? advance_coupled(period_s, held_) : advance_symmetric(period_s, held_))) {
     return StepStatus::integrator_failed;
   }
   rhs_.network().to_temperatures(x_new_, candidate_K_);

@@ -14,6 +14,7 @@ namespace spindle_twin::rom {
 /// With coolant circuits the matrix A = K̃ − PX̃Pᵀ has no orthogonal eigenvectors, and segments in a row bring it near to
 /// having too few; there, by the exponential of a matrix of order 2N,
 ///   [E Φ; 0 1] = exp([−A 1; 0 0] h),   x(t+h) = E x(t) + Φ u
+/// Physical laws are held at what they are at the start of the period, so with them it is of first order in h only.
 /// No step-size error for any h: oracle of the tests and fallback of the daemon. An eigendecomposition (about 9 N³
 /// multiply-adds, may allocate) whenever a conductance changes, the exponential also when flow or period do; otherwise
 /// two products with V, or E and Φ, per period.
@@ -33,6 +34,7 @@ class ExactStepper final : public Stepper {
   bool advance_coupled(double period_s, const BoundaryValues& values);
 
   RightHandSide rhs_;
+  BoundaryValues held_;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes_;
   bool decomposed_ = false;
   double exponential_for_s_ = 0.0;

@@ -74,6 +74,17 @@ NetworkOperator::NetworkOperator(const Network& network)
 
   sources_ = network.source_distribution;
   if (sources_.cols() > 0) root.solveInPlace(sources_);
+  laws_ = LawTerms(network, capacity_root_, segments_);
+  if (laws_.empty()) return;
+  feedback_columns_ = walls_;
+  const auto append = [&](const Eigen::MatrixXd& columns) {
+    feedback_columns_.conservativeResize(n, feedback_columns_.cols() + columns.cols());
+    feedback_columns_.rightCols(columns.cols()) = columns;
+  };
+  for (const LawTerm& term : laws_.list()) {
+    if (term.source >= 0) append(term.direction);
+  }
+  append(laws_.rows());
 }
 
 void NetworkOperator::to_internal(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& x) const {

@@ -4,6 +4,7 @@
 
 #include "rom/boundaries.hpp"
 #include "rom/integrate/coolant.hpp"
+#include "rom/integrate/law_terms.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::rom {
@@ -14,6 +15,7 @@ namespace spindle_twin::rom {
 ///   u     = Σⱼ gⱼ L⁻¹ Fⱼ Fⱼᵀ 1 (T_env(j) − T_ref) + L⁻¹ B q
 /// With coolant circuits the liquid brings every segment what those upstream gave it (integrate/coolant.hpp):
 ///   dx/dt = −K̃ x + u + P X̃(Pᵀ x),   P = [L⁻¹ F_s F_sᵀ 1] (N x M),   X̃ = diag(g_s) U diag(1/A_s) (M x M, not symmetric)
+/// With physical laws (integrate/law_terms.hpp) heats and conductances are functions of x besides.
 /// |x|² is the capacity-weighted square of the rise, so one scalar tolerance on x means the same at every node.
 /// N states, J conductances. Read-only after construction: several steppers may share one from several threads.
 class NetworkOperator {
@@ -27,6 +29,7 @@ class NetworkOperator {
   Eigen::Index environments() const { return environments_; }
   Eigen::Index circuits() const { return static_cast<Eigen::Index>(segments_.first.size()) - 1; }
   const CoolantSegments& segments() const { return segments_; }
+  const LawTerms& laws() const { return laws_; }
   double reference_K() const { return reference_K_; }
   /// L, lower triangle valid.
   const Eigen::MatrixXd& capacity_root() const { return capacity_root_; }
@@ -53,6 +56,8 @@ class NetworkOperator {
   /// u for inputs that are held, without what the circuits' coupling adds.
   void drive(const BoundaryValues& values, Eigen::VectorXd& u) const;
 
+  /// W: P, then L⁻¹B of every heat that follows a law, then the rows that laws read. P alone where there are none.
+  const Eigen::MatrixXd& feedback_columns() const { return laws_.empty() ? walls_ : feedback_columns_; }
   /// P.
   const Eigen::MatrixXd& walls() const { return walls_; }
   /// X̃ (M x M), and in `u` −P diag(g_s) U (T_inlet − T_ref) besides; `rises_K` is scratch of length M. Cycle-safe.
@@ -74,6 +79,8 @@ class NetworkOperator {
   Eigen::Index environments_ = 0;
   double reference_K_ = 0.0;
   double internal_per_kelvin_ = 0.0;
+  LawTerms laws_;
+  Eigen::MatrixXd feedback_columns_;  // W, empty without laws
 };
 
 }  // namespace spindle_twin::rom

@@ -10,6 +10,12 @@ namespace spindle_twin::rom {
 
 /// f(x) = −K̃ x + u with the inputs of one cycle held; its Jacobian is −K̃. With coolant circuits f(x) = −K̃x + u + PX̃Pᵀx
 /// (NetworkOperator). One per stepper, over a shared operator.
+///
+/// Physical laws either stay at what the inputs say (hold), or follow the state inside the step (follow):
+///   f(x) = −K̃x − Σⱼ (gⱼ(z) − gⱼ) F̃ⱼ F̃ⱼᵀ x + u(q(z), g(z)) + P X̃(g(z)) Pᵀ x,   z = rowsᵀ x + offset, F̃ = L⁻¹F
+/// gⱼ of a law is that of an earlier period as long as gⱼ(z) is within a fiftieth of it: K̃ need not be assembled for
+/// less.
+///   ∂f/∂x = −K̃ − Σⱼ (gⱼ(z) − gⱼ) F̃ⱼF̃ⱼᵀ + PX̃Pᵀ + Σᵢ L⁻¹Bᵢ (∂qᵢ/∂z rowsᵀ) + Σⱼ ∂f/∂gⱼ (∂gⱼ/∂z rowsᵀ)
 class RightHandSide {
  public:
   explicit RightHandSide(std::shared_ptr<const NetworkOperator> network);
@@ -23,13 +29,23 @@ class RightHandSide {
   /// Those in K̃.
   const Eigen::VectorXd& conductance_W_per_m2K() const { return assembled_for_W_per_m2K_; }
 
+  /// The same, and laws follow the state from x on if the inputs say so and there are any. Cycle-safe.
+  bool follow(const BoundaryValues& values, const double* x);
+  bool following() const { return following_; }
+
   /// dx = f(x). Cycle-safe; x and dx hold N numbers each and do not overlap.
   void evaluate(const double* x, double* dx) const;
 
   /// Whether a circuit makes the Jacobian −K̃ + PX̃Pᵀ, which is not symmetric.
   bool coupled() const { return coupling_.size() > 0; }
-  /// target = K̃ − PX̃Pᵀ in full. Cycle-safe for `target` of N x N.
+  /// target = K̃ − PX̃Pᵀ in full, of held inputs. Cycle-safe for `target` of N x N.
   void full(Eigen::Ref<Eigen::MatrixXd> target) const;
+  /// target = −∂f/∂x at x, laws included. Cycle-safe likewise.
+  void linearise(const double* x, Eigen::Ref<Eigen::MatrixXd> target) const;
+
+  /// Y with −∂f/∂x ≈ K̃ − W Y Wᵀ, W = NetworkOperator::feedback_columns(): coupling of the circuits, and how the heats
+  /// of laws follow the readings at x. What the slopes of conductances add is left to Newton's iterations. Cycle-safe.
+  const Eigen::MatrixXd& feedback(const double* x) const;
 
   /// X̃, empty without circuits.
   const Eigen::MatrixXd& coupling() const { return coupling_; }
@@ -39,6 +55,8 @@ class RightHandSide {
 
  private:
   void assemble(const Eigen::VectorXd& conductance_W_per_m2K);
+  void follow_to(const Eigen::Ref<const Eigen::VectorXd>& x) const;
+  void take_conductance_slope(const LawTerm& term, const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
   std::shared_ptr<const NetworkOperator> network_;
   Eigen::VectorXd assembled_for_W_per_m2K_;
@@ -49,10 +67,22 @@ class RightHandSide {
   Eigen::MatrixXd lower_;
   Eigen::VectorXd drive_;
   Eigen::VectorXd held_coolant_W_per_K_;
-  Eigen::MatrixXd coupling_;                   // X̃
+  mutable Eigen::MatrixXd coupling_;           // X̃
   mutable Eigen::VectorXd walls_;              // Pᵀ x; scratch
   mutable Eigen::VectorXd fed_;                // X̃ Pᵀ x; scratch
   mutable Eigen::MatrixXd walls_by_coupling_;  // P X̃; scratch
+  // Laws at the state last asked for.
+  bool following_ = false;
+  BoundaryValues base_;
+  mutable BoundaryValues now_;
+  mutable Eigen::MatrixXd feedback_;   // Y
+  mutable Eigen::VectorXd readings_;   // z
+  mutable Eigen::MatrixXd slopes_;     // laws x law_readings
+  mutable Eigen::VectorXd now_drive_;  // u(q(z), g(z))
+  mutable Eigen::VectorXd through_;    // F̃ᵀx of one law; scratch
+  mutable Eigen::VectorXd by_value_;   // ∂f/∂gⱼ; scratch
+  mutable Eigen::VectorXd by_state_;   // rows · slopes of one law; scratch
+  mutable Eigen::VectorXd wall_rise_K_, weights_;
 };
 
 /// Whether every input is a finite number. Cycle-safe.

@@ -7,18 +7,21 @@
 namespace spindle_twin::rom {
 
 SteadySensitivities steady_sensitivities(std::shared_ptr<const NetworkOperator> coordinates,
-                                         const BoundaryValues& values, const Eigen::VectorXd& temperatures_K,
+                                         const BoundaryValues& inputs, const Eigen::VectorXd& temperatures_K,
                                          const Eigen::VectorXd& row) {
   const Eigen::Index n = coordinates->nodes();
   RightHandSide rhs(coordinates);
-  rhs.hold(values);
   Eigen::MatrixXd matrix(n, n);
-  rhs.full(matrix);
+  Eigen::VectorXd state(n), residual(n), moved(n);
+  coordinates->to_internal(temperatures_K, state);
+  rhs.follow(inputs, state.data());
+  rhs.linearise(state.data(), matrix);
+  BoundaryValues values = inputs;
+  if (inputs.laws.follow) coordinates->laws().at_temperatures(temperatures_K, values);
+  rhs.hold(values);
   // In internal coordinates y = (L⁻¹ row) · x.
   const Eigen::VectorXd internal_row = coordinates->capacity_root().triangularView<Eigen::Lower>().solve(row);
   const Eigen::VectorXd adjoint = matrix.transpose().partialPivLu().solve(internal_row);
-  Eigen::VectorXd state(n), residual(n), moved(n);
-  coordinates->to_internal(temperatures_K, state);
   rhs.evaluate(state.data(), residual.data());
 
   SteadySensitivities result;

@@ -51,6 +51,10 @@ struct Evaluator {
     return copper_loss_W(mode, law.copper, Number(state.current_A.value_or(law.rated_current_A * state.load)),
                          in.first_K);
   }
+  LawValue<Number> operator()(const MotorEfficiencyLaw& law) const {
+    const double power_W = std::abs(state.power_W.value_or(law.rated_power_W * state.load));
+    return {Number((1.0 - law.efficiency) * power_W), in_range};
+  }
   LawValue<Number> operator()(const IronLaw& law) const {
     const Number frequency_Hz = law.pole_pairs / 60.0 * in.speed_rpm + law.slip_Hz;
     return iron_loss_W(mode, law.iron, frequency_Hz, core_flux_T(law.base_flux_T, law.base_speed_rpm, in.speed_rpm));
@@ -93,7 +97,8 @@ struct Evaluator {
 bool is_heat(const PhysicalLaw& law) {
   const LawParameters& parameters = law.parameters;
   return std::holds_alternative<BearingHeatLaw>(parameters) || std::holds_alternative<WindageLaw>(parameters) ||
-         std::holds_alternative<CopperLaw>(parameters) || std::holds_alternative<IronLaw>(parameters);
+         std::holds_alternative<CopperLaw>(parameters) || std::holds_alternative<MotorEfficiencyLaw>(parameters) ||
+         std::holds_alternative<IronLaw>(parameters);
 }
 
 LawEvaluation evaluate(const PhysicalLaw& law, const LawState& state) {

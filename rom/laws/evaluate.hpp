@@ -27,6 +27,7 @@ struct LawState {
   std::array<double, law_inputs> inputs{};
   double load = 0.0;                ///< fraction of the rated load
   std::optional<double> current_A;  ///< measured phase current, rms; otherwise rated current times load
+  std::optional<double> power_W;    ///< measured electrical power; otherwise rated power times load
 
   double& operator[](LawInput input) { return inputs[static_cast<std::size_t>(input)]; }
   double operator[](LawInput input) const { return inputs[static_cast<std::size_t>(input)]; }
@@ -51,6 +52,12 @@ struct WindageLaw {
 struct CopperLaw {
   CopperLoss copper;
   double rated_current_A = 0.0;
+};
+
+/// The motor's loss as a whole [W]: (1 − efficiency) |P|, P its electrical power. Depends on no temperature.
+struct MotorEfficiencyLaw {
+  double efficiency = 0.9;
+  double rated_power_W = 0.0;
 };
 
 /// [W]: f = pole_pairs n/60 + slip. Depends on no temperature.
@@ -103,8 +110,9 @@ struct BearingPathLaw {
   double area_m2 = 1.0;
 };
 
-using LawParameters = std::variant<BearingHeatLaw, WindageLaw, CopperLaw, IronLaw, ContactLaw, ChannelLaw, CylinderLaw,
-                                   DiscLaw, StillCylinderLaw, AirGapLaw, EndWindingLaw, BearingPathLaw>;
+using LawParameters =
+    std::variant<BearingHeatLaw, WindageLaw, CopperLaw, MotorEfficiencyLaw, IronLaw, ContactLaw, ChannelLaw,
+                 CylinderLaw, DiscLaw, StillCylinderLaw, AirGapLaw, EndWindingLaw, BearingPathLaw>;
 
 /// A heat source or a conductance of the network that follows physics.
 struct PhysicalLaw {

@@ -4,8 +4,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/output_uncertainty.hpp"
+#include "rom/laws/held_law.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::rom::tests {
@@ -63,6 +65,27 @@ TEST(OldFiles, version_2_keeps_its_circuit_and_its_certificate) {
   expect_old_certificate(network);
 }
 
+TEST(OldFiles, version_3_keeps_its_errors_per_output_and_has_no_laws) {
+  const RomFile file = read_rom_file(folder + "schema_3.rom");
+  EXPECT_EQ(file.schema_version, 3u);
+  const Network& network = file.network;
+  EXPECT_EQ(network.spindle, "jacket_circuit");
+  ASSERT_EQ(network.boundaries.circuits.size(), 1u);
+  EXPECT_EQ(network.certificate.cases, 2u);
+  EXPECT_EQ(network.certificate.deformations_m.size(), network.deformations.size());
+  EXPECT_EQ(network.certificate.key_points_K.size(), network.key_points.size());
+  EXPECT_FALSE(has_physics(network.boundaries));
+  EXPECT_GT(network.boundaries.sources[0].nominal_W, 0.0);
+}
+
+TEST(OldFiles, version_3_by_hand_is_what_the_example_still_says) {
+  const RomFile file = read_rom_file(folder + "schema_3_hand.rom");
+  EXPECT_EQ(file.schema_version, 3u);
+  EXPECT_TRUE(file.network.hand_written);
+  const Network now = read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle.toml");
+  EXPECT_EQ(encode_network(file.network), encode_network(now));
+}
+
 /// Bit for bit what the program of that time was given, which this one still holds in its sources.
 TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
   const RomFile file = read_rom_file(folder + "schema_1_uncertified.rom");
@@ -76,11 +99,12 @@ TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
 
 /// Reading and writing again makes a file of today's version with the same content.
 TEST(OldFiles, written_again_they_are_of_this_version) {
-  for (const char* name : {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom"}) {
+  for (const char* name :
+       {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom", "schema_3.rom", "schema_3_hand.rom"}) {
     SCOPED_TRACE(name);
     const std::vector<std::uint8_t> once = encode_network(read_network(folder + name));
     const RomFile again = decode_rom_file(once, "again.rom");
-    EXPECT_EQ(again.schema_version, 3u);
+    EXPECT_EQ(again.schema_version, 4u);
     EXPECT_EQ(encode_network(again.network), once);
   }
 }

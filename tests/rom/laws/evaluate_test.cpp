@@ -50,6 +50,7 @@ std::vector<NamedLaw> every_law() {
   return {{"bearing heat", bearing},
           {"windage", WindageLaw{{0.04, 0.0005, 0.15}}},
           {"copper", copper},
+          {"motor efficiency", MotorEfficiencyLaw{0.92, 9000.0}},
           {"iron", iron},
           {"contact under a pressure output", pressed},
           {"contact of a fit", fitted},
@@ -161,8 +162,8 @@ TEST(Evaluate, heat_follows_the_temperature_with_the_sign_that_physics_gives) {
   const LawEvaluation bearing = evaluate({LawMode::standard, laws[0].parameters}, state);
   EXPECT_LT(bearing.by(LawInput::second_K), 0.0);  // thinner oil and less preload
   EXPECT_GT(evaluate({LawMode::standard, laws[2].parameters}, state).by(LawInput::first_K), 0.0);
-  EXPECT_GT(evaluate({LawMode::standard, laws[5].parameters}, state).by(LawInput::first_K), 0.0);
-  EXPECT_LT(evaluate({LawMode::standard, laws[5].parameters}, state).by(LawInput::second_K), 0.0);
+  EXPECT_GT(evaluate({LawMode::standard, laws[6].parameters}, state).by(LawInput::first_K), 0.0);
+  EXPECT_LT(evaluate({LawMode::standard, laws[6].parameters}, state).by(LawInput::second_K), 0.0);
 }
 
 TEST(Evaluate, measured_current_takes_the_place_of_the_rated_one) {
@@ -171,6 +172,14 @@ TEST(Evaluate, measured_current_takes_the_place_of_the_rated_one) {
   const double by_load = evaluate(copper, state).value;
   state.current_A = 14.0;
   expect_close(evaluate(copper, state).value, by_load, "0.7 of 20 A");
+}
+
+TEST(Evaluate, measured_power_takes_the_place_of_the_rated_one) {
+  LawState state = warm_state();
+  const PhysicalLaw motor{LawMode::standard, MotorEfficiencyLaw{0.92, 9000.0}};
+  expect_close(evaluate(motor, state).value, 0.08 * 0.7 * 9000.0, "by load");
+  state.power_W = -5000.0;  // braking loses as much
+  expect_close(evaluate(motor, state).value, 400.0, "measured");
 }
 
 TEST(Evaluate, takes_nothing_from_the_heap) {

@@ -1,0 +1,60 @@
+#include "rom/laws/held_law.hpp"
+
+#include <algorithm>
+
+#include "rom/laws/speed_law.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+double nominal_K(const LawTemperature& temperature, const Eigen::VectorXd& environment_K) {
+  return temperature.environment < 0 ? temperature.nominal_K : environment_K[temperature.environment];
+}
+
+}  // namespace
+
+LawState nominal_state(const BoundLaw& bound, const LawDrive& drive, const Eigen::VectorXd& environment_K) {
+  LawState state;
+  state[LawInput::first_K] = nominal_K(bound.first, environment_K);
+  state[LawInput::second_K] = nominal_K(bound.second, environment_K);
+  state[LawInput::pressure_Pa] = bound.nominal_pressure_Pa;
+  state[LawInput::displacement_m] = bound.displacement_sign * bound.nominal_displacement_m;
+  state[LawInput::speed_rpm] = drive.speed_rpm;
+  state[LawInput::flow_kg_per_s] = bound.circuit < 0 ? 0.0 : drive.flow_kg_per_s[bound.circuit];
+  state.load = drive.load;
+  state.current_A = drive.current_A;
+  state.power_W = drive.power_W;
+  return state;
+}
+
+double held_heat_W(const HeatSource& source, double reference_speed_rpm, double factor, const LawDrive& drive,
+                   const Eigen::VectorXd& environment_K) {
+  if (source.physics)
+    return factor * evaluate(source.physics->law, nominal_state(*source.physics, drive, environment_K)).value;
+  return factor * source.nominal_W * evaluate_speed_law(source.law, drive.speed_rpm, reference_speed_rpm, drive.load);
+}
+
+double held_conductance_W_per_m2K(const Conductance& conductance, double reference_speed_rpm, double factor,
+                                  const LawDrive& drive, const Eigen::VectorXd& environment_K) {
+  if (conductance.physics) {
+    return factor * evaluate(conductance.physics->law, nominal_state(*conductance.physics, drive, environment_K)).value;
+  }
+  return factor * conductance.nominal_W_per_m2K *
+         evaluate_speed_law(conductance.law, drive.speed_rpm, reference_speed_rpm, drive.load);
+}
+
+void take_machine(const OperatingState& state, LawDrive& drive) {
+  drive.speed_rpm = state.speed_rpm;
+  drive.load = state.load;
+  drive.current_A = state.current_A;
+  drive.power_W = state.power_W;
+  drive.flow_kg_per_s = state.flow_kg_per_s;
+}
+
+bool has_physics(const Boundaries& boundaries) {
+  const auto physical = [](const auto& item) { return item.physics.has_value(); };
+  return std::any_of(boundaries.sources.begin(), boundaries.sources.end(), physical) ||
+         std::any_of(boundaries.conductances.begin(), boundaries.conductances.end(), physical);
+}
+
+}  // namespace spindle_twin::rom

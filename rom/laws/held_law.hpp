@@ -1,0 +1,27 @@
+#pragma once
+
+#include "rom/boundaries.hpp"
+
+namespace spindle_twin::rom {
+
+// A network's laws where temperatures, pressures and displacements are not known: at their nominal values, with
+// environments, speed, load and flow as they are. All cycle-safe.
+
+/// What `bound` reads, with nominal values for everything that only a network's state can tell.
+LawState nominal_state(const BoundLaw& bound, const LawDrive& drive, const Eigen::VectorXd& environment_K);
+
+/// factor · nominal · scale(speed, load), or factor · physics at its nominal inputs. [W]
+double held_heat_W(const HeatSource& source, double reference_speed_rpm, double factor, const LawDrive& drive,
+                   const Eigen::VectorXd& environment_K);
+
+/// Likewise, of a circuit's segment the film itself. [W/m²K]
+double held_conductance_W_per_m2K(const Conductance& conductance, double reference_speed_rpm, double factor,
+                                  const LawDrive& drive, const Eigen::VectorXd& environment_K);
+
+/// Speed, load, flow and the machine's signals of an operating state; factors are left alone. No allocation where the
+/// flows have their size.
+void take_machine(const OperatingState& state, LawDrive& drive);
+
+bool has_physics(const Boundaries& boundaries);
+
+}  // namespace spindle_twin::rom
