@@ -30,14 +30,26 @@ struct RichModel {
   DenseModel dense;
   Eigen::MatrixXd outputs;  ///< VᵀLᵀ, scaled
   int bodies = 1;           ///< as in RichBasis
+  /// Rows of V at as many unknowns as it has columns, chosen by pivoted QR: where they are near, fields are.
+  Eigen::MatrixXd points;
+  std::vector<int> part_of_point;  ///< the parts' number for air
 };
 
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
 
-/// Coordinates, in the rich basis, of the network's nested orthonormal basis: the bodies' columns and all left singular
-/// vectors, largest first, of what the rich model does behind jumps of its operating state and of dual snapshots, at
-/// new parameter sets.
-Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries& boundaries,
-                                    const ReduceOptions& options, const Progress& progress);
+/// One column each, in the rich basis.
+struct RichSnapshots {
+  Eigen::MatrixXd fields;  ///< rises along histories with jumps of the operating state
+  Eigen::MatrixXd duals;   ///< solutions for the output rows
+};
+
+/// Of the rich model at options.rich_sets random parameter sets.
+RichSnapshots rich_snapshots(const RichModel& rich, const rom::Boundaries& boundaries, const ReduceOptions& options,
+                             const Progress& progress);
+
+/// Coordinates, in the rich basis, of the network's nested basis, orthonormal: the bodies' columns and all left
+/// singular vectors of the snapshots, largest first, in an inner product over rich.points that weighs parts so that all
+/// keep about the same largest error.
+Eigen::MatrixXd network_basis(const RichModel& rich, const RichSnapshots& snapshots, int threads);
 
 }  // namespace spindle_twin::fem_offline

@@ -1,3 +1,5 @@
+#include <Eigen/QR>
+
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 
@@ -46,6 +48,13 @@ RichModel project_model(const AffineModel& model, const Loads& loads, const Eige
   rich.dense.source_distribution = basis.transpose() * model.source_distribution;
   rich.dense.uniform = basis.transpose() * Eigen::VectorXd::Ones(basis.rows());
   rich.outputs = basis.transpose() * loads.outputs;
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(basis.transpose());
+  const Eigen::VectorXi points = pivoted.colsPermutation().indices().head(basis.cols());
+  rich.points = basis(points, Eigen::all);
+  for (const int point : points) {
+    const int part = model.places[static_cast<std::size_t>(point)].part;
+    rich.part_of_point.push_back(part < 0 ? static_cast<int>(model.parts.size()) : part);
+  }
   return rich;
 }
 

@@ -79,8 +79,10 @@ Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, con
   impl_->rich = project_model(model, loads, impl_->full.columns, options.threads);
   impl_->rich.bodies = impl_->full.bodies;
   clock.finish("projection");
-  impl_->coordinates = rich_snapshot_basis(impl_->rich, model.boundaries, options, progress);
+  const RichSnapshots snapshots = rich_snapshots(impl_->rich, model.boundaries, options, progress);
   clock.finish("network snapshots");
+  impl_->coordinates = network_basis(impl_->rich, snapshots, options.threads);
+  clock.finish("network basis");
   if (report == nullptr) return;
   report->full_unknowns = static_cast<int>(model.capacity_J_per_K.rows());
   report->snapshots = impl_->full.snapshots;

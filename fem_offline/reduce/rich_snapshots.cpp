@@ -1,7 +1,5 @@
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -14,7 +12,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr int sets_per_group = 10;
 /// Sets at corners of the box: there errors are largest, but a drive cycle is seldom near one in all directions.
 constexpr double corner_share = 0.2;
 /// Starts with everything at one temperature; the others start from the steady state of another operating state.
@@ -31,9 +28,6 @@ constexpr int dual_shifts = 3;
 constexpr double dual_shift_low_per_s = 2e-4;
 constexpr double dual_shift_high_per_s = 3.0;
 constexpr double dual_steady_share = 0.4;
-/// Sum of squares of the dual snapshots relative to that of the primal ones.
-constexpr double dual_share = 0.4;
-
 /// Conduction + rate · capacity, factorised.
 class ShiftedModel {
  public:
@@ -62,13 +56,8 @@ class ShiftedModel {
 };
 
 /// Snapshots of one parameter set.
-struct SetSnapshots {
-  Eigen::MatrixXd fields;  ///< rises along a history with jumps of the operating state
-  Eigen::MatrixXd duals;
-};
-
-SetSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
-                       const ReduceOptions& options, std::uint32_t set) {
+RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
+                        const ReduceOptions& options, std::uint32_t set) {
   const DenseModel& model = rich.dense;
   const bool symmetric = segments.count() == 0;
   RandomStream random(options.seed, StreamPurpose::rich_snapshots, set);
@@ -84,7 +73,7 @@ SetSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries,
     hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
   };
 
-  SetSnapshots snapshots;
+  RichSnapshots snapshots;
   snapshots.fields.resize(model.capacity.rows(), fields_per_set);
   Eigen::VectorXd rise_K;
   jump();
@@ -120,38 +109,21 @@ SetSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries,
 
 }  // namespace
 
-Eigen::MatrixXd rich_snapshot_basis(const RichModel& rich, const rom::Boundaries& boundaries,
-                                    const ReduceOptions& options, const Progress& progress) {
+RichSnapshots rich_snapshots(const RichModel& rich, const rom::Boundaries& boundaries, const ReduceOptions& options,
+                             const Progress& progress) {
   const Eigen::Index states = rich.dense.capacity.rows();
+  const Eigen::Index duals_per_set = dual_shifts * rich.outputs.cols();
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
-  const int groups = (options.rich_sets + sets_per_group - 1) / sets_per_group;
-  std::vector<Eigen::MatrixXd> field_sums(static_cast<std::size_t>(groups)), dual_sums(field_sums);
-  for_each_index(groups, options.threads, [&](int group, int worker) {
-    Eigen::MatrixXd& fields = field_sums[static_cast<std::size_t>(group)].setZero(states, states);
-    Eigen::MatrixXd& duals = dual_sums[static_cast<std::size_t>(group)].setZero(states, states);
-    const int last = std::min(options.rich_sets, (group + 1) * sets_per_group);
-    for (int set = group * sets_per_group; set < last; ++set) {
-      const SetSnapshots snapshots = solve_set(rich, boundaries, segments, options, static_cast<std::uint32_t>(set));
-      fields.selfadjointView<Eigen::Lower>().rankUpdate(snapshots.fields);
-      duals.selfadjointView<Eigen::Lower>().rankUpdate(snapshots.duals);
-      if (worker == 0 && progress) progress("network snapshots", static_cast<double>(set + 1) / options.rich_sets);
-    }
+  RichSnapshots all;
+  all.fields.resize(states, options.rich_sets * fields_per_set);
+  all.duals.resize(states, options.rich_sets * duals_per_set);
+  for_each_index(options.rich_sets, options.threads, [&](int set, int worker) {
+    const RichSnapshots own = solve_set(rich, boundaries, segments, options, static_cast<std::uint32_t>(set));
+    all.fields.middleCols(set * fields_per_set, fields_per_set) = own.fields;
+    all.duals.middleCols(set * duals_per_set, duals_per_set) = own.duals;
+    if (worker == 0 && progress) progress("network snapshots", static_cast<double>(set + 1) / options.rich_sets);
   });
-  // The first rows and columns belong to the bodies' own columns, which are in the basis whatever the snapshots say.
-  const Eigen::Index fixed = rich.bodies, others = states - fixed;
-  const auto sum_of = [&](const std::vector<Eigen::MatrixXd>& sums) {
-    Eigen::MatrixXd moments = Eigen::MatrixXd::Zero(states, states);
-    for (const Eigen::MatrixXd& sum : sums) moments += sum;
-    return Eigen::MatrixXd(Eigen::MatrixXd(moments.selfadjointView<Eigen::Lower>()).bottomRightCorner(others, others));
-  };
-  const Eigen::MatrixXd fields = sum_of(field_sums), duals = sum_of(dual_sums);
-  const Eigen::MatrixXd moments = fields + (dual_share * fields.trace() / duals.trace()) * duals;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(moments);
-  if (modes.info() != Eigen::Success) throw std::runtime_error("the snapshots' moments have no eigenvectors");
-  Eigen::MatrixXd coordinates = Eigen::MatrixXd::Zero(states, states);
-  coordinates.topLeftCorner(fixed, fixed).setIdentity();
-  coordinates.bottomRightCorner(others, others) = modes.eigenvectors().rowwise().reverse();
-  return coordinates;
+  return all;
 }
 
 }  // namespace spindle_twin::fem_offline
