@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
 
 namespace spindle_twin::fem_offline {
@@ -28,19 +29,13 @@ struct TriedStep {
   double logarithm;  ///< of the excess
 };
 
-/// Errors fall about exponentially with the size, so the next step to try is where the line through the logarithms
-/// comes to zero: between the two that bracket it, else from the last one at the usual rate.
-int next_step(const std::vector<TriedStep>& tried, int too_small, int enough) {
+/// Errors fall about exponentially with the size, so the first enough one is sought at the usual rate from the last
+/// that was too small. Between the two they go up and down by the luck of single cases, where secants would creep:
+/// halves.
+int next_step(const std::optional<TriedStep>& last, int too_small, int enough, bool enough_tried) {
   constexpr double usual_rate = -0.02 * size_step;
-  if (tried.empty()) return (too_small + enough) / 2;
-  const auto at = [&](int step) {
-    return std::find_if(tried.begin(), tried.end(), [&](const TriedStep& item) { return item.step == step; });
-  };
-  const auto low = at(too_small), high = at(enough);
-  const bool bracketed = low != tried.end() && high != tried.end();
-  const TriedStep& from = tried.back();
-  const double rate = bracketed ? (high->logarithm - low->logarithm) / (high->step - low->step) : usual_rate;
-  const double wanted = std::ceil(from.step - from.logarithm / rate);
+  if (!last || (enough_tried && too_small > 0)) return (too_small + enough) / 2;
+  const double wanted = std::ceil(last->step - last->logarithm / usual_rate);
   return static_cast<int>(std::clamp(wanted, too_small + 1.0, enough - 1.0));
 }
 
@@ -77,9 +72,9 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
   const int last_step = enough - 1;
   SizeChoice choice;
   PartExtremes extremes;
-  std::vector<TriedStep> tried;
+  std::optional<TriedStep> last;
   while (enough - too_small > 1) {
-    const int step = next_step(tried, too_small, enough);
+    const int step = next_step(last, too_small, enough, enough <= last_step);
     const int nodes = nodes_of(step);
     const std::string stage = "size: " + std::to_string(nodes) + " nodes";
     show(stage, 0.0);
@@ -88,11 +83,11 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     const Tolerance reached = worst_of(case_errors(network, trajectories, options.threads), layout);
     show(stage, 1.0);
     choice.tried.push_back({nodes, reached});
-    tried.push_back({step, std::log(excess(reached, tolerance))});
-    (tried.back().logarithm <= 0.0 ? enough : too_small) = step;
+    last = TriedStep{step, std::log(excess(reached, tolerance))};
+    (last->logarithm <= 0.0 ? enough : too_small) = step;
   }
   choice.reached = enough <= last_step;
-  finish("size: " + std::to_string(tried.size()) + " tried");
+  finish("size: " + std::to_string(choice.tried.size()) + " tried");
   choice.network = reduction.network(nodes_of(std::min(enough, last_step)), report, progress);
   return choice;
 }
