@@ -70,6 +70,7 @@ EstimatorCore::EstimatorCore(const rom::Network& the_network, EstimatorOptions t
     sensitivities.internal_row(output.row_m_per_K, displacement_rows.back());
   }
   displacement_row = Eigen::VectorXd::Zero(p);
+  tare_deviation_K = Eigen::VectorXd::Zero(m);
 }
 
 void EstimatorCore::forget() {
@@ -82,6 +83,7 @@ void EstimatorCore::forget() {
     windows[s].record.offset_deviation_K = options.sensors[s].offset_K;
   }
   displacement_pending = false;
+  tare_deviation_K.setZero();
 }
 
 void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
@@ -230,6 +232,7 @@ bool EstimatorCore::update(double time_s) {
   last_update.theta = theta_before;
   last_update.displacement_m = std::numeric_limits<double>::quiet_NaN();
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(windows.size()); ++s) fuse_sensor(s, time_s);
+  fuse_tares();
   if (displacement_pending) fuse_displacement();
   const bool moved = follow_filter();
   for (SensorWindow& window : windows) window.clear();
@@ -331,6 +334,28 @@ void EstimatorCore::widen_offset(Eigen::Index sensor, double deviation_K) {
   growth.setZero();
   growth[parameters.count() + sensor] = deviation_K * deviation_K;
   filter.pass_time(prior_mean, keep, growth);
+}
+
+void EstimatorCore::note_tare(Eigen::Index sensor, double shift_K, double deviation_K) {
+  const Eigen::Index b = parameters.count() + sensor;
+  row = filter.mean();
+  row[b] -= shift_K;
+  filter.set_mean(row);
+  SensorWindow& window = windows[static_cast<std::size_t>(sensor)];
+  window.clear();
+  window.record.offset_K = row[b];
+  tare_deviation_K[sensor] = deviation_K;
+}
+
+void EstimatorCore::fuse_tares() {
+  for (Eigen::Index s = 0; s < tare_deviation_K.size(); ++s) {
+    if (!(tare_deviation_K[s] > 0.0)) continue;
+    const Eigen::Index b = parameters.count() + s;
+    row.setZero();
+    row[b] = 1.0;
+    filter.update(row, -filter.mean()[b], tare_deviation_K[s] * tare_deviation_K[s]);
+    tare_deviation_K[s] = 0.0;
+  }
 }
 
 void EstimatorCore::note_displacement(int index, double value_m, double deviation_m) {

@@ -19,6 +19,7 @@ struct EstimatorCore {
   void stand_by(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating);
   void note_displacement(int index, double value_m, double deviation_m);
   void widen_offset(Eigen::Index sensor, double deviation_K);
+  void note_tare(Eigen::Index sensor, double shift_K, double deviation_K);
   void passing_of_time(double elapsed_s, Eigen::VectorXd& to_keep, Eigen::VectorXd& to_grow) const;
   void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
   void save(EstimatorState& state) const;
@@ -36,6 +37,7 @@ struct EstimatorCore {
   void fuse(SensorRecord& to, double innovation, double noise);
   void fuse_sensor(Eigen::Index s, double time_s);
   void fuse_displacement();
+  void fuse_tares();
   bool update(double time_s);
   /// θ from the filter, within its limits, and the state with it. Whether θ moved.
   bool follow_filter();
@@ -56,6 +58,7 @@ struct EstimatorCore {
   Eigen::VectorXd bias_K, rises_K;
   rom::BoundaryValues values;
   rom::OperatingState held_state, corrected_state;
+  Eigen::VectorXd tare_deviation_K;  // of the sensors that wait for fuse_tares(); 0: none
   Eigen::VectorXd start_K, nodes_K, corrected_K;
   std::vector<SensorWindow> windows;
   std::vector<Eigen::VectorXd> displacement_rows;

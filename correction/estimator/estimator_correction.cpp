@@ -43,6 +43,10 @@ void EstimatorCorrection::widen_offset(Eigen::Index sensor, double deviation_K) 
   impl_->widen_offset(sensor, deviation_K);
 }
 
+void EstimatorCorrection::note_tare(Eigen::Index sensor, double shift_K, double deviation_K) {
+  impl_->note_tare(sensor, shift_K, deviation_K);
+}
+
 const EstimatorUpdate& EstimatorCorrection::last_update() const { return impl_->last_update; }
 double EstimatorCorrection::gate() const { return impl_->options.gate; }
 const SquareRootFilter& EstimatorCorrection::filter() const { return impl_->filter; }

@@ -141,6 +141,10 @@ class EstimatorCorrection {
   /// to corrected_nodes_K().
   void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
 
+  /// A tare was taken: the sensor's readings are lower by shift_K from now on, and its offset is 0 ± deviation_K, which
+  /// the next update takes in. deviation_K > 0.
+  void note_tare(Eigen::Index sensor, double shift_K, double deviation_K);
+
   /// Starts θ at `theta` instead of the priors' mean, everything else as it is.
   void set_parameters(const Eigen::VectorXd& theta);
 

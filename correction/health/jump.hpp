@@ -46,18 +46,18 @@ struct Course {
 
   bool outlier(double e_K) const { return samples >= settle && std::abs(e_K - expected_K) > limit_K; }
 
-  void accept(double e_K, double h_s, const HealthLimits& limits) {
+  void accept(double e_K, double h_s, double stated_noise_K) {
     if (samples == 0) {
       course_K = expected_K = e_K;
       slope_K_per_s = 0.0;
-      noise_K = limits.noise_K;
+      noise_K = stated_noise_K;
     }
     const double d_K = e_K - expected_K;
     course_K = expected_K + alpha * d_K;
     if (h_s > 0.0) slope_K_per_s += beta * d_K / h_s;
     constexpr double rms_per_mean = 1.2533;  // of a normal distribution
     noise_K += noise_memory * (rms_per_mean * std::abs(d_K) - noise_K);
-    noise_K = std::clamp(noise_K, limits.noise_K / 3.0, 3.0 * limits.noise_K);
+    noise_K = std::clamp(noise_K, stated_noise_K / 3.0, 3.0 * stated_noise_K);
     ++samples;
   }
 };

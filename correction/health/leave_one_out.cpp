@@ -14,12 +14,20 @@ LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
       bounded_(Eigen::VectorXd::Zero(estimator.parameters().count())),
       alternatives_(Eigen::MatrixXd::Zero(bounded_.size(), static_cast<Eigen::Index>(filters_.size()))) {}
 
-void LeaveOneOut::restart(const EstimatorCorrection& estimator) {
+void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
   for (SquareRootFilter& filter : filters_) {
-    filter.set_mean(estimator.prior().mean());
-    filter.set_root(estimator.prior().root());
+    filter.set_mean(estimator.filter().mean());
+    filter.set_root(estimator.filter().root());
   }
   std::fill(misfits_.begin(), misfits_.end(), Misfit{});
+}
+
+void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K) {
+  for (SquareRootFilter& filter : filters_) {
+    row_ = filter.mean();
+    row_[estimator.parameters().count() + sensor] -= shift_K;
+    filter.set_mean(row_);
+  }
 }
 
 void LeaveOneOut::update(const EstimatorCorrection& estimator) {

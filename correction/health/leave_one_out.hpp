@@ -27,12 +27,15 @@ class LeaveOneOut {
  public:
   explicit LeaveOneOut(const EstimatorCorrection& estimator);
 
-  /// Forgets everything, as the estimator does with reset().
-  void restart(const EstimatorCorrection& estimator);
+  /// All filters become the estimator's own, after it was reset, restored or switched on: from then on each does
+  /// without what its sensor adds.
+  void follow(const EstimatorCorrection& estimator);
   /// After each update of the estimator.
   void update(const EstimatorCorrection& estimator);
   /// The sensor's offset may have changed (EstimatorCorrection::widen_offset).
   void widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K);
+  /// The readings of a sensor are lower by shift_K from now on, because a tare was taken.
+  void shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K);
   /// The sensor failed and the estimator went over to its filter: all others follow.
   void settle_on(Eigen::Index sensor);
 

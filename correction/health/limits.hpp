@@ -37,7 +37,6 @@ struct HealthLimits {
   // Jump and spike.
   double jump_K = 0.3;      ///< least deviation from its course that counts, besides 6 deviations of its own noise
   double jump_share = 1.0;  ///< and this share of what the model has moved during the last samples
-  double noise_K = 0.03;    ///< 1σ of a reading; what is learnt of it stays between 1/3 and 3 times this
   int spikes = 4;           ///< so many within spike_window_s fail the channel
   double spike_window_s = 600.0;
 

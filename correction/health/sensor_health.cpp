@@ -9,7 +9,8 @@ namespace {
 
 constexpr int outliers_to_fail = 3;
 constexpr int electrical_to_fail = 2;
-constexpr double absent_restart_s = 30.0;  // after such a gap a course is unknown
+constexpr double absent_restart_s = 30.0;  // after such a gap a course is unknown, or after so many intervals
+constexpr double absent_intervals = 5.0;
 constexpr double old_course_memory_s = 120.0;
 constexpr double rate_memory_s = 600.0;
 constexpr double never_s = -1e18;
@@ -22,6 +23,10 @@ SensorHealth::SensorHealth(std::vector<HealthChannel> channels, const HealthLimi
   product_K2_ = Eigen::MatrixXd::Zero(n, n);
   reading_square_K2_ = model_square_K2_ = Eigen::VectorXd::Zero(n);
   for (Channel& channel : states_) channel.spike_times_s.fill(never_s);
+}
+
+bool SensorHealth::present(std::size_t i, const HealthSample& sample) const {
+  return channels_[i].configured && sample.present && std::isfinite(sample.reading_K);
 }
 
 bool SensorHealth::in_use(std::size_t i) const {
@@ -64,17 +69,15 @@ bool SensorHealth::judge_electrical(std::size_t i, const HealthSample& sample, d
   channel.outlying = false;
   channel.model_K += sample.moved_K;
   channel.still_K += sample.moved_K + channel.e_rate_K_per_s * h_s;
-  channel.course.advance(sample.moved_K, h_s, limits_);
-  if (!channels_[i].configured) return false;
-  if (!sample.present || !std::isfinite(sample.reading_K)) {
-    channel.absent_s += h_s;
-    return false;
-  }
-  if (channel.absent_s > absent_restart_s) {
+  channel.elapsed_s += h_s;
+  channel.moved_K += sample.moved_K;
+  if (!present(i, sample)) return false;
+  if (channel.elapsed_s > std::max(absent_restart_s, absent_intervals * channels_[i].interval_s)) {
     channel.course.restart();
     channel.standstill.restart();
+    channel.has_last_e = false;
   }
-  channel.absent_s = 0.0;
+  channel.course.advance(channel.moved_K, channel.elapsed_s, limits_);
   const HealthFault fault = electrical(i, sample.reading_K);
   if (fault == HealthFault::none) {
     if (channel.electrical > 0 && in_use(i)) note_spike(i);
@@ -120,11 +123,18 @@ double SensorHealth::left_over_K2(std::size_t i, std::size_t j) const {
   return left_over(reading_square_K2_[a], product_K2_(a, b), model_square_K2_[b]);
 }
 
-void SensorHealth::find_outliers(const std::vector<HealthSample>& samples, double h_s) {
+bool SensorHealth::moves_without(std::size_t i, const HealthSample& sample) {
+  Channel& channel = states_[i];
+  const double free_K = std::isfinite(sample.uncorrected_K) ? sample.uncorrected_K : channel.model_K;
+  return channel.standstill.observe(time_s_, sample.reading_K, {channel.model_K, channel.still_K, free_K},
+                                    channels_[i].resolution_K, limits_);
+}
+
+void SensorHealth::find_outliers(const std::vector<HealthSample>& samples) {
   std::size_t judged = 0, outlying = 0;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = states_[i];
-    if (!channels_[i].configured || !samples[i].present || channel.electrical > 0) continue;
+    if (!present(i, samples[i]) || channel.electrical > 0) continue;
     channel.e_K = samples[i].reading_K - channel.model_K;
     channel.outlying = channel.course.outlier(channel.e_K);
     if (!in_use(i)) continue;
@@ -139,7 +149,7 @@ void SensorHealth::find_outliers(const std::vector<HealthSample>& samples, doubl
     channel.outlying = false;
     channel.outliers = 0;
     channel.course.restart();
-    channel.course.accept(channel.e_K, h_s, limits_);
+    channel.course.accept(channel.e_K, channel.elapsed_s, channels_[i].noise_K);
   }
 }
 
@@ -150,8 +160,8 @@ void SensorHealth::find_swapped(const std::vector<HealthSample>& samples, double
     if (std::isfinite(samples[i].uncorrected_K)) {
       channel.m_K = channel.model_movement.pass(samples[i].uncorrected_K, h_s, limits_.swap_window_s);
     }
-    if (channels_[i].configured && samples[i].present && channel.electrical == 0 && !channel.outlying) {
-      channel.y_K = channel.reading_movement.pass(samples[i].reading_K, h_s, limits_.swap_window_s);
+    if (present(i, samples[i]) && channel.electrical == 0 && !channel.outlying) {
+      channel.y_K = channel.reading_movement.pass(samples[i].reading_K, channel.elapsed_s, limits_.swap_window_s);
     }
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {
@@ -198,8 +208,8 @@ void SensorHealth::settle(std::size_t i, const HealthSample& sample, double h_s)
     note_spike(i);
     if (!in_use(i)) return;
   }
-  channel.course.accept(channel.e_K, h_s, limits_);
-  if (channel.standstill.observe(time_s_, sample.reading_K, channel.still_K, channels_[i].resolution_K, limits_)) {
+  channel.course.accept(channel.e_K, h_s, channels_[i].noise_K);
+  if (moves_without(i, sample)) {
     fail(i, HealthFault::stuck, false);
     return;
   }
@@ -227,8 +237,7 @@ void SensorHealth::settle(std::size_t i, const HealthSample& sample, double h_s)
 void SensorHealth::follow_return(std::size_t i, const HealthSample& sample, double h_s) {
   Channel& channel = states_[i];
   HealthRecord& record = records_[i];
-  const bool stuck =
-      channel.standstill.observe(time_s_, sample.reading_K, channel.still_K, channels_[i].resolution_K, limits_);
+  const bool stuck = moves_without(i, sample);
   // A stuck channel shows nothing but its old value until it moves.
   const bool still = stuck || (record.fault == HealthFault::stuck && channel.standstill.repeats());
   const double off_K = channel.has_old_course ? sample.reading_K - sample.predicted_K - channel.old_course_K : 0.0;
@@ -239,7 +248,7 @@ void SensorHealth::follow_return(std::size_t i, const HealthSample& sample, doub
   } else {
     channel.quiet_s += h_s;
   }
-  channel.course.accept(channel.e_K, h_s, limits_);
+  channel.course.accept(channel.e_K, h_s, channels_[i].noise_K);
   if (channel.latched || channel.quiet_s <= 0.0) return;
   if (channel.quiet_s < limits_.return_after_s) {
     change(i, HealthState::returning);
@@ -260,14 +269,17 @@ void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s,
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (!judge_electrical(i, samples[i], h_s)) states_[i].e_K = states_[i].course.expected_K;
   }
-  find_outliers(samples, h_s);
+  find_outliers(samples);
   find_swapped(samples, h_s);
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (!channels_[i].configured || !samples[i].present || states_[i].electrical > 0) continue;
+    if (!present(i, samples[i])) continue;
+    const double elapsed_s = states_[i].elapsed_s;
+    states_[i].elapsed_s = states_[i].moved_K = 0.0;
+    if (states_[i].electrical > 0) continue;
     if (in_use(i)) {
-      settle(i, samples[i], h_s);
+      settle(i, samples[i], elapsed_s);
     } else {
-      follow_return(i, samples[i], h_s);
+      follow_return(i, samples[i], elapsed_s);
     }
   }
 }

@@ -18,6 +18,8 @@ struct HealthChannel {
   double min_K = 253.15;  ///< range of its own
   double max_K = 423.15;
   double resolution_K = 0.01;  ///< smallest step of the reading
+  double noise_K = 0.03;       ///< 1σ of a reading; what is learnt of it stays between 1/3 and 3 times this
+  double interval_s = 0.0;     ///< between new readings where these are fewer than the samples
 };
 
 /// One reading, and what the model says of its place.
@@ -93,7 +95,8 @@ class SensorHealth {
     bool has_last_e = false;
     double old_course_K = 0;  // mean of reading − predicted while good
     bool has_old_course = false;
-    double absent_s = 0.0;
+    double elapsed_s = 0.0;  // since the reading before
+    double moved_K = 0.0;    // of the model in that time
     double quiet_s = 0.0;
     int electrical = 0;
     int outliers = 0;
@@ -106,8 +109,9 @@ class SensorHealth {
 
   HealthFault electrical(std::size_t i, double reading_K) const;
   bool judge_electrical(std::size_t i, const HealthSample& sample, double h_s);
-  void find_outliers(const std::vector<HealthSample>& samples, double h_s);
+  void find_outliers(const std::vector<HealthSample>& samples);
   void find_swapped(const std::vector<HealthSample>& samples, double h_s);
+  bool moves_without(std::size_t i, const HealthSample& sample);
   double left_over_K2(std::size_t i, std::size_t j) const;
   bool exchanged_courses(std::size_t i, std::size_t j) const;
   void settle(std::size_t i, const HealthSample& sample, double h_s);
@@ -116,6 +120,7 @@ class SensorHealth {
   void change(std::size_t i, HealthState state);
   void follow_return(std::size_t i, const HealthSample& sample, double h_s);
   bool in_use(std::size_t i) const;
+  bool present(std::size_t i, const HealthSample& sample) const;
 
   std::vector<HealthChannel> channels_;
   HealthLimits limits_;

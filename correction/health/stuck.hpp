@@ -11,18 +11,22 @@ namespace spindle_twin::correction {
 /// No change beyond one step q of the reading's resolution while the model moves: over some stretch of the last
 /// stuck_window_s, at least a quarter of it and four samples long,
 ///   max r − min r <= q    and    |u_now − u_then| >= max(stuck_K, stuck_resolutions · q)
-/// u is what the model has moved by integration, less the rate at which corrections have taken it back on the mean of
-/// the last ten minutes; at rest it stands, so that a steady spindle raises nothing. One step
+/// with each of three u: what the model has moved by integration; that, less the rate at which corrections have taken
+/// it back on the mean of the last ten minutes; and the model that is never corrected; half the limit does for the last
+/// two. A steady spindle raises nothing, whatever the corrected model does, because the last one stands. One step of q
 /// is allowed because a held analogue value flickers between two counts. Kept in buckets of a twelfth of the window.
 /// Besides, `repeats` looks for runs that a live reading with its usual share of changes would hardly have
 /// ((1 − p)^n < 1 in 1000): these are withheld, which costs a healthy channel nothing. Runs in the cycle.
 struct Standstill {
   static constexpr int buckets = 12;
+  static constexpr std::array shares{1.0, 0.5, 0.5};  ///< of the limit, that each u must reach
   static constexpr double hardly = 1e-3;
   static constexpr double change_memory = 0.02;
 
+  using Movements = std::array<double, 3>;
   struct Bucket {
-    double begin_s = 0.0, low_K = 0.0, high_K = 0.0, model_K = 0.0;
+    double begin_s = 0.0, low_K = 0.0, high_K = 0.0;
+    Movements model_K{};
     int samples = 0;
   };
   std::array<Bucket, buckets> ring{};
@@ -40,7 +44,8 @@ struct Standstill {
   }
 
   /// model_K: u. True if the channel is stuck.
-  bool observe(double time_s, double reading_K, double model_K, double resolution_K, const HealthLimits& limits) {
+  bool observe(double time_s, double reading_K, const Movements& model_K, double resolution_K,
+               const HealthLimits& limits) {
     note_change(reading_K, resolution_K);
     Bucket* bucket = &ring[static_cast<std::size_t>(newest)];
     if (filled == 0 || time_s - bucket->begin_s >= limits.stuck_window_s / buckets) {
@@ -63,7 +68,11 @@ struct Standstill {
       samples += then.samples;
       if (high_K - low_K > resolution_K * (1.0 + 1e-6)) return false;
       if (samples < 4 || time_s - then.begin_s < 0.25 * limits.stuck_window_s) continue;
-      if (std::abs(model_K - then.model_K) >= needed_K) return true;
+      bool moves = true;
+      for (std::size_t u = 0; u < model_K.size(); ++u) {
+        moves = moves && std::abs(model_K[u] - then.model_K[u]) >= shares[u] * needed_K;
+      }
+      if (moves) return true;
     }
     return false;
   }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/config/config.hpp"
 
@@ -49,6 +50,13 @@ Channel sensor_channel(const ConfiguredSensor& sensor, std::size_t key_point) {
   return channel;
 }
 
+/// One count of an integer register; a float tells nothing of its converter.
+double resolution_K(const RegisterSource& source) {
+  constexpr double of_a_float_K = 0.01;
+  const bool is_float = source.type == RegisterType::float32 || source.type == RegisterType::float32_cdab;
+  return is_float ? of_a_float_K : std::abs(source.scale);
+}
+
 void bind_signal(const ConfiguredSignal& configured, std::size_t signal, DaemonPlan& plan) {
   plan.cycle.signals[signal] = configured.plan;
   if (configured.source) plan.device.channels.push_back({Channel::Kind::signal, signal, *configured.source});
@@ -88,6 +96,7 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
     slot.offset_K = sensor.offset_K.value_or(all.offset_K);
     slot.lag_s = sensor.lag_s.value_or(all.lag_s);
     slot.interval_s = sensor.interval_s;
+    slot.resolution_K = sensor.resolution_K.value_or(resolution_K(sensor.source));
     plan.device.channels.push_back(sensor_channel(sensor, k));
   }
   for (const ConfiguredProbe& probe : config.probes) {

@@ -41,6 +41,7 @@ struct ConfiguredSensor {
   std::optional<double> offset_K;
   std::optional<double> lag_s;
   double interval_s = 0.0;
+  std::optional<double> resolution_K;  ///< empty: one count of an integer register, 0.01 K of a float
 };
 
 /// A displacement probe.

@@ -6,6 +6,7 @@
 
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_correction.hpp"
+#include "firmware/config/read_health.hpp"
 #include "rom/read/strict_toml.hpp"
 
 namespace spindle_twin::firmware {
@@ -140,6 +141,7 @@ ConfiguredSensor read_sensor(const TomlTable& table) {
   sensor.noise_K = table.optional_number("noise_K", noise_range_K);
   sensor.offset_K = table.optional_number("offset_K", offset_range_K);
   sensor.lag_s = table.optional_number("lag_s", lag_range_s);
+  sensor.resolution_K = table.optional_number("resolution_K", resolution_range_K);
   return sensor;
 }
 
@@ -237,6 +239,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
 
   read_correction(root.optional_table("correction"), config);
+  read_health(root.optional_table("health"), config);
   if (const auto output = root.optional_table("output")) {
     config.cycle.slew_m_per_s =
         m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);

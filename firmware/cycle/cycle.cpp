@@ -14,21 +14,28 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   snapshot_.clock_ns = now_ns - first_ns_;
 
   sense(plan_, frame, command, now_ns, sensed_);
+  subtract_tare(watch_, sensed_);
   judge(plan_, sensed_, judgement_);
+  set_operating(network_, judgement_, operating_);
+  if (started_) {
+    watch_sensors(network_, plan_, sensed_, model_, uncorrected_, snapshot_.model_time_s, advance_s, watch_, corrector_,
+                  judgement_);
+  }
   publish_inputs(sensed_, judgement_, snapshot_);
   snapshot_.quality = judgement_.quality;
-  set_operating(network_, judgement_, operating_);
   take_orders(command);
 
   if (started_ || ready_to_start()) {
     take_probes(plan_, sensed_, snapshot_.tare_m, corrector_);
     const CorrectedInputs inputs =
         correct(sensed_, judgement_, operating_, snapshot_.model_time_s, advance_s, model_, corrector_);
+    watch_update(network_, operating_, model_, watch_, corrector_);
     note(integrate(network_, inputs.operating, inputs.factors, advance_s, model_));
     predict(network_, model_);
     publish_corrected(model_, plan_.slew_m_per_s * advance_s, snapshot_);
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
+    publish_health(watch_, corrector_, snapshot_);
     if (plan_.compare_uncorrected) {
       integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
       predict(network_, uncorrected_);

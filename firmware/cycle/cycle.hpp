@@ -7,6 +7,7 @@
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/publish.hpp"
 #include "firmware/cycle/remember.hpp"
+#include "firmware/cycle/watch_sensors.hpp"
 #include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
@@ -50,6 +51,7 @@ class Cycle {
   Model model_;
   Model uncorrected_;
   Corrector corrector_;
+  SensorWatch watch_;
   SensedInputs sensed_;
   Judgement judgement_;
   rom::OperatingState operating_;

@@ -11,6 +11,7 @@ Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepp
       model_(make_model(network, make_stepper)),
       uncorrected_(make_model(network, make_stepper)),
       corrector_(make_corrector(network, plan, make_stepper)),
+      watch_(make_watch(network, plan, corrector_)),
       judgement_(first_judgement(plan)),
       operating_(network.boundaries.operating),
       start_K_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.nodes.size()))),
@@ -53,6 +54,10 @@ void Cycle::take_orders(const PlcCommand& command) {
     snapshot_.displacement = length;
     ++snapshot_.displacement_orders;
   }
+  if (started_ && command.sensor_orders != watch_.orders) {
+    take_sensor_order(command.sensor_order, plan_, judgement_, watch_, corrector_);
+    watch_.orders = command.sensor_orders;
+  }
   if (command.tare_orders == tare_orders_) return;
   if (command.tare_order == TareOrder::take && !started_) return;
   if (command.tare_order == TareOrder::take) {
@@ -90,7 +95,7 @@ void Cycle::label(std::int64_t missed) {
 
   constexpr auto harmless = static_cast<std::uint16_t>(
       bits(Quality::correction_off) | bits(Quality::correction_frozen) | bits(Quality::overrun) | bits(Quality::tared) |
-      bits(Quality::uncertified) | bits(Quality::slewing));
+      bits(Quality::uncertified) | bits(Quality::slewing) | bits(Quality::sensor_tare_offered));
   const bool stopped = (snapshot_.fault & (bits(Fault::prediction_lost) | bits(Fault::start_timed_out))) != 0;
   if (stopped) {
     snapshot_.state = State::fault;

@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "correction/estimator/estimator_correction.hpp"
+#include "correction/health/isothermal_tare.hpp"
+#include "correction/health/limits.hpp"
 #include "correction/paper/paper_correction.hpp"
 #include "firmware/cycle/snapshot.hpp"
 
@@ -19,6 +21,7 @@ struct SensorPlan {
   double offset_K = 0.02;      ///< 1σ of its constant error
   double lag_s = 0.0;          ///< first-order lag, model time
   double interval_s = 0.0;     ///< the device renews it so often, readings in between are repeats; 0: each is new
+  double resolution_K = 0.01;  ///< smallest step of the reading
 };
 
 /// A displacement probe at one deformation output. It counts as the published value does: of the nose minus the tare.
@@ -53,7 +56,12 @@ struct CyclePlan {
   std::optional<correction::PaperOptions> paper;  ///< the published law corrects
   /// The estimator, without sensors: these come from `sensors`. Not together with `paper`.
   std::optional<correction::EstimatorOptions> estimator;
-  bool estimator_corrects = true;             ///< false: it stands by for ever and only says how sure the open loop is
+  bool estimator_corrects = true;  ///< false: it stands by for ever and only says how sure the open loop is
+  std::optional<correction::HealthLimits> health =
+      correction::HealthLimits{};  ///< empty: sensors are only judged by range and age
+  double return_within_K = 0.5;    ///< of its old course, for a failed sensor to return where no estimator corrects
+  correction::TareLimits tare;
+  bool tare_to_ambient = false;               ///< else to the common mean of the sensors
   double slew_m_per_s = 5e-7;                 ///< published deformations follow the prediction no faster, model time
   std::optional<double> start_temperature_K;  ///< empty: mean of the first good readings
   double start_wait_s = 60.0;                 ///< model time until fewer sensors must do, or a fault is raised

@@ -57,6 +57,7 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.deformation_sd_m.fill(not_a_value);
   snapshot.heat_factor.fill(not_a_value);
   snapshot.conductance_factor.fill(not_a_value);
+  snapshot.sensor_tare_K.fill(not_a_value);
   return snapshot;
 }
 

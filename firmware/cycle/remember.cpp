@@ -39,6 +39,7 @@ void Cycle::remember(Remembered& to) const {
   to.started = started_;
   to.model_time_s = snapshot_.model_time_s;
   to.tare_m = snapshot_.tare_m;
+  to.sensor_tare = watch_.tare;
   to.signals = judgement_.signals;
   copy(model_.stepper->temperatures_K(), to.nodes_K);
   copy(uncorrected_.stepper->temperatures_K(), to.uncorrected_K);
@@ -72,7 +73,12 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
     known = corrector_.corrects && from.layout == layout_of(*corrector_.estimator) &&
             corrector_.estimator->restore(from.estimator);
   }
+  const std::size_t tared = watch_.tare.offset_K.size();
+  if (from.sensor_tare.offset_K.size() == tared && from.sensor_tare.deviation_K.size() == tared) {
+    watch_.tare = from.sensor_tare;
+  }
   stand_still(gap_s);
+  if (watch_.others) watch_.others->follow(*corrector_.estimator);
 
   snapshot_.tare_m = from.tare_m;
   predict(network_, model_);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "correction/estimator/estimator_correction.hpp"
+#include "correction/health/isothermal_tare.hpp"
 #include "firmware/cycle/snapshot.hpp"
 
 namespace spindle_twin::firmware {
@@ -15,6 +16,7 @@ struct Remembered {
   bool started = false;  ///< else the rest is without meaning
   double model_time_s = 0.0;
   double tare_m = 0.0;
+  correction::SensorTare sensor_tare;  ///< per key point
   std::array<double, signal_count> signals{};
   std::vector<double> nodes_K;
   std::vector<double> uncorrected_K;

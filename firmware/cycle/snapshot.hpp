@@ -46,6 +46,7 @@ struct Displacement {
 };
 
 enum class TareOrder : std::uint8_t { take, clear };
+enum class SensorOrder : std::uint8_t { tare, clear_tare, acknowledge };
 enum class CorrectionOrder : std::uint8_t { as_configured, off, on };
 
 /// What the PLC last wrote.
@@ -54,6 +55,8 @@ struct PlcCommand {
   CorrectionOrder correction = CorrectionOrder::as_configured;
   TareOrder tare_order = TareOrder::take;
   std::uint32_t tare_orders = 0;  ///< counts up with each order
+  SensorOrder sensor_order = SensorOrder::tare;
+  std::uint32_t sensor_orders = 0;  ///< counts up with each order
   Displacement displacement;
   std::uint32_t displacements = 0;  ///< counts up with each measurement
 };
@@ -68,6 +71,15 @@ struct ChannelUpdate {
   double offset_sd = not_a_value;
   std::uint16_t flags = 0;              ///< bits of Update
   std::uint16_t rejected_in_a_row = 0;  ///< saturates
+};
+
+/// Whether a sensor is believed (correction/health).
+struct SensorHealthState {
+  SensorState state = SensorState::good;
+  SensorFault fault = SensorFault::none;
+  std::int16_t partner = -1;  ///< key point whose temperature a swapped sensor shows
+  std::uint16_t spikes = 0;
+  double misfit_ratio = not_a_value;
 };
 
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
@@ -123,6 +135,13 @@ struct Snapshot {
   Displacement displacement;
   std::array<ChannelUpdate, slots::key_points> sensor_update{};
   ChannelUpdate displacement_update;
+
+  bool health_watched = false;
+  bool model_in_doubt = false;
+  std::uint16_t sensors_failed = 0;
+  std::uint16_t sensor_tare_count = 0;
+  std::array<SensorHealthState, slots::key_points> sensor_health{};
+  std::array<double, slots::key_points> sensor_tare_K{};  ///< subtracted from the readings
 };
 
 }  // namespace spindle_twin::firmware

@@ -85,6 +85,9 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.root = attach<way>(remembered.estimator.root);
   message.sensitivities = attach<way>(remembered.estimator.sensitivities);
   message.lagged = attach<way>(remembered.estimator.lagged);
+  message.sensor_tare_K = attach<way>(remembered.sensor_tare.offset_K);
+  message.sensor_tare_deviation_K = attach<way>(remembered.sensor_tare.deviation_K);
+  message.sensor_tares = remembered.sensor_tare.count;
   return message;
 }
 
@@ -133,6 +136,7 @@ Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::
   checkpoint.remembered.started = true;
   checkpoint.remembered.model_time_s = message.model_time_s;
   checkpoint.remembered.tare_m = message.tare_m;
+  checkpoint.remembered.sensor_tare.count = message.sensor_tares;
   std::copy(signals.begin(), signals.end(), checkpoint.remembered.signals.begin());
   return checkpoint;
 }

@@ -89,6 +89,10 @@ std::string history_header(const rom::Network& network) {
   header += ",displacement_count";
   for (const auto& [column, unit] : displacement_columns) header.append(",").append(column).append(unit);
   header += ",clock_ns,tare_count,length_orders,length_output,length_m,length_sd_m";
+  add_names(header, "sensor_quality.", network.key_points, "");
+  add_names(header, "sensor_state.", network.key_points, "");
+  add_names(header, "sensor_fault.", network.key_points, "");
+  add_names(header, "sensor_misfit.", network.key_points, "");
   return header;
 }
 
@@ -133,6 +137,13 @@ std::string history_row(const Snapshot& snapshot) {
                  snapshot.displacement_orders, snapshot.displacement.output);
   add_exactly(row, snapshot.displacement.value_m);
   add_exactly(row, snapshot.displacement.sd_m);
+  const auto each = [&](const auto& value) {
+    for (std::size_t k = 0; k < snapshot.key_points; ++k) add(row, value(k));
+  };
+  each([&](std::size_t k) { return bits(snapshot.sensor_quality[k]); });
+  each([&](std::size_t k) { return bits(snapshot.sensor_health[k].state); });
+  each([&](std::size_t k) { return bits(snapshot.sensor_health[k].fault); });
+  each([&](std::size_t k) { return snapshot.sensor_health[k].misfit_ratio; });
   return row;
 }
 

@@ -27,6 +27,17 @@ void take_tare(RegisterImage& image, PlcCommand& command) {
   put(image, Register::command_tare, 0.0);
 }
 
+void take_sensors(RegisterImage& image, PlcCommand& command) {
+  const double order = get(image, Register::command_sensors);
+  if (order == 1.0 || order == 2.0 || order == 3.0) {
+    command.sensor_order = order == 1.0   ? SensorOrder::tare
+                           : order == 2.0 ? SensorOrder::clear_tare
+                                          : SensorOrder::acknowledge;
+    ++command.sensor_orders;
+  }
+  put(image, Register::command_sensors, 0.0);
+}
+
 void take_displacement(RegisterImage& image, PlcCommand& command) {
   constexpr double m_per_um = 1e-6;
   const double output = get(image, Register::command_displacement_output);
@@ -52,6 +63,7 @@ void clear_commands(RegisterImage& image) {
   for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) put_not_present(image, Register::command_flow, c);
   put(image, Register::command_tare, 0.0);
   put(image, Register::command_displacement_take, 0.0);
+  put(image, Register::command_sensors, 0.0);
 }
 
 void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image, PlcCommand& command) {
@@ -80,6 +92,7 @@ void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image
   }
   if (touches(written, Register::command_tare)) take_tare(image, command);
   if (touches(written, Register::command_displacement_take)) take_displacement(image, command);
+  if (touches(written, Register::command_sensors)) take_sensors(image, command);
 }
 
 }  // namespace spindle_twin::firmware

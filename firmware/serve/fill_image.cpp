@@ -34,9 +34,9 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::map_version, register_map_version);
   // The heartbeat wraps over all 16 bits, so it alone uses the not-present value too.
   fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
-  for (const Register which :
-       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence,
-        Register::deviations_sequence, Register::sensors_sequence, Register::estimator_sequence}) {
+  for (const Register which : {Register::sequence, Register::temperatures_sequence, Register::parts_sequence,
+                               Register::factors_sequence, Register::deviations_sequence, Register::sensors_sequence,
+                               Register::estimator_sequence, Register::health_sequence}) {
     fill.value(which, snapshot.sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
@@ -129,6 +129,25 @@ void fill_updates(const Snapshot& snapshot, RegisterImage& image) {
   put(image, Register::displacement_test_ratio, length.test_ratio);
 }
 
+void fill_health(const Snapshot& snapshot, RegisterImage& image) {
+  for (std::size_t k = 0; k < slots::key_points; ++k) {
+    const SensorHealthState& health = snapshot.sensor_health[k];
+    const int slot = static_cast<int>(k);
+    const bool watched = snapshot.health_watched && snapshot.sensor_quality[k] != SensorQuality::not_configured;
+    const auto if_watched = [&](double value) { return watched ? value : not_a_value; };
+    put(image, Register::sensor_state, if_watched(bits(health.state)), slot);
+    put(image, Register::sensor_fault, if_watched(bits(health.fault)), slot);
+    put(image, Register::sensor_partner, if_watched(health.partner < 0 ? not_a_value : health.partner), slot);
+    put(image, Register::sensor_spikes, if_watched(health.spikes), slot);
+    put(image, Register::sensor_misfit, if_watched(health.misfit_ratio), slot);
+    put(image, Register::sensor_tare, snapshot.sensor_tare_K[k], slot);
+  }
+  put(image, Register::sensor_tare_count, snapshot.sensor_tare_count % 65535);
+  put(image, Register::sensors_failed, snapshot.health_watched ? snapshot.sensors_failed : not_a_value);
+  put(image, Register::model_in_doubt, snapshot.health_watched ? (snapshot.model_in_doubt ? 1.0 : 0.0) : not_a_value);
+  put_not_present(image, Register::health_reserved);
+}
+
 }  // namespace
 
 void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
@@ -140,6 +159,7 @@ void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& im
   fill.values(Register::conductance_factor, snapshot.conductance_factor);
   fill_deviations(snapshot, fill);
   fill_updates(snapshot, image);
+  fill_health(snapshot, image);
   const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
   put(image, Register::quality, quality);
 }

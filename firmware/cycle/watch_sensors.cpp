@@ -1,0 +1,200 @@
+#include "firmware/cycle/watch_sensors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spindle_twin::firmware {
+namespace {
+
+static_assert(bits(SensorState::returning) == bits(correction::HealthState::returning));
+static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::implausible));
+
+/// The channel of the estimator at a key point, -1 without one.
+Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point) {
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    if (corrector.channels[c] == key_point) return static_cast<Eigen::Index>(c);
+  }
+  return -1;
+}
+
+void note_corrected(const rom::Network& network, const Model& model, SensorWatch& watch) {
+  for (std::size_t k = 0; k < watch.corrected_K.size(); ++k) {
+    watch.corrected_K[k] = network.key_points[k].row.dot(model.stepper->temperatures_K());
+  }
+}
+
+void rest(const CyclePlan& plan, const SensedInputs& sensed, const Judgement& judgement, const Model& model,
+          double advance_s, SensorWatch& watch) {
+  constexpr double turning_rpm = 1.0;
+  constexpr double loaded = 0.01;
+  for (std::size_t k = 0; k < watch.tare_samples.size(); ++k) {
+    const bool good = plan.sensors[k].configured && judgement.sensors[k] == SensorQuality::good;
+    const double offset_K = k < watch.tare.offset_K.size() ? watch.tare.offset_K[k] : 0.0;
+    watch.tare_samples[k] = {good, sensed.sensors[k].value + offset_K,
+                             model.outputs.key_points_K[static_cast<Eigen::Index>(k)]};
+  }
+  const bool heated = std::abs(judgement.signals[static_cast<std::size_t>(Signal::speed)]) > turning_rpm ||
+                      std::abs(judgement.signals[static_cast<std::size_t>(Signal::load)]) > loaded;
+  watch.resting->step(watch.tare_samples, heated, advance_s);
+}
+
+}  // namespace
+
+SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector) {
+  SensorWatch watch;
+  watch.tare_to_ambient = plan.tare_to_ambient;
+  const std::size_t count = network.key_points.size();
+  watch.resting.emplace(count, plan.tare);
+  watch.tare_samples.resize(count);
+  watch.tare.offset_K.assign(count, 0.0);
+  watch.tare.deviation_K.assign(count, 0.0);
+  watch.corrected_K.assign(count, 0.0);
+  if (!plan.health) return watch;
+  std::vector<correction::HealthChannel> channels;
+  for (std::size_t k = 0; k < count; ++k) {
+    const SensorPlan& sensor = plan.sensors[k];
+    channels.push_back({sensor.configured, sensor.min_K, sensor.max_K, sensor.resolution_K, sensor.noise_K,
+                        std::max(sensor.interval_s, plan.period_s)});
+  }
+  correction::HealthLimits limits = *plan.health;
+  // Only an estimator learns an offset anew.
+  if (corrector.corrects && corrector.estimator) {
+    watch.others.emplace(*corrector.estimator);
+  } else {
+    limits.return_within_K = plan.return_within_K;
+  }
+  watch.health.emplace(std::move(channels), limits);
+  watch.samples.resize(count);
+  watch.updates.resize(count);
+  watch.believed.fill(true);
+  return watch;
+}
+
+void subtract_tare(const SensorWatch& watch, SensedInputs& sensed) {
+  for (std::size_t k = 0; k < watch.tare.offset_K.size(); ++k) sensed.sensors[k].value -= watch.tare.offset_K[k];
+}
+
+void watch_sensors(const rom::Network& network, const CyclePlan& plan, const SensedInputs& sensed, const Model& model,
+                   const Model& uncorrected, double time_s, double advance_s, SensorWatch& watch, Corrector& corrector,
+                   Judgement& judgement) {
+  if (watch.health) {
+    for (std::size_t k = 0; k < watch.samples.size(); ++k) {
+      const Sensed& reading = sensed.sensors[k];
+      const auto row = static_cast<Eigen::Index>(k);
+      const double predicted_K = model.outputs.key_points_K[row];
+      // A reading out of range is the health's business too: it tells a broken wire from a hot place.
+      const bool readable =
+          judgement.sensors[k] == SensorQuality::good || judgement.sensors[k] == SensorQuality::out_of_range;
+      watch.samples[k] = {readable && reading.time_ns != watch.seen_ns[k], reading.value, predicted_K,
+                          time_s > 0.0 ? predicted_K - watch.corrected_K[k] : 0.0,
+                          plan.compare_uncorrected ? uncorrected.outputs.key_points_K[row] : not_a_value};
+    }
+    watch.health->step(watch.samples, time_s, time_s > 0.0 ? advance_s : 0.0);
+    for (std::size_t k = 0; k < watch.samples.size(); ++k) {
+      const correction::HealthRecord& record = watch.health->records()[k];
+      if (watch.samples[k].present) {
+        watch.seen_ns[k] = sensed.sensors[k].time_ns;
+        watch.believed[k] = record.usable;
+      }
+      const bool failed = record.state == correction::HealthState::failed;
+      if (judgement.sensors[k] == SensorQuality::good && (!watch.believed[k] || failed)) {
+        judgement.sensors[k] = SensorQuality::withheld;
+        --judgement.good;
+      }
+      const Eigen::Index channel = record.returned && watch.others ? channel_at(corrector, k) : -1;
+      if (channel < 0) continue;
+      corrector.estimator->widen_offset(channel, record.return_offset_K);
+      watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_K);
+    }
+  }
+  rest(plan, sensed, judgement, model, advance_s, watch);
+  note_corrected(network, model, watch);
+}
+
+bool watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+                  Corrector& corrector) {
+  note_corrected(network, model, watch);
+  if (!watch.others) return false;
+  correction::EstimatorCorrection& estimator = *corrector.estimator;
+  if (corrector.enabled && !watch.was_enabled) watch.others->follow(estimator);
+  watch.was_enabled = corrector.enabled;
+  if (!corrector.enabled || estimator.updates() == watch.seen_updates) return false;
+  watch.seen_updates = estimator.updates();
+  watch.others->update(estimator);
+  std::fill(watch.updates.begin(), watch.updates.end(), correction::HealthUpdate{});
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    const auto channel = static_cast<Eigen::Index>(c);
+    const correction::SensorRecord& record = estimator.record(channel);
+    watch.updates[corrector.channels[c]] = {record.fused || record.rejected, watch.others->misfit(channel).ratio(),
+                                            record.rejected_in_a_row};
+  }
+  const int failed = watch.health->note_update(watch.updates);
+  estimator.set_alternatives(watch.others->alternatives(estimator));
+  if (failed < 0) return false;
+  const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(failed));
+  estimator.adopt(watch.others->without(channel), operating);
+  watch.others->settle_on(channel);
+  model.stepper->set_temperatures(estimator.corrected_nodes_K());
+  corrector.operating = operating;
+  corrector.operating.environment_K += estimator.environment_bias_K();
+  note_corrected(network, model, watch);
+  return true;
+}
+
+void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
+                       Corrector& corrector) {
+  if (order == SensorOrder::acknowledge) {
+    if (watch.health) watch.health->acknowledge();
+    return;
+  }
+  double noise_K = 0.0;
+  for (const SensorPlan& sensor : plan.sensors) noise_K = std::max(noise_K, sensor.configured ? sensor.noise_K : 0.0);
+  const correction::SensorTare before = watch.tare;
+  if (order == SensorOrder::tare) {
+    const double ambient_K =
+        watch.tare_to_ambient ? judgement.signals[static_cast<std::size_t>(Signal::ambient)] : not_a_value;
+    if (!watch.resting->take(ambient_K, noise_K, watch.tare)) return;
+  } else {
+    correction::IsothermalTare::clear(watch.tare);
+  }
+  if (!corrector.estimator) return;
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    const std::size_t k = corrector.channels[c];
+    const auto channel = static_cast<Eigen::Index>(c);
+    const double shift_K = watch.tare.offset_K[k] - before.offset_K[k];
+    // Without a tare the offset is as open as the configuration says.
+    const double deviation_K = watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_K;
+    corrector.estimator->note_tare(channel, shift_K, deviation_K);
+    if (watch.others) watch.others->shift_offset(*corrector.estimator, channel, shift_K);
+  }
+}
+
+void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot) {
+  snapshot.sensor_tare_count = static_cast<std::uint16_t>(watch.tare.count);
+  if (watch.resting->offered()) snapshot.quality |= bits(Quality::sensor_tare_offered);
+  for (std::size_t k = 0; k < watch.tare.offset_K.size(); ++k) {
+    if (snapshot.sensor_quality[k] != SensorQuality::not_configured) snapshot.sensor_tare_K[k] = watch.tare.offset_K[k];
+  }
+  snapshot.sensors_failed = 0;
+  if (!watch.health) return;
+  snapshot.health_watched = true;
+  snapshot.model_in_doubt = watch.health->model_in_doubt();
+  for (std::size_t k = 0; k < watch.samples.size(); ++k) {
+    if (snapshot.sensor_quality[k] == SensorQuality::not_configured) continue;
+    const correction::HealthRecord& record = watch.health->records()[k];
+    SensorHealthState& to = snapshot.sensor_health[k];
+    to.state = static_cast<SensorState>(record.state);
+    to.fault = static_cast<SensorFault>(record.fault);
+    to.partner = static_cast<std::int16_t>(record.partner);
+    to.spikes = static_cast<std::uint16_t>(std::min(record.spikes, 65534));
+    const Eigen::Index channel = watch.others ? channel_at(corrector, k) : -1;
+    const bool judged = channel >= 0 && watch.others->misfit(channel).judged;
+    to.misfit_ratio = judged ? watch.others->misfit(channel).ratio() : not_a_value;
+    const bool out =
+        record.state == correction::HealthState::failed || record.state == correction::HealthState::returning;
+    if (out) ++snapshot.sensors_failed;
+  }
+  if (snapshot.sensors_failed > 0) snapshot.quality |= bits(Quality::sensor_failed);
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "correction/health/isothermal_tare.hpp"
+#include "correction/health/leave_one_out.hpp"
+#include "correction/health/sensor_health.hpp"
+#include "firmware/cycle/correct.hpp"
+
+namespace spindle_twin::firmware {
+
+/// Health of the sensors at the key points, and their tare.
+struct SensorWatch {
+  std::optional<correction::SensorHealth> health;  ///< empty: not asked for
+  std::optional<correction::LeaveOneOut> others;   ///< with an estimator that corrects
+  std::optional<correction::IsothermalTare> resting;
+  correction::SensorTare tare;
+  bool tare_to_ambient = false;
+  std::vector<correction::HealthSample> samples;
+  std::vector<correction::HealthUpdate> updates;
+  std::vector<correction::TareSample> tare_samples;
+  std::vector<double> corrected_K;                        ///< of the model, after the last correction
+  std::array<std::int64_t, slots::key_points> seen_ns{};  ///< time of the reading judged last
+  std::array<bool, slots::key_points> believed{};         ///< what was made of it
+  long seen_updates = 0;
+  bool was_enabled = false;
+  std::uint32_t orders = 0;
+};
+
+/// Allocates. Throws rom::InputError for a limit out of range.
+SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector);
+
+/// Subtracts the tare from the readings. Runs in the cycle.
+void subtract_tare(const SensorWatch& watch, SensedInputs& sensed);
+
+/// Each new reading against its own course and the model, before it corrects anything: a sensor that is not believed
+/// loses its quality `good`. A repeat of a reading is as good as that was. Runs in the cycle, once the model runs.
+void watch_sensors(const rom::Network& network, const CyclePlan& plan, const SensedInputs& sensed, const Model& model,
+                   const Model& uncorrected, double time_s, double advance_s, SensorWatch& watch, Corrector& corrector,
+                   Judgement& judgement);
+
+/// After correct(): what the update said of each sensor. The estimator goes over to the filter without a sensor that
+/// failed by it; true if that has changed the model's state. Runs in the cycle.
+bool watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+                  Corrector& corrector);
+
+/// An order from the PLC. Runs in the cycle; the first tare allocates.
+void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
+                       Corrector& corrector);
+
+/// Into the snapshot, and the quality bits. Runs in the cycle.
+void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot);
+
+}  // namespace spindle_twin::firmware

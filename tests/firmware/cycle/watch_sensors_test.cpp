@@ -1,0 +1,251 @@
+#include "firmware/cycle/watch_sensors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "firmware/config/config.hpp"
+#include "firmware/keep/checkpoint.hpp"
+#include "firmware/serve/command_registers.hpp"
+#include "firmware/serve/fill_image.hpp"
+#include "firmware/serve/pack.hpp"
+#include "tests/firmware/support/machine.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+/// A twin and a machine whose sensors are noisy, have offsets and may be tampered with; one cycle a second.
+struct Watched {
+  Watched(const rom::Network& network, const CyclePlan& plan, double heat)
+      : cycle(network, plan, runtime), machine(network, heat) {}
+
+  void until(int seconds) {
+    for (; n < seconds; ++n) {
+      DeviceFrame frame = machine.frame(at_s(n));
+      for (std::size_t k = 0; k < 3; ++k) frame.sensors[k].value += offset_K[k] + noise_K * normal(random);
+      if (tamper) tamper(n, frame);
+      last = cycle.step(frame, command, at_s(n), 0);
+      machine.advance(1.0);
+    }
+  }
+
+  Cycle cycle;
+  Machine machine;
+  PlcCommand command;
+  Snapshot last;
+  std::function<void(int, DeviceFrame&)> tamper;
+  std::array<double, 3> offset_K{};
+  double noise_K = 0.03;
+  std::mt19937_64 random{8};
+  std::normal_distribution<double> normal{0.0, 1.0};
+  int n = 0;
+};
+
+CyclePlan at_rest(CyclePlan plan) {
+  plan.signals[0].value = 0.0;
+  plan.signals[1].value = 0.0;
+  plan.tare.rest_s = 900.0;
+  return plan;
+}
+
+TEST(WatchSensors, a_broken_wire_is_withheld_at_once_and_shown_and_the_others_go_on) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, estimated(), 0.5);
+  run.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 600) frame.sensors[1].value = 1123.15;
+  };
+  run.until(600);
+  EXPECT_EQ(run.last.sensors_failed, 0);
+  EXPECT_EQ(run.last.state, State::running);
+  run.until(602);
+  EXPECT_EQ(run.last.sensor_health[1].state, SensorState::failed);
+  EXPECT_EQ(run.last.sensor_health[1].fault, SensorFault::open);
+  EXPECT_EQ(run.last.sensors_failed, 1);
+  EXPECT_NE(run.last.quality & bits(Quality::sensor_failed), 0);
+  EXPECT_EQ(run.last.state, State::degraded);
+  run.until(1800);
+  EXPECT_EQ(run.last.sensor_quality[0], SensorQuality::good);
+  EXPECT_LT(std::abs(run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0]),
+            2.0 * run.last.deformation_sd_m[0]);
+  EXPECT_NEAR(run.last.predicted_K[0], run.machine.model.outputs.key_points_K[0], 0.05);
+}
+
+TEST(WatchSensors, the_published_law_too_is_fed_from_healthy_sensors_only) {
+  const rom::Network network = tests::small_network();
+  Watched jumps(network, corrected(), 0.6);
+  Watched lacks(network, corrected(), 0.6);
+  jumps.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 900) frame.sensors[0].value += 4.0;
+  };
+  lacks.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 900) frame.sensors[0] = {not_a_value, at_s(n)};
+  };
+  for (int second = 900; second <= 2700; second += 60) {
+    jumps.until(second);
+    lacks.until(second);
+    EXPECT_EQ(jumps.last.heat_factor[0], lacks.last.heat_factor[0]) << second;
+  }
+  EXPECT_EQ(jumps.last.sensor_health[0].fault, SensorFault::jump);
+  EXPECT_EQ(jumps.last.sensor_health[0].state, SensorState::failed) << "off its old course there is no way back";
+  EXPECT_EQ(jumps.last.sensor_quality[0], SensorQuality::withheld);
+}
+
+TEST(WatchSensors, a_repaired_sensor_returns_without_a_step_of_the_nose) {
+  const rom::Network network = tests::small_network();
+  const CyclePlan plan = estimated();
+  Watched run(network, plan, 0.5);
+  run.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 900 && n < 1000) frame.sensors[2].value = 31.0;
+    if (n >= 1000) frame.sensors[2].value += 0.5;  // another sensor is in now
+  };
+  run.until(1290);
+  EXPECT_EQ(run.last.sensor_health[2].state, SensorState::returning);
+  double before_m = run.last.deformation_m[0];
+  double most_m = 0.0;
+  for (int second = 1291; second <= 2400; ++second) {
+    run.until(second);
+    most_m = std::max(most_m, std::abs(run.last.deformation_raw_m[0] - before_m));
+    before_m = run.last.deformation_raw_m[0];
+  }
+  EXPECT_EQ(run.last.sensor_health[2].state, SensorState::good);
+  EXPECT_LT(most_m, plan.slew_m_per_s);
+  EXPECT_NEAR(run.last.sensor_update[2].offset, 0.5, 0.1) << "half a kelvin is the sensor's, not the machine's";
+}
+
+TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_without_a_step) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = at_rest(estimated());
+  plan.estimator->offset_K = 0.2;
+  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  Watched run(network, plan, 0.0);
+  run.offset_K = {0.15, -0.2, 0.05};
+  run.until(800);
+  EXPECT_EQ(run.last.quality & bits(Quality::sensor_tare_offered), 0);
+  run.until(1000);
+  EXPECT_NE(run.last.quality & bits(Quality::sensor_tare_offered), 0);
+  EXPECT_EQ(run.last.state, State::running) << "an offer is no trouble";
+  const double before_m = run.last.deformation_raw_m[0];
+  run.command.sensor_order = SensorOrder::tare;
+  run.command.sensor_orders = 1;
+  run.until(1002);
+  EXPECT_EQ(run.last.sensor_tare_count, 1);
+  EXPECT_NEAR(run.last.deformation_raw_m[0], before_m, 2e-7);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(run.last.sensor_tare_K[k], run.offset_K[k], 0.02);
+    EXPECT_NEAR(run.last.measured_K[k], start_K, 0.15);
+  }
+  run.until(1100);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(run.last.sensor_update[k].offset, 0.0, 0.03);
+    EXPECT_LT(run.last.sensor_update[k].offset_sd, 0.03);
+    EXPECT_EQ(run.last.sensor_health[k].state, SensorState::good) << "its readings have moved, but by our own hand";
+  }
+
+  Remembered remembered;
+  run.cycle.remember(remembered);
+  const Checkpoint kept = decode_checkpoint(encode_checkpoint({std::string(64, '0'), 0.0, remembered}), "x");
+  EXPECT_EQ(kept.remembered.sensor_tare.count, 1U);
+  Watched resumed(network, plan, 0.0);
+  resumed.offset_K = run.offset_K;
+  ASSERT_EQ(resumed.cycle.resume(kept.remembered, 10.0), Resumed::temperatures_and_estimator);
+  resumed.until(30);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(resumed.last.sensor_tare_K[k], run.last.sensor_tare_K[k]);
+  EXPECT_EQ(resumed.last.sensors_failed, 0);
+
+  run.command.sensor_order = SensorOrder::clear_tare;
+  run.command.sensor_orders = 2;
+  run.until(1102);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(run.last.sensor_tare_K[k], 0.0);
+}
+
+TEST(WatchSensors, switched_off_only_range_and_age_count) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = estimated();
+  plan.health.reset();
+  Watched run(network, plan, 0.5);
+  run.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 100) frame.sensors[0].value += 4.0;
+  };
+  run.until(200);
+  EXPECT_EQ(run.last.sensor_quality[0], SensorQuality::good);
+  EXPECT_EQ(run.last.sensors_failed, 0);
+  RegisterImage image{};
+  fill_image(run.last, run.last.time_ns, image);
+  EXPECT_TRUE(std::isnan(get(image, Register::sensor_state)));
+}
+
+TEST(WatchSensors, registers_show_state_fault_and_tare_and_take_the_orders) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, estimated(), 0.5);
+  run.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 300) frame.sensors[1].value = 31.0;
+  };
+  run.until(310);
+  RegisterImage image{};
+  fill_image(run.last, run.last.time_ns, image);
+  EXPECT_EQ(get(image, Register::sensor_state, 1), 2.0);
+  EXPECT_EQ(get(image, Register::sensor_fault, 1), 2.0);
+  EXPECT_EQ(get(image, Register::sensor_state, 0), 0.0);
+  EXPECT_TRUE(std::isnan(get(image, Register::sensor_state, 5)));
+  EXPECT_TRUE(std::isnan(get(image, Register::sensor_partner, 1)));
+  EXPECT_TRUE(std::isfinite(get(image, Register::sensor_misfit, 0)));
+  EXPECT_EQ(get(image, Register::sensor_tare, 0), 0.0);
+  EXPECT_EQ(get(image, Register::sensors_failed), 1.0);
+  EXPECT_EQ(get(image, Register::model_in_doubt), 0.0);
+
+  PlcCommand command;
+  const WriteRange written{entry_of(Register::command_sensors).address, 1};
+  for (const auto& [number, order] :
+       {std::pair{1.0, SensorOrder::tare}, {2.0, SensorOrder::clear_tare}, {3.0, SensorOrder::acknowledge}}) {
+    const std::uint32_t before = command.sensor_orders;
+    put(image, Register::command_sensors, number);
+    take_commands(written, at_s(0), image, command);
+    EXPECT_EQ(command.sensor_orders, before + 1);
+    EXPECT_EQ(command.sensor_order, order);
+    EXPECT_EQ(get(image, Register::command_sensors), 0.0);
+  }
+}
+
+constexpr const char* small_config = R"(network = "x.rom"
+[serve]
+[signals]
+speed = { source = "plc" }
+load = { source = "plc" }
+coolant = { source = "constant", value = 20.0 }
+ambient = { source = "constant", value = 20.0 }
+[start]
+temperature_degC = 20.0
+)";
+
+TEST(HealthConfig, limits_and_tare_are_read_and_off_is_off) {
+  const Config defaults = parse_config(small_config, "x.toml");
+  ASSERT_TRUE(defaults.cycle.health.has_value());
+  EXPECT_EQ(defaults.cycle.health->jump_K, correction::HealthLimits{}.jump_K);
+  const Config set = parse_config(std::string(small_config) +
+                                      "[health]\njump_K = 0.7\nopen_above_degC = 500.0\nspikes = 2\n"
+                                      "[health.tare]\nrest_s = 3600.0\nreference = \"ambient\"\n",
+                                  "x.toml");
+  EXPECT_EQ(set.cycle.health->jump_K, 0.7);
+  EXPECT_NEAR(set.cycle.health->open_above_K, 773.15, 1e-9);
+  EXPECT_EQ(set.cycle.health->spikes, 2);
+  EXPECT_EQ(set.cycle.tare.rest_s, 3600.0);
+  EXPECT_TRUE(set.cycle.tare_to_ambient);
+  EXPECT_FALSE(
+      parse_config(std::string(small_config) + "[health]\nenabled = false\n", "x.toml").cycle.health.has_value());
+}
+
+TEST(HealthConfig, a_limit_out_of_range_is_refused_with_its_line) {
+  try {
+    parse_config(std::string(small_config) + "[health]\njump_K = -1.0\n", "x.toml");
+    FAIL() << "accepted";
+  } catch (const rom::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("x.toml:11"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("health.jump_K"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware
