@@ -1,6 +1,8 @@
 # One library per folder and one test program per folder; a new file needs no edit of a list.
 find_package(Eigen3 3.4 REQUIRED)
 find_package(Threads REQUIRED)
+find_package(nanopb 0.4.7 REQUIRED)
+find_program(NANOPB_GENERATOR NAMES nanopb_generator nanopb_generator.py REQUIRED)
 
 add_library(spindle_twin_flags INTERFACE)
 target_include_directories(spindle_twin_flags INTERFACE ${PROJECT_SOURCE_DIR})
@@ -26,6 +28,19 @@ function(spindle_twin_room name)
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE spindle_twin_flags Eigen3::Eigen ${ROOM_LINK})
   endif()
+endfunction()
+
+# spindle_twin_schema(NAME PATH): PATH.proto below the sources as C structs, a library. Debian's nanopb package has no CMake
+# function for this.
+function(spindle_twin_schema name path)
+  set(folder ${PROJECT_BINARY_DIR}/generated)
+  file(MAKE_DIRECTORY ${folder})
+  add_custom_command(OUTPUT ${folder}/${path}.pb.c ${folder}/${path}.pb.h
+    COMMAND ${NANOPB_GENERATOR} --quiet --proto-path=${PROJECT_SOURCE_DIR} --output-dir=${folder} ${path}.proto
+    DEPENDS ${PROJECT_SOURCE_DIR}/${path}.proto VERBATIM)
+  add_library(${name} STATIC ${folder}/${path}.pb.c ${folder}/${path}.pb.h)
+  target_include_directories(${name} SYSTEM PUBLIC ${folder})
+  target_link_libraries(${name} PUBLIC nanopb::protobuf-nanopb-static)
 endfunction()
 
 # spindle_twin_tests(NAME FOLDER [LINK lib...]): one GoogleTest program of all C++ files below FOLDER; its ctest label is NAME.

@@ -24,6 +24,26 @@ void require(double value, double highest, const char* field) {
 
 }  // namespace
 
+const char* name_of(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::heat:
+      return "heat";
+    case ParameterKind::contact:
+      return "contact";
+    case ParameterKind::film:
+      return "film";
+    case ParameterKind::environment:
+      return "environment";
+    case ParameterKind::bearing_temperature:
+      return "bearing temperature";
+    case ParameterKind::speed_exponent:
+      return "speed exponent";
+    case ParameterKind::start:
+      return "start";
+  }
+  return "unknown";
+}
+
 ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPriors& priors)
     : reference_speed_rpm_(network.boundaries.reference_speed_rpm), heat_common_(priors.heat_common) {
   require(priors.heat, 2.0, "prior.heat");

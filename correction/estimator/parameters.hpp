@@ -20,6 +20,9 @@ enum class ParameterKind : std::uint8_t {
   start,                ///< what the whole spindle was warmer at the start than the model's start [K]
 };
 
+/// As people read it.
+const char* name_of(ParameterKind kind);
+
 /// One entry of θ. A deviation of zero leaves it out.
 struct Parameter {
   std::string name;

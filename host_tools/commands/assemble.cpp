@@ -2,10 +2,10 @@
 #include <memory>
 #include <string>
 
-#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
 
 // spindle-twin assemble rom/by_hand/motor_spindle.toml -o motor_spindle.rom
 namespace spindle_twin::host_tools {
@@ -21,7 +21,7 @@ void add_assemble(CLI::App& app) {
   command->add_option("-o,--output", options->output, "network file to write, .rom")->required();
   command->callback([options] {
     const rom::Network network = rom::read_by_hand(options->network);
-    check_output(options->output, "--output");
+    rom::check_writable(options->output, "--output");
     rom::write_network(network, options->output);
     std::printf("%s: %zu nodes, %zu contacts and films, %zu heats, hand-written: no certificate\n",
                 options->output.c_str(), network.nodes.size(), network.boundaries.conductances.size(),

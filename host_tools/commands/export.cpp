@@ -4,7 +4,6 @@
 #include <string>
 
 #include "correction/boundaries/schedule.hpp"
-#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/fmu/write_fmu.hpp"
 #include "host_tools/network_files/matrix_files.hpp"
@@ -77,8 +76,8 @@ void run(const Options& options) {
     throw rom::InputError({options.input, 0}, "export",
                           "--calculix and --freefem need a spindle description, .toml; a network has no geometry");
   }
-  if (!options.netlist.empty()) check_output(options.netlist, "--spice");
-  if (!options.fmu.empty()) check_output(options.fmu, "--fmu");
+  if (!options.netlist.empty()) rom::check_writable(options.netlist, "--spice");
+  if (!options.fmu.empty()) rom::check_writable(options.fmu, "--fmu");
   if (options.of_network()) export_network(options);
 #ifdef SPINDLE_TWIN_OFFLINE
   if (options.of_description()) {

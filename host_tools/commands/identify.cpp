@@ -27,26 +27,6 @@ struct Options {
   bool json = false;
 };
 
-const char* kind_name(correction::ParameterKind kind) {
-  switch (kind) {
-    case correction::ParameterKind::heat:
-      return "heat";
-    case correction::ParameterKind::contact:
-      return "contact";
-    case correction::ParameterKind::film:
-      return "film";
-    case correction::ParameterKind::environment:
-      return "environment";
-    case correction::ParameterKind::bearing_temperature:
-      return "bearing temperature";
-    case correction::ParameterKind::speed_exponent:
-      return "speed exponent";
-    case correction::ParameterKind::start:
-      return "start";
-  }
-  return "unknown";
-}
-
 nlohmann::ordered_json to_json(const correction::Placement& placement) {
   return {{"place", placement.place.name},
           {"part", placement.place.part},
@@ -66,7 +46,7 @@ void print_json(const rom::Network& network, const std::vector<correction::Senso
   result["posterior_deviation_um"] = micrometres_per_metre * found.posterior_m;
   for (const correction::IdentifiedParameter& parameter : found.parameters) {
     result["parameters"].push_back({{"name", parameter.name},
-                                    {"kind", kind_name(parameter.kind)},
+                                    {"kind", correction::name_of(parameter.kind)},
                                     {"prior_deviation", parameter.estimate.prior_deviation},
                                     {"posterior_deviation", parameter.estimate.deviation},
                                     {"determined", !parameter.estimate.undetermined()}});

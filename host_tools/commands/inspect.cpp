@@ -3,7 +3,6 @@
 #include <optional>
 #include <string>
 
-#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/inspection.hpp"
@@ -36,7 +35,7 @@ void run(const Options& options) {
   if (options.page.empty() && !options.json && (options.speed_rpm || options.load)) {
     throw CLI::RequiresError(options.speed_rpm ? "--speed" : "--load", "--html or --json");
   }
-  if (!options.page.empty()) check_output(options.page, "--html");
+  if (!options.page.empty()) rom::check_writable(options.page, "--html");
   const Inspection result = inspect(options.network);
   const rom::OperatingState state = chosen_state(options, result.network);
   if (!options.page.empty()) {

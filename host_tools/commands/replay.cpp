@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/replay/errors.hpp"
@@ -69,11 +68,11 @@ Json statistics_json(const ErrorStatistics& errors, const std::string& unit, dou
   return json;
 }
 
-Json errors_json(const std::vector<OutputErrors>& outputs, const std::string& unit, double scale, bool sensors) {
+Json errors_json(const std::vector<OutputErrors>& outputs, const std::string& unit, double scale) {
   Json list = Json::array();
   for (const OutputErrors& output : outputs) {
     Json entry{{"name", output.name}, {"readings", output.twin.count}, {"rise_" + unit, scale * output.rise()}};
-    if (sensors) entry["used"] = output.used;
+    entry["used"] = output.used;
     entry["twin"] = statistics_json(output.twin, unit, scale, output.rise());
     if (output.with_sd > 0) {
       entry["sd_" + unit] = scale * output.sd();
@@ -97,8 +96,8 @@ void print_json(const Options& options, const rom::Network& network, const firmw
             {"corrections", tally.corrections}};
   for (std::size_t s = 0; s < std::size(states); ++s) json["states"][states[s]] = tally.in_state[s];
   for (std::size_t f = 0; f < std::size(faults); ++f) json["faults"][faults[f].name] = tally.with_fault[f];
-  json["sensors"] = errors_json(errors.sensors(), "K", 1.0, true);
-  json["deformations"] = errors_json(errors.deformations(), "um", micrometres_per_metre, false);
+  json["sensors"] = errors_json(errors.sensors(), "K", 1.0);
+  json["deformations"] = errors_json(errors.deformations(), "um", micrometres_per_metre);
   std::printf("%s\n", json.dump(2).c_str());
 }
 
@@ -140,7 +139,7 @@ void print_table(const Options& options, const rom::Network& network, const firm
 }
 
 void run(const Options& options) {
-  if (!options.output.empty()) check_output(options.output, "--output");
+  if (!options.output.empty()) rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.replay.network);
   const Log log = read_log(options.log, network, options.replay.longest_gap_s);
   const firmware::CyclePlan plan = plan_replay(network, log, options.replay);

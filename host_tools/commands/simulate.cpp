@@ -6,7 +6,6 @@
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/boundaries/schedule.hpp"
-#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "rom/file/rom_file.hpp"
@@ -75,7 +74,7 @@ void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outpu
 }
 
 void simulate(const Options& options) {
-  check_output(options.output, "--output");
+  rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.network);
   const rom::Boundaries& boundaries = network.boundaries;
   const correction::Schedule schedule = correction::read_schedule(options.schedule, boundaries);

@@ -1,10 +1,7 @@
 #include "host_tools/fmu/variables.hpp"
 
-#include <sodium.h>
-
-#include <array>
-
 #include "correction/boundaries/schedule.hpp"
+#include "rom/read/sha256.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -66,11 +63,7 @@ std::vector<FmuVariable> fmu_variables(const rom::Network& network) {
 }
 
 std::string fmu_guid(std::span<const std::uint8_t> rom_file) {
-  std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
-  crypto_hash_sha256(hash.data(), rom_file.data(), rom_file.size());
-  std::array<char, 2 * crypto_hash_sha256_BYTES + 1> hex{};
-  sodium_bin2hex(hex.data(), hex.size(), hash.data(), hash.size());
-  const std::string digits(hex.data());
+  const std::string digits = rom::hex(rom::sha256(rom_file));
   std::string guid = "{";
   std::size_t from = 0;
   for (const std::size_t length : {8, 4, 4, 4, 12}) {

@@ -1,9 +1,6 @@
 #include "host_tools/network_files/matrix_files.hpp"
 
-#include <stdlib.h>
-
 #include <Eigen/SparseCore>
-#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <unsupported/Eigen/SparseExtra>
@@ -43,12 +40,7 @@ class NewFolder {
     if (fs::exists(wanted_, unknown) && !(fs::is_directory(wanted_, unknown) && fs::is_empty(wanted_, unknown))) {
       throw rom::InputError({wanted, 0}, "--matrices", "is there already; give a new or empty folder");
     }
-    std::string name = (fs::path(wanted).lexically_normal() / "").parent_path().string() + ".XXXXXX";
-    if (::mkdtemp(name.data()) == nullptr) {
-      const std::string reason = std::strerror(errno);
-      throw rom::InputError({wanted, 0}, "--matrices", std::string("no folder can be made: ").append(reason));
-    }
-    now_ = name;
+    now_ = rom::make_folder_beside(wanted, "--matrices");
   }
   ~NewFolder() {
     std::error_code ignored;

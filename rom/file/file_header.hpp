@@ -1,10 +1,10 @@
 #pragma once
 
-#include <sodium.h>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
+
+#include "rom/read/sha256.hpp"
 
 /// Where things stand in a .rom file; used by rom_file.cpp and signature.cpp only.
 namespace spindle_twin::rom::header {
@@ -13,7 +13,7 @@ inline constexpr std::array<std::uint8_t, 8> magic = {'S', 'P', 'I', 'N', 'R', '
 inline constexpr std::size_t version_at = magic.size();
 inline constexpr std::size_t length_at = version_at + sizeof(std::uint32_t);
 inline constexpr std::size_t hash_at = length_at + sizeof(std::uint64_t);
-inline constexpr std::size_t size = hash_at + crypto_hash_sha256_BYTES;
+inline constexpr std::size_t size = hash_at + sizeof(Sha256);
 static_assert(size == 52);
 
 template <class Integer>

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "rom/file/whole_file.hpp"
+#include "rom/read/sha256.hpp"
 #include "rom/read/strict_toml.hpp"
 
 namespace spindle_twin::rom {
@@ -23,12 +24,6 @@ constexpr const char* public_field = "ed25519_public_key";
 
 void start_sodium() {
   if (sodium_init() < 0) throw std::runtime_error("libsodium has no source of random numbers");
-}
-
-template <std::size_t size>
-std::string hex(const std::array<std::uint8_t, size>& bytes) {
-  std::array<char, 2 * size + 1> text;
-  return sodium_bin2hex(text.data(), text.size(), bytes.data(), bytes.size());
 }
 
 template <std::size_t size>

@@ -1,9 +1,6 @@
 #include "rom/file/rom_file.hpp"
 
-#include <sodium.h>
-
 #include <algorithm>
-#include <array>
 #include <span>
 
 #include "rom/file/file_header.hpp"
@@ -11,17 +8,10 @@
 #include "rom/file/signature.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/read/sha256.hpp"
 
 namespace spindle_twin::rom {
 namespace {
-
-using Hash = std::array<std::uint8_t, crypto_hash_sha256_BYTES>;
-
-Hash sha256(std::span<const std::uint8_t> bytes) {
-  Hash hash;
-  crypto_hash_sha256(hash.data(), bytes.data(), bytes.size());
-  return hash;
-}
 
 /// The payload; what may follow it is the signature block. Throws InputError for anything that does not add up.
 std::span<const std::uint8_t> payload_of(const std::vector<std::uint8_t>& bytes, std::uint32_t version,
@@ -38,16 +28,11 @@ std::span<const std::uint8_t> payload_of(const std::vector<std::uint8_t>& bytes,
   return std::span(bytes).subspan(header::size, length);
 }
 
-std::string hex(const Hash& hash) {
-  std::array<char, 2 * sizeof(Hash) + 1> text;
-  return sodium_bin2hex(text.data(), text.size(), hash.data(), hash.size());
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> encode_network(const Network& network) {
   const std::vector<std::uint8_t> payload = encode_payload(network);
-  const Hash hash = sha256(payload);
+  const Sha256 hash = sha256(payload);
   std::vector<std::uint8_t> bytes(header::size + payload.size());
   std::copy(header::magic.begin(), header::magic.end(), bytes.begin());
   header::put_little_endian(rom_format_version, bytes.data() + header::version_at);
@@ -72,7 +57,7 @@ RomFile decode_rom_file(const std::vector<std::uint8_t>& bytes, const std::strin
     throw InputError(where, "format version", std::to_string(version) + " is unknown; this program reads 1 and 2");
   }
   const std::span<const std::uint8_t> payload = payload_of(bytes, version, where);
-  const Hash hash = sha256(payload);
+  const Sha256 hash = sha256(payload);
   if (!std::equal(hash.begin(), hash.end(), bytes.begin() + header::hash_at)) {
     throw InputError(where, "payload", "damaged: its SHA-256 is not the header's");
   }

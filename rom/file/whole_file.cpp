@@ -15,9 +15,23 @@
 namespace spindle_twin::rom {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const char* what) {
+[[noreturn]] void refuse(const std::string& path, const char* what, const std::string& field = "") {
   const std::string reason = std::strerror(errno);
-  throw InputError({path, 0}, "", std::string(what) + ": " + reason);
+  throw InputError({path, 0}, field, std::string(what) + ": " + reason);
+}
+
+/// A rename would replace a device or fail on a folder.
+void require_no_other_kind(const std::string& path, const std::string& field) {
+  std::error_code unknown;
+  if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) {
+    throw InputError({path, 0}, field, "cannot be written: it exists and is not a regular file");
+  }
+}
+
+/// For mkstemp and mkdtemp, on the same file system as `path`; of "folder/" beside the folder, not in it.
+std::string neighbour(const std::string& path) {
+  const std::size_t end = path.find_last_not_of('/');
+  return path.substr(0, end == std::string::npos ? path.size() : end + 1) + ".XXXXXX";
 }
 
 class Descriptor {
@@ -52,7 +66,7 @@ void write_beside(const std::string& path, std::span<const std::uint8_t> bytes, 
                   const Publish& publish) {
   std::filesystem::path folder = std::filesystem::path(path).parent_path();
   if (folder.empty()) folder = ".";
-  std::string name = path + ".XXXXXX";
+  std::string name = neighbour(path);
   const Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
   if (file.get() < 0) refuse(path, "cannot be written");
   const Temporary temporary{name};
@@ -72,13 +86,24 @@ void write_beside(const std::string& path, std::span<const std::uint8_t> bytes, 
 }  // namespace
 
 void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes) {
-  std::error_code unknown;
-  if (std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown)) {
-    // A rename would replace a device or fail on a folder.
-    throw InputError({path, 0}, "", "cannot be written: it exists and is not a regular file");
-  }
+  require_no_other_kind(path, "");
   write_beside(path, bytes, ordinary_permissions(),
                [&](const char* temporary) { return std::rename(temporary, path.c_str()); });
+}
+
+void check_writable(const std::string& path, const std::string& field) {
+  require_no_other_kind(path, field);
+  // A trial instead of access(): that says yes to root for folders that take no file.
+  std::string name = neighbour(path);
+  const Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
+  if (file.get() < 0) refuse(path, "cannot be written", field);
+  const Temporary temporary{name};
+}
+
+std::string make_folder_beside(const std::string& path, const std::string& field) {
+  std::string name = neighbour(path);
+  if (::mkdtemp(name.data()) == nullptr) refuse(path, "no folder can be made", field);
+  return name;
 }
 
 void write_private_file(const std::string& path, const std::string& text) {

@@ -13,6 +13,13 @@ namespace spindle_twin::rom {
 void write_whole_file(const std::string& path, std::span<const std::uint8_t> bytes);
 void write_whole_file(const std::string& path, const std::string& text);
 
+/// Throws InputError, naming `field` and the system's reason, if `path` cannot become a file: before minutes of work,
+/// not after them. Leaves nothing behind.
+void check_writable(const std::string& path, const std::string& field);
+
+/// A new folder beside the wanted one, to be filled and then renamed to it. Throws InputError naming `field`.
+std::string make_folder_beside(const std::string& path, const std::string& field);
+
 /// A new file, mode 0600 from its first byte on, whole or not at all. Throws InputError if `path` exists already.
 void write_private_file(const std::string& path, const std::string& text);
 

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,7 @@
 #include "rom/integrate/outputs.hpp"
 #include "tests/exports/importer.hpp"
 #include "tests/rom/synthetic_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools::tests {
 namespace {
@@ -34,11 +34,10 @@ class Fmu : public ::testing::Test {
  protected:
   void SetUp() override {
     network_ = rom::tests::make_synthetic_network({}, 7);
-    path_ = std::filesystem::temp_directory_path() / ("spindle_twin_fmu_test_" + std::to_string(::getpid()) + ".fmu");
+    path_ = folder_.file("x.fmu");
     write_fmu(network_, rom::encode_network(network_), path_);
     importer_ = std::make_unique<Importer>(path_);
   }
-  void TearDown() override { std::filesystem::remove(path_); }
 
   void begin(fmi2Component slave) {
     ASSERT_EQ(FMI2_CALL(*importer_, fmi2SetupExperiment)(slave, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
@@ -61,6 +60,7 @@ class Fmu : public ::testing::Test {
   double nose_m(fmi2Component slave) { return importer_->get(slave, "deformation." + network_.deformations[0].name); }
 
   rom::Network network_;
+  spindle_twin::tests::TemporaryFolder folder_;
   std::string path_;
   std::unique_ptr<Importer> importer_;
 };
@@ -98,8 +98,8 @@ TEST_F(Fmu, gives_the_runtimes_own_numbers_bit_for_bit) {
 
 TEST(FmuWithCircuit, outlet_and_heat_are_the_runtimes_own_while_the_flow_stops_and_turns) {
   const rom::Network network = rom::tests::make_network_with_circuit({}, 9);
-  const std::string path =
-      std::filesystem::temp_directory_path() / ("spindle_twin_fmu_circuit_test_" + std::to_string(::getpid()) + ".fmu");
+  const spindle_twin::tests::TemporaryFolder folder;
+  const std::string path = folder.file("x.fmu");
   write_fmu(network, rom::encode_network(network), path);
   {
     Importer importer(path);
@@ -131,7 +131,6 @@ TEST(FmuWithCircuit, outlet_and_heat_are_the_runtimes_own_while_the_flow_stops_a
     EXPECT_GT(most_heat_W, 0.0);
     FMI2_CALL(importer, fmi2FreeInstance)(slave);
   }
-  std::filesystem::remove(path);
 }
 
 TEST_F(Fmu, two_slaves_at_once_do_not_share_anything) {
@@ -236,7 +235,6 @@ TEST_F(Fmu, the_description_names_every_input_and_output_with_its_unit) {
   const std::string again = path_ + ".again";
   write_fmu(network_, rom::encode_network(network_), again);
   EXPECT_EQ(rom::read_whole_file(path_, 1u << 28), rom::read_whole_file(again, 1u << 28));
-  std::filesystem::remove(again);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools::tests {
 namespace {
@@ -24,8 +25,8 @@ Eigen::MatrixXd read(const fs::path& path) {
 
 TEST(MatrixFiles, every_matrix_comes_back_bit_for_bit) {
   const rom::Network network = rom::tests::make_synthetic_network({}, 11);
-  const fs::path folder = fs::temp_directory_path() / "spindle_twin_matrices_test";
-  fs::remove_all(folder);
+  const spindle_twin::tests::TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "matrices";
   write_matrix_files(network, folder);
   EXPECT_EQ(read(folder / "capacity.mtx"), network.capacity_J_per_K);
   EXPECT_EQ(read(folder / "conduction.mtx"), network.conduction_W_per_K);
@@ -45,7 +46,6 @@ TEST(MatrixFiles, every_matrix_comes_back_bit_for_bit) {
 
   EXPECT_THROW(write_matrix_files(network, folder), rom::InputError) << "the folder is not empty";
   EXPECT_THROW(write_matrix_files(network, "/nowhere/at/all"), rom::InputError);
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -2,29 +2,19 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 
 #include "host_tools/commands/offline/report/page.hpp"
 #include "rom/read/input_error.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
 
 class ReportFiles : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("report_test_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string write(const std::string& name, const std::string& text) const {
-    const std::string path = (folder_ / name).string();
-    std::ofstream(path, std::ios::binary) << text;
-    return path;
-  }
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
   static std::string message_of(const std::function<void()>& act) {
     try {
       act();
@@ -33,7 +23,7 @@ class ReportFiles : public ::testing::Test {
     }
     return "no error";
   }
-  std::filesystem::path folder_;
+  tests::TemporaryFolder folder_;
 };
 
 RunData some_run() {
@@ -60,11 +50,11 @@ TEST(RunTable, errors_are_those_of_the_rise) {
 }
 
 TEST_F(ReportFiles, page_holds_the_chart_library_and_says_simulated) {
-  std::filesystem::create_directories(folder_ / "extras");
+  std::filesystem::create_directories(folder_.path() / "extras");
   write("dygraph.min.css", "/*css-here*/");
   write("dygraph.min.js", "var js = '</script>';");
   write("extras/synchronizer.js", "/*sync-here*/");
-  const std::string page = run_page(some_run(), folder_.string());
+  const std::string page = run_page(some_run(), folder_.path().string());
   for (const char* part : {"Simulated spindle", "/*css-here*/", "var js = '<\\/script>'", "/*sync-here*/",
                            "a<\\/script>b", "[27.0,null]", "\"twin_sd\":[0.1,0.75]"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
@@ -74,7 +64,7 @@ TEST_F(ReportFiles, page_holds_the_chart_library_and_says_simulated) {
 }
 
 TEST_F(ReportFiles, missing_chart_library_names_its_package) {
-  const std::string message = message_of([&] { run_page(some_run(), folder_.string()); });
+  const std::string message = message_of([&] { run_page(some_run(), folder_.path().string()); });
   EXPECT_NE(message.find("libjs-dygraphs"), std::string::npos) << message;
 }
 

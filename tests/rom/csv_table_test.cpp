@@ -1,28 +1,21 @@
 #include "rom/read/csv_table.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 namespace spindle_twin::rom {
 namespace {
 
 CsvTable table_of(const std::string& text, LastLine last = LastLine::may_be_cut) {
-  std::string path = (std::filesystem::temp_directory_path() / "csv_table_XXXXXX").string();
-  ::close(::mkstemp(path.data()));
-  std::ofstream(path, std::ios::binary) << text;
-  CsvTable table;
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.write("table.csv", text);
   try {
-    table = read_csv_table(path, last);
+    return read_csv_table(path, last);
   } catch (const InputError& error) {
-    std::filesystem::remove(path);
     throw std::runtime_error(std::string(error.what()).substr(path.size()));
   }
-  std::filesystem::remove(path);
-  return table;
 }
 
 std::string refusal(const std::string& text) {

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <sodium.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -13,6 +12,7 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
@@ -48,23 +48,8 @@ void renew_hash(std::vector<std::uint8_t>& bytes) {
   crypto_hash_sha256(bytes.data() + hash_at, bytes.data() + header_size, bytes.size() - header_size);
 }
 
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "rom_file_test.XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  long files() const { return std::distance(fs::directory_iterator(path_), fs::directory_iterator()); }
-
- private:
-  fs::path path_;
-};
-
 TEST(RomFile, round_trip_is_bit_exact) {
-  const Folder folder;
+  const spindle_twin::tests::TemporaryFolder folder;
   Network network = make_synthetic_network({}, 5);
   network.boundaries.operating.load = -0.0;
   network.certificate.seed = 0xfedcba9876543210u;
@@ -246,7 +231,7 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
        }},
       {"certificate nose_um: must be finite and not negative", [&](Network& n) { n.certificate.worst.nose_um = nan; }},
   };
-  const Folder folder;
+  const spindle_twin::tests::TemporaryFolder folder;
   for (const auto& [message, change] : cases) {
     Network network = small_network();
     change(network);
@@ -257,7 +242,7 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
 }
 
 TEST(RomFile, a_missing_file_or_folder_is_one_clear_error) {
-  const Folder folder;
+  const spindle_twin::tests::TemporaryFolder folder;
   const std::string missing = folder.file("x.rom");
   EXPECT_EQ(refusal([&] { read_network(missing); }),
             missing + ": cannot be opened for reading: No such file or directory");
@@ -268,7 +253,7 @@ TEST(RomFile, a_missing_file_or_folder_is_one_clear_error) {
 }
 
 TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
-  const Folder folder;
+  const spindle_twin::tests::TemporaryFolder folder;
   const std::string path = folder.file("x.rom");
   write_whole_file(path, std::string("first, longer"));
   write_whole_file(path, std::string("second"));

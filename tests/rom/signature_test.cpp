@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -11,6 +10,7 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
@@ -19,13 +19,7 @@ namespace fs = std::filesystem;
 
 class Signature : public ::testing::Test {
  protected:
-  Signature() {
-    std::string name = (fs::temp_directory_path() / "signature_test.XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder = name;
-  }
-  ~Signature() override { fs::remove_all(folder); }
-  std::string file(const std::string& name) const { return (folder / name).string(); }
+  std::string file(const std::string& name) const { return folder.file(name); }
 
   static std::string refusal(const std::function<void()>& action) {
     try {
@@ -39,7 +33,7 @@ class Signature : public ::testing::Test {
     return refusal([&] { decode_rom_file(bytes, "x.rom"); });
   }
 
-  fs::path folder;
+  spindle_twin::tests::TemporaryFolder folder;
   PrivateKey key = make_private_key();
   std::vector<std::uint8_t> plain = encode_network(make_single_node());
   std::vector<std::uint8_t> with_signature = sign_bytes(plain, key);
@@ -116,7 +110,7 @@ TEST_F(Signature, a_private_key_is_never_overwritten_and_never_shared) {
   EXPECT_EQ(refusal([&] { write_private_key(make_private_key(), file("my.key")); }),
             file("my.key") + ": cannot be written: File exists");
   EXPECT_EQ(read_private_key(file("my.key")).secret, key.secret);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1) << "a temporary file is left";
+  EXPECT_EQ(folder.files(), 1) << "a temporary file is left";
   ASSERT_EQ(::chmod(file("my.key").c_str(), 0640), 0);
   EXPECT_EQ(refusal([&] { read_private_key(file("my.key")); }),
             file("my.key") + ": permissions: a private key must be its owner's alone: chmod 600, it has 0640");

@@ -13,13 +13,13 @@
 #include "fem_offline/reduce/mesh_error.hpp"
 #include "fem_offline/reduce/reduce.hpp"
 #include "fem_offline/reduce/verify.hpp"
-#include "host_tools/commands/check_output.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/offline/accuracy_options.hpp"
 #include "host_tools/commands/offline/certificate_report.hpp"
 #include "host_tools/commands/offline/progress.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -121,7 +121,7 @@ void run(const BuildArguments& arguments) {
     throw rom::InputError({arguments.spindle_path, 0}, "node",
                           "this is a network written by hand, for `spindle-twin assemble`");
   }
-  check_output(arguments.output_path, "--output");
+  rom::check_writable(arguments.output_path, "--output");
   ProgressDisplay display;
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };
 

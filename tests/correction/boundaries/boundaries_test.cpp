@@ -1,12 +1,9 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/boundaries/schedule.hpp"
 #include "rom/read/input_error.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -32,14 +29,11 @@ rom::Boundaries make_boundaries() {
 /// A schedule file that lives as long as the test's statement block.
 class ScheduleFile {
  public:
-  explicit ScheduleFile(const std::string& text)
-      : path_((std::filesystem::temp_directory_path() / ("schedule_" + std::to_string(::getpid()) + ".csv")).string()) {
-    std::ofstream(path_, std::ios::binary) << text;
-  }
-  ~ScheduleFile() { std::filesystem::remove(path_); }
+  explicit ScheduleFile(const std::string& text) : path_(folder_.write("schedule.csv", text)) {}
   const std::string& path() const { return path_; }
 
  private:
+  tests::TemporaryFolder folder_;
   std::string path_;
 };
 

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 #include <sodium.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "tests/fem_offline/description/sample_spindle.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -60,10 +60,9 @@ TEST(Description, hash_is_the_sha256_of_the_text) {
 }
 
 TEST(Description, file_and_text_read_the_same) {
-  const auto path = std::filesystem::temp_directory_path() / "spindle_twin_description_test.toml";
-  std::ofstream(path) << sample_text;
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.write("s.toml", sample_text);
   const Spindle s = read_spindle(path);
-  std::filesystem::remove(path);
   EXPECT_EQ(s.hash, parse_spindle(sample_text, "s.toml").hash);
   EXPECT_EQ(s.parts[0].where.file, path);
 }

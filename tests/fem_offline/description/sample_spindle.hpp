@@ -7,6 +7,17 @@
 
 namespace spindle_twin::fem_offline {
 
+/// A material for descriptions in tests.
+inline const std::string steel_text = R"([[material]]
+name = "steel"
+conductivity_r_W_per_mK = 48
+density_kg_per_m3 = 7830
+heat_capacity_J_per_kgK = 450
+youngs_modulus_Pa = 209e9
+poisson_ratio = 0.3
+expansion_per_K = 1.17e-5
+)";
+
 /// A shaft in a sleeve with everything a description can hold, as text to be spoilt one line at a time.
 inline const std::string sample_text = R"(name = "sample"
 [operating]
@@ -17,15 +28,7 @@ temperatures_degC = { room = 22, water = 18 }
 [mesh]
 element_size_mm = 3
 degree = 1
-[[material]]
-name = "steel"
-conductivity_r_W_per_mK = 48
-density_kg_per_m3 = 7830
-heat_capacity_J_per_kgK = 450
-youngs_modulus_Pa = 209e9
-poisson_ratio = 0.3
-expansion_per_K = 1.17e-5
-[[material]]
+)" + steel_text + R"([[material]]
 name = "stack"
 conductivity_r_W_per_mK = 25
 conductivity_z_W_per_mK = 4

@@ -12,6 +12,8 @@
 
 #include "fem_offline/look/picture_frame.hpp"
 #include "fem_offline/model/build_model.hpp"
+#include "tests/fem_offline/description/sample_spindle.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -41,13 +43,6 @@ double perimeter_of(const Polygon& ring) {
   return length_m;
 }
 
-std::filesystem::path fresh_folder(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("spindle_twin_" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
 struct Image {
   explicit Image(const std::string& path)
       : surface(cairo_image_surface_create_from_png(path.c_str()), cairo_surface_destroy) {}
@@ -73,15 +68,8 @@ reference_temperature_degC = 20
 temperatures_degC = { room = 22, plate = 60 }
 [mesh]
 element_size_mm = 5
-[[material]]
-name = "steel"
-conductivity_r_W_per_mK = 48
-density_kg_per_m3 = 7830
-heat_capacity_J_per_kgK = 450
-youngs_modulus_Pa = 209e9
-poisson_ratio = 0.269
-expansion_per_K = 1.17e-5
-[[part]]
+)" + steel_text +
+         R"([[part]]
 name = "bar"
 material = "steel"
 rectangles = [[0, 40, 0, 200]]
@@ -228,7 +216,8 @@ TEST(Picture, colour_at_a_place_is_that_of_the_field_there) {
   for (std::size_t i = 0; i < lattice.nodes.size(); ++i) field[static_cast<Eigen::Index>(i)] = lattice.nodes[i].z_m;
   Canvas canvas(picture_width_px, static_cast<int>(view.frame.y1) + 10);
   fill_field(canvas, view, lattice.nodes, triangles_of(lattice), field, make_scale(0.0, 0.410));
-  const auto folder = fresh_folder("field");
+  const tests::TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
   canvas.save(folder / "field.png");
   const Image image(folder / "field.png");
   // The shaft is solid at r = 20 mm from end to end.
@@ -243,7 +232,8 @@ TEST(Picture, colour_at_a_place_is_that_of_the_field_there) {
 }
 
 TEST(Picture, every_kind_is_written) {
-  const auto folder = fresh_folder("pictures");
+  const tests::TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
   const AffineModel& affine = reference().affine();
   const Eigen::VectorXd warm_K = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(affine.places.size()), 301.15);
   const auto written = write_pictures(folder, "warm", reference(), warm_K, {"uniform rise", 300.15});
@@ -284,7 +274,8 @@ TEST(Picture, letters_of_key_points_are_all_different) {
 }
 
 TEST(Picture, point_supports_springs_and_radiation_stand_beside_the_part) {
-  const auto folder = fresh_folder("bracket");
+  const tests::TemporaryFolder temporary;
+  const std::filesystem::path& folder = temporary.path();
   const auto drawn = [&](const std::string& name, const std::string& supports) {
     const Spindle spindle = parse_spindle(bracket(supports), "bracket.toml");
     const FeModel model(spindle, build_section(spindle));

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "fem_offline/mesh/section_mesh.hpp"
+#include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -24,15 +25,7 @@ reference_temperature_degC = 20
 temperatures_degC = { room = 20 }
 [mesh]
 )" + mesh + R"(
-[[material]]
-name = "steel"
-conductivity_r_W_per_mK = 48
-density_kg_per_m3 = 7830
-heat_capacity_J_per_kgK = 450
-youngs_modulus_Pa = 209e9
-poisson_ratio = 0.269
-expansion_per_K = 1.17e-5
-[[part]]
+)" + steel_text + R"([[part]]
 name = "plate"
 material = "steel"
 polygons = [{ points = [[0, 0], [0, 100], [60, 110], [60, -5]] }]

@@ -33,15 +33,7 @@ const std::string cone_text = R"(name = "cone"
 speed_rpm = 1
 reference_temperature_degC = 20
 temperatures_degC = { room = 20 }
-[[material]]
-name = "steel"
-conductivity_r_W_per_mK = 48
-density_kg_per_m3 = 7830
-heat_capacity_J_per_kgK = 450
-youngs_modulus_Pa = 209e9
-poisson_ratio = 0.3
-expansion_per_K = 1.17e-5
-[[part]]
+)" + steel_text + R"([[part]]
 name = "cone"
 material = "steel"
 polygons = [{ points = [[0, 0], [30, 0], [0, 90]] }]
@@ -73,15 +65,7 @@ const std::string gap_text = R"(name = "gap"
 speed_rpm = 1
 reference_temperature_degC = 20
 temperatures_degC = { room = 20 }
-[[material]]
-name = "steel"
-conductivity_r_W_per_mK = 48
-density_kg_per_m3 = 7830
-heat_capacity_J_per_kgK = 450
-youngs_modulus_Pa = 209e9
-poisson_ratio = 0.3
-expansion_per_K = 1.17e-5
-[[part]]
+)" + steel_text + R"([[part]]
 name = "rotor"
 material = "steel"
 rectangles = [[0, 40, 10, 50]]

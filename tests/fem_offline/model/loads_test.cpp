@@ -5,24 +5,17 @@
 
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr const char* ring_text = R"(name = "ring"
+const std::string ring_text = R"(name = "ring"
 [operating]
 speed_rpm = 1000
 reference_temperature_degC = 20
 temperatures_degC = { room = 20 }
-[[material]]
-name = "steel"
-conductivity_r_W_per_mK = 48
-density_kg_per_m3 = 7830
-heat_capacity_J_per_kgK = 450
-youngs_modulus_Pa = 209e9
-poisson_ratio = 0.3
-expansion_per_K = 1.17e-5
-[[part]]
+)" + steel_text + R"([[part]]
 name = "inner"
 material = "steel"
 rectangles = [[20, 30, 0, 10]]

@@ -2,12 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-
 #include "rom/file/signature.hpp"
 #include "rom/file/whole_file.hpp"
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -17,14 +15,10 @@ namespace fs = std::filesystem;
 class LoadNetwork : public ::testing::Test {
  protected:
   LoadNetwork() {
-    std::string name = (fs::temp_directory_path() / "load_network_test.XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    folder = name;
-    configured.path = (folder / "x.rom").string();
+    configured.path = folder.file("x.rom");
     configured.where = {"twin.toml", 7};
     configured.field = "network";
   }
-  ~LoadNetwork() override { fs::remove_all(folder); }
 
   void write() const { rom::write_network(network, configured.path); }
 
@@ -37,7 +31,7 @@ class LoadNetwork : public ::testing::Test {
     return "";
   }
 
-  fs::path folder;
+  tests::TemporaryFolder folder;
   ConfiguredNetwork configured;
   rom::Network network = tests::small_network();
 };
@@ -122,11 +116,11 @@ TEST_F(LoadNetwork, the_configuration_names_a_file_or_says_more) {
   EXPECT_FALSE(with_network("network = \"x.rom\"").network.allow_uncertified);
   EXPECT_TRUE(with_network("network = { file = \"x.rom\", allow_uncertified = true }").network.allow_uncertified);
   const rom::PublicKey key = rom::public_key(rom::make_private_key());
-  rom::write_public_key(key, (folder / "a.pub").string());
+  rom::write_public_key(key, folder.file("a.pub"));
   const Config config =
       with_network("network = { file = \"x.rom\", require_signature = true, trusted_keys = [\"a.pub\", \"" +
                        rom::to_hex(key) + "\"] }",
-                   (folder / "twin.toml").string());
+                   folder.file("twin.toml"));
   EXPECT_TRUE(config.network.require_signature);
   EXPECT_EQ(config.network.path, configured.path);
   EXPECT_EQ(config.network.trusted_keys, (std::vector<rom::PublicKey>{key, key}));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -30,7 +31,8 @@ TEST(History, a_row_has_a_field_per_column_and_absent_values_are_empty) {
 
 TEST(History, every_snapshot_becomes_a_row_in_order) {
   const rom::Network network = tests::small_network();
-  const std::string path = ::testing::TempDir() + "spindle_twin_history.csv";
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
   std::atomic<bool> stop{false};
   constexpr int rows = 500;
   {
@@ -51,7 +53,6 @@ TEST(History, every_snapshot_becomes_a_row_in_order) {
   int n = 0;
   while (std::getline(file, line)) EXPECT_EQ(line.rfind("0," + std::to_string(++n) + ",", 0), 0U) << line;
   EXPECT_EQ(n, rows);
-  std::remove(path.c_str());
 }
 
 TEST(History, a_path_that_cannot_be_written_is_one_clear_error) {
