@@ -46,6 +46,8 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.signals.fill(not_a_value);
   snapshot.measured_K.fill(not_a_value);
   snapshot.measured_age_s.fill(not_a_value);
+  snapshot.probe_m.fill(not_a_value);
+  snapshot.probe_age_s.fill(not_a_value);
   snapshot.sensor_quality.fill(SensorQuality::not_configured);
   snapshot.predicted_K.fill(not_a_value);
   snapshot.uncorrected_K.fill(not_a_value);
@@ -69,6 +71,10 @@ void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snap
     const bool configured = judgement.sensors[k] != SensorQuality::not_configured;
     snapshot.measured_K[k] = configured ? sensed.sensors[k].value : not_a_value;
     snapshot.measured_age_s[k] = configured ? sensed.sensors[k].age_s : not_a_value;
+  }
+  for (std::size_t d = 0; d < snapshot.deformations; ++d) {
+    snapshot.probe_m[d] = sensed.displacements[d].value;
+    snapshot.probe_age_s[d] = sensed.displacements[d].age_s;
   }
 }
 

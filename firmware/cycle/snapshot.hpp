@@ -111,6 +111,8 @@ struct Snapshot {
   std::array<double, slots::key_points> measured_K{};
   std::array<double, slots::key_points> measured_age_s{};  ///< model time since the reading
   std::array<SensorQuality, slots::key_points> sensor_quality{};
+  std::array<double, slots::deformations> probe_m{};  ///< what displacement probes read
+  std::array<double, slots::deformations> probe_age_s{};
   std::array<double, slots::key_points> predicted_K{};
   std::array<double, slots::key_points> uncorrected_K{};
   std::array<double, slots::parts> part_maximum_K{};

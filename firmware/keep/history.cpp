@@ -93,6 +93,8 @@ std::string history_header(const rom::Network& network) {
   add_names(header, "sensor_state.", network.key_points, "");
   add_names(header, "sensor_fault.", network.key_points, "");
   add_names(header, "sensor_misfit.", network.key_points, "");
+  add_names(header, "probe.", network.deformations, "_m");
+  add_names(header, "probe_age.", network.deformations, "_s");
   return header;
 }
 
@@ -144,6 +146,8 @@ std::string history_row(const Snapshot& snapshot) {
   each([&](std::size_t k) { return bits(snapshot.sensor_health[k].state); });
   each([&](std::size_t k) { return bits(snapshot.sensor_health[k].fault); });
   each([&](std::size_t k) { return snapshot.sensor_health[k].misfit_ratio; });
+  for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_m[d]);
+  for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_age_s[d]);
   return row;
 }
 

@@ -44,6 +44,7 @@ double OutputErrors::sd() const {
 
 ReplayErrors::ReplayErrors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log, double from_s)
     : log_(log),
+      limits_(plan.sensors),
       from_s_(from_s),
       slack_s_(1e-6 * plan.period_s),
       before_{firmware::not_a_value, firmware::first_snapshot(network)},
@@ -57,7 +58,7 @@ ReplayErrors::ReplayErrors(const rom::Network& network, const firmware::CyclePla
   for (std::size_t d = 0; d < network.deformations.size(); ++d) {
     if (!log.has_deformation[d]) continue;
     deformation_slots_.push_back(d);
-    deformations_.push_back({network.deformations[d].name, false});
+    deformations_.push_back({network.deformations[d].name, plan.probes[d].configured});
   }
 }
 
@@ -80,6 +81,7 @@ void ReplayErrors::judge(const LogRow& row) {
     const std::size_t k = sensor_slots_[i];
     const double twin_K = predicted(before_.snapshot.predicted_K[k], after_.snapshot.predicted_K[k]);
     const double uncorrected_K = predicted(before_.snapshot.uncorrected_K[k], after_.snapshot.uncorrected_K[k]);
+    if (row.measured_K[k] < limits_[k].min_K || row.measured_K[k] > limits_[k].max_K) continue;
     error_K_[k] = twin_K - row.measured_K[k];
     const double sd_K = after_.snapshot.predicted_sd_K[k];
     if (counts) add_reading(row.measured_K[k], twin_K, sd_K, uncorrected_K, row.time_s, sensors_[i]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,7 @@ struct ErrorStatistics {
 
 struct OutputErrors {
   std::string name;
-  bool used = false;     ///< a sensor that the correction is given; the others only judge
+  bool used = false;     ///< by the correction; the others only judge
   double lowest = 0.0;   ///< measured
   double highest = 0.0;  ///< measured
   ErrorStatistics twin{};
@@ -37,7 +38,7 @@ struct OutputErrors {
 };
 
 /// Compares readings with what was predicted for their instants before they were known; between two predictions linear
-/// in time.
+/// in time. A reading outside its sensor's limits is a fault of the sensor and counts nowhere.
 class ReplayErrors {
  public:
   /// Nothing before from_s counts.
@@ -58,6 +59,7 @@ class ReplayErrors {
   void judge(const LogRow& row);
 
   const Log& log_;
+  std::array<firmware::SensorPlan, firmware::slots::key_points> limits_;
   double from_s_;
   double slack_s_;        ///< instants closer than this are the same
   std::size_t next_ = 0;  ///< row

@@ -91,6 +91,11 @@ void read_values(const rom::CsvTable& table, const rom::Network& network, Log& l
     if (table.has(age)) take(table.column(age), {}, k, &LogRow::age_s, log.rows);
   }
   for (std::size_t d = 0; d < network.deformations.size(); ++d) {
+    const std::string probe = "probe." + network.deformations[d].name + "_m";
+    if (table.has(probe)) {
+      take(table.column(probe), {}, d, &LogRow::probe_m, log.rows);
+      take(table.column("probe_age." + network.deformations[d].name + "_s"), {}, d, &LogRow::probe_age_s, log.rows);
+    }
     const std::string name = deformation_column(network.deformations[d]);
     if (!table.has(name)) continue;
     log.has_deformation[d] = true;
@@ -194,6 +199,8 @@ Log read_log(const std::string& path, const rom::Network& network, double longes
   nothing.measured_K.fill(not_a_value);
   nothing.age_s.fill(not_a_value);
   nothing.deformation_m.fill(not_a_value);
+  nothing.probe_m.fill(not_a_value);
+  nothing.probe_age_s.fill(not_a_value);
   log.rows.assign(table.rows(), nothing);
   const std::vector<double>& time_s = full_column(table, "time_s");
   for (std::size_t i = 0; i < log.rows.size(); ++i) {

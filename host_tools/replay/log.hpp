@@ -18,8 +18,9 @@ struct LogRow {
   rom::SourceLine where;
   std::array<double, firmware::signal_count> signals{};
   std::array<double, firmware::slots::key_points> measured_K{};
-  std::array<double, firmware::slots::key_points> age_s{};            ///< of the readings of a history
-  std::array<double, firmware::slots::deformations> deformation_m{};  ///< measured from outside, for judging only
+  std::array<double, firmware::slots::key_points> age_s{};  ///< of the readings of a history
+  std::array<double, firmware::slots::deformations>
+      deformation_m{};  ///< measured: a probe, or from outside for judging only
   // Of a history:
   std::int64_t missed = 0;  ///< periods without a cycle before this one
   bool connected = true;
@@ -29,6 +30,8 @@ struct LogRow {
   bool tared = false;               ///< what the last of them left
   std::uint32_t length_orders = 0;  ///< touch-offs since the start, and the last one
   firmware::Displacement length;
+  std::array<double, firmware::slots::deformations> probe_m{};
+  std::array<double, firmware::slots::deformations> probe_age_s{};
 };
 
 /// The log of a machine. A plain one has a row per sample, at any times; a history of spindle-twind a row per cycle.

@@ -31,11 +31,21 @@ void take_signals(const LogRow& row, const Log& log, std::int64_t now_ns, Inputs
   }
 }
 
-/// A row of a plain log: an empty cell leaves the reading before.
+/// As it was when it was as old as that; an age that is no number is that of a reading that never came.
+Reading reading_of_age(double value, double age_s, double clock_rate, std::int64_t now_ns) {
+  if (!std::isfinite(age_s)) return {};
+  return {value, now_ns - std::llround(age_s / clock_rate * ns_per_s)};
+}
+
+/// A row of a plain log: an empty cell leaves the reading before. A measured length is a probe's reading, which counts
+/// where the plan has a probe there.
 void take_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs& inputs) {
   take_signals(row, log, row_ns, inputs);
   for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
     if (std::isfinite(row.measured_K[k])) inputs.frame.sensors[k] = {row.measured_K[k], row_ns};
+  }
+  for (std::size_t d = 0; d < row.deformation_m.size(); ++d) {
+    if (std::isfinite(row.deformation_m[d])) inputs.frame.displacements[d] = {row.deformation_m[d], row_ns};
   }
 }
 
@@ -43,13 +53,11 @@ void take_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs&
 void take_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64_t now_ns, Inputs& inputs) {
   take_signals(row, log, now_ns, inputs);
   for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
-    Reading& reading = inputs.frame.sensors[k];
-    reading = {};
-    if (std::isfinite(row.age_s[k])) {
-      reading = {row.measured_K[k], now_ns - std::llround(row.age_s[k] / clock_rate * ns_per_s)};
-    } else if (std::isfinite(row.measured_K[k])) {
-      reading = {row.measured_K[k], now_ns};
-    }
+    const bool without_age = std::isnan(row.age_s[k]) && std::isfinite(row.measured_K[k]);
+    inputs.frame.sensors[k] = reading_of_age(row.measured_K[k], without_age ? 0.0 : row.age_s[k], clock_rate, now_ns);
+  }
+  for (std::size_t d = 0; d < row.probe_m.size(); ++d) {
+    inputs.frame.displacements[d] = reading_of_age(row.probe_m[d], row.probe_age_s[d], clock_rate, now_ns);
   }
   firmware::PlcCommand& command = inputs.command;
   if (log.switched_correction) {
