@@ -17,9 +17,9 @@ class Facts {
     section_ = section;
     name_ = name;
   }
-  void add(const char* field, double value) { list.push_back({section_, name_, field, value}); }
-  void add(const char* field, const std::string& value) { list.push_back({section_, name_, field, value}); }
-  void add(const char* field, const Eigen::MatrixXd& value) { list.push_back({section_, name_, field, value}); }
+  void add(const std::string& field, double value) { list.push_back({section_, name_, field, value}); }
+  void add(const std::string& field, const std::string& value) { list.push_back({section_, name_, field, value}); }
+  void add(const std::string& field, const Eigen::MatrixXd& value) { list.push_back({section_, name_, field, value}); }
 
  private:
   std::string section_, name_;

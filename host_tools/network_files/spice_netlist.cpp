@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/laws/held_law.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -295,6 +296,7 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
   add("* Thermal network of spindle '", network_.spindle, "', ", std::to_string(network_.nodes.size()), " nodes");
   add("* Voltage: rise over ", number(boundaries.reference_temperature_K), " K; current: W. Run: ngspice -b FILE");
   add("* Description SHA-256 ", network_.description_hash);
+  if (rom::has_physics(boundaries)) add("* Physical laws are held at their nominal temperatures");
   for (std::size_t i = 0; i < network_.nodes.size(); ++i) {
     add("* ", node(static_cast<Index>(i)), ": ", network_.nodes[i].name);
   }

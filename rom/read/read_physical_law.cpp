@@ -108,8 +108,8 @@ int find_output(const TomlTable& table, const std::string& key, const std::vecto
 /// no place that a law can read: there air_degC stays as it is given.
 LawTemperature read_temperature(const TomlTable& table, std::string_view word, const LawPlaces& places,
                                 LawTemperature otherwise) {
+  if (word.empty()) return {};
   LawTemperature temperature = otherwise;
-  if (word.empty()) return temperature;
   const std::string key(word), nominal_key = key + "_degC";
   if (table.has(key)) {
     const std::string name = table.string(key);

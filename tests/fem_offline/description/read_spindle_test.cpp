@@ -166,7 +166,7 @@ TEST(BadDescription, name_that_could_not_be_a_key) {
 
 TEST(BadDescription, heat_without_clear_amount) {
   EXPECT_EQ(message_of(sample_with("heat_W = 10", "heat_W = 10\ndensity_W_per_m3 = 5")),
-            "s.toml:77: heat.friction.heat_W: a heat needs either heat_W or density_W_per_m3 or flux_W_per_m2");
+            "s.toml:77: heat.friction.heat_W: a heat needs either heat_W or density_W_per_m3 or flux_W_per_m2 or law");
   EXPECT_EQ(message_of(sample_with("weight = 0.75", "weight = 0.5")),
             "s.toml:78: heat.friction.shares: the weights must add up to 1, they make 0.75");
   EXPECT_EQ(message_of(sample_with("heat_W = 10", "density_W_per_m3 = 10")),
