@@ -69,7 +69,7 @@ EstimatorCore::EstimatorCore(const rom::Network& the_network, EstimatorOptions t
     displacement_rows.emplace_back(Eigen::VectorXd::Zero(nodes));
     sensitivities.internal_row(output.row_m_per_K, displacement_rows.back());
   }
-  displacement_row = Eigen::VectorXd::Zero(p);
+  displacement_row = bend = Eigen::VectorXd::Zero(p);
   tare_deviation_K = Eigen::VectorXd::Zero(m);
 }
 
@@ -82,6 +82,7 @@ void EstimatorCore::forget() {
     windows[s].record = {};
     windows[s].record.offset_deviation_K = options.sensors[s].offset_K;
   }
+  note_bend();
   displacement_pending = false;
   tare_deviation_K.setZero();
 }
@@ -101,7 +102,7 @@ void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom
   seen_s = time_s;
   nodes_K = nodes;
   publish_factors(operating);
-  outputs.evaluate(sensitivities, filter, nodes_K);
+  outputs.evaluate(sensitivities, filter, bend, nodes_K);
 }
 
 void EstimatorCore::publish_factors(const rom::OperatingState& operating) {
@@ -167,6 +168,20 @@ void EstimatorCore::passing_of_time(double elapsed_s, Eigen::VectorXd& to_keep, 
 void EstimatorCore::pass_time(double elapsed_s) {
   passing_of_time(elapsed_s, keep, growth);
   filter.pass_time(prior_mean, keep, growth);
+  note_bend();
+}
+
+void EstimatorCore::note_bend() {
+  const double share = std::sqrt(0.5 * options.curvature);
+  for (Eigen::Index i = 0; i < bend.size(); ++i) {
+    const ParameterKind kind = parameters.list()[static_cast<std::size_t>(i)].kind;
+    const bool is_ln = kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film;
+    bend[i] = is_ln ? share * filter.deviation(i) * filter.deviation(i) : 0.0;
+  }
+}
+
+double EstimatorCore::curvature_variance(const Eigen::VectorXd& sensitivity) const {
+  return sensitivity.cwiseProduct(bend).squaredNorm();
 }
 
 void EstimatorCore::fuse(SensorRecord& record, double innovation, double noise) {
@@ -197,8 +212,9 @@ void EstimatorCore::fuse_sensor(Eigen::Index s, double time_s) {
   const double innovation =
       window.residual_K / count - window.lagged_sensitivity.dot(theta_step) - filter.mean()[p + s];
   const double interval_s = std::max(time_s - window.fused_s, options.period_s);
-  const double noise = (sensor.noise_K * sensor.noise_K / count + options.floor_K * options.floor_K) *
-                       std::max(1.0, options.correlation_s / interval_s);
+  const double one_reading_K2 = sensor.noise_K * sensor.noise_K / count + options.floor_K * options.floor_K +
+                                curvature_variance(window.lagged_sensitivity);
+  const double noise = one_reading_K2 * std::max(1.0, options.correlation_s / interval_s);
   last_update.residual_K[s] = window.residual_K / count;
   last_update.noise_K2[s] = noise;
   fuse(record, innovation, noise);
@@ -216,10 +232,11 @@ void EstimatorCore::fuse_displacement() {
                              output.row_m_per_K.sum() * network.boundaries.reference_temperature_K +
                              displacement_row.dot(theta_step);
   last_update.displacement_row = displacement_row;
-  last_update.displacement_variance_m2 = displacement_variance_m2;
+  const double variance_m2 = displacement_variance_m2 + curvature_variance(displacement_row);
+  last_update.displacement_variance_m2 = variance_m2;
   last_update.displacement_m = displacement_m - predicted_m + displacement_row.dot(theta_step);
   displacement_record.observation_K = displacement_m;
-  fuse(displacement_record, displacement_m - predicted_m, displacement_variance_m2);
+  fuse(displacement_record, displacement_m - predicted_m, variance_m2);
   displacement_pending = false;
 }
 
@@ -260,7 +277,8 @@ bool EstimatorCore::follow_filter() {
     windows[s].record.offset_K = filter.mean()[b];
     windows[s].record.offset_deviation_K = filter.deviation(b);
   }
-  outputs.evaluate(sensitivities, filter, nodes_K);
+  note_bend();
+  outputs.evaluate(sensitivities, filter, bend, nodes_K);
   return moved;
 }
 
@@ -324,7 +342,7 @@ void EstimatorCore::stand_by(double time_s, const Eigen::VectorXd& nodes, const 
   bias_K.setZero();
   if (time_s >= opened_s + options.period_s - time_slack_s || inputs_changed(operating)) {
     close_period(time_s);
-    outputs.evaluate(sensitivities, filter, nodes_K);
+    outputs.evaluate(sensitivities, filter, bend, nodes_K);
   }
   if (!period_open) open_period(time_s, operating);
 }

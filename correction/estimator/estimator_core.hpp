@@ -33,6 +33,9 @@ struct EstimatorCore {
   void open_period(double time_s, const rom::OperatingState& operating);
   void close_period(double time_s);
   void pass_time(double elapsed_s);
+  void note_bend();
+  /// κ ½ Σ (s_i P_ii)² over the ln factors: what a row of S leaves out because outputs are not linear in them.
+  double curvature_variance(const Eigen::VectorXd& sensitivity) const;
   /// Sets `to` and takes the innovation in unless the gate rejects it.
   void fuse(SensorRecord& to, double innovation, double noise);
   void fuse_sensor(Eigen::Index s, double time_s);
@@ -63,6 +66,7 @@ struct EstimatorCore {
   std::vector<SensorWindow> windows;
   std::vector<Eigen::VectorXd> displacement_rows;
   Eigen::VectorXd displacement_row;
+  Eigen::VectorXd bend;  ///< √(κ/2) P_ii of the ln factors, 0 for the rest
   SensorRecord displacement_record;
   int displacement_index = 0;
   double displacement_m = 0.0, displacement_variance_m2 = 1.0;

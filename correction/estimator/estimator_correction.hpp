@@ -27,7 +27,8 @@ struct EstimatorOptions {
   double noise_K = 0.03;   ///< of the sensors that are made from key points
   double offset_K = 0.02;
   double lag_s = 0.0;
-  double floor_K = 0.03;        ///< 1σ of what the network itself is wrong at a sensor
+  double floor_K = 0.03;   ///< 1σ of what the network itself is wrong at a sensor
+  double curvature = 0.5;  ///< κ, share of what a straight line leaves out of the ln factors that counts; 0: linear
   double correlation_s = 60.0;  ///< errors closer than this in time count as one
   double offset_walk_K_per_root_hour = 0.002;
   double gate = 5.0;                     ///< an innovation beyond so many deviations is rejected
@@ -92,10 +93,11 @@ struct EstimatorState {
 /// The estimator: a filter over parameters θ (ln factors of heats, contacts and films, environment biases, bearing
 /// temperature coefficient, speed exponents) and sensor offsets b, that corrects state and parameters together.
 /// With S = dx/dθ carried along (sensitivities.hpp) and P the covariance of (θ, b) (square_root_filter.hpp):
-///   every period       P += walk,  H = [L_s S, 1_s],  v = y − L_s T − b,  r = (noise²/n + floor²) max(1, 60 s /
-///   interval) per sensor         (θ, b) += K v,  P ← P − K h P          if v² <= gate² (h P hᵀ + r) then x += S Δθ:
-///   what the wrong parameters have done to the state is taken back with them every cycle        heat factors = e^θ
-///   (|n|/n_ref)^δ e^(−β rise), conductance factors = e^θ
+///   every period       P += walk,  H = [L_s S, 1_s],  v = y − L_s T − b
+///   per sensor         r = (noise²/n + floor² + curvature ½ Σ (h_i P_ii)²) max(1, 60 s / interval)
+///                      (θ, b) += K v,  P ← P − K h P          if v² <= gate² (h P hᵀ + r)
+///   then               x += S Δθ: what the wrong parameters have done to the state is taken back with them
+///   every cycle        heat factors = e^θ (|n|/n_ref)^δ e^(−β rise), conductance factors = e^θ
 /// The model itself is the caller's: it integrates with factors() and with environment_bias_K() added to what the
 /// environments read. step() may run in the cycle: no allocation, at most one propagation of S a cycle and one update
 /// a period.

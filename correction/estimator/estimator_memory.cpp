@@ -55,7 +55,8 @@ bool EstimatorCore::restore(const EstimatorState& state) {
     windows[s].record.offset_K = filter.mean()[b];
     windows[s].record.offset_deviation_K = filter.deviation(b);
   }
-  outputs.evaluate(sensitivities, filter, nodes_K);
+  note_bend();
+  outputs.evaluate(sensitivities, filter, bend, nodes_K);
   return true;
 }
 

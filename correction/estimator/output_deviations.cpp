@@ -59,28 +59,30 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
 }
 
 double DeviationOfOutputs::deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
-                                     SquareRootFilter& filter) {
+                                     SquareRootFilter& filter, const Eigen::VectorXd& bend) {
   sensitivities.of_row(internal, sensitivity_);
+  const double bent = sensitivity_.cwiseProduct(bend).squaredNorm();
   double alternative = 0.0;
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
     alternative = std::max(alternative, std::abs(alternatives_.col(s).dot(sensitivity_)));
   }
-  return std::sqrt(filter.variance_of_first(sensitivity_) + certificate * certificate + alternative * alternative);
+  return std::sqrt(filter.variance_of_first(sensitivity_) + bent + certificate * certificate +
+                   alternative * alternative);
 }
 
 void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter,
-                                  Eigen::VectorXd& to) {
+                                  const Eigen::VectorXd& bend, Eigen::VectorXd& to) {
   for (std::size_t i = 0; i < rows.internal.size(); ++i) {
-    to[static_cast<Eigen::Index>(i)] = deviation(rows.internal[i], rows.certificate[i], sensitivities, filter);
+    to[static_cast<Eigen::Index>(i)] = deviation(rows.internal[i], rows.certificate[i], sensitivities, filter, bend);
   }
 }
 
-void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter,
+void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
                                   const Eigen::VectorXd& nodes_K) {
-  evaluate(key_points_, sensitivities, filter, deviations_.key_points_K);
-  evaluate(part_means_, sensitivities, filter, deviations_.part_mean_K);
-  evaluate(deformations_, sensitivities, filter, deviations_.deformations_m);
-  evaluate(pressures_, sensitivities, filter, deviations_.contact_pressures_Pa);
+  evaluate(key_points_, sensitivities, filter, bend, deviations_.key_points_K);
+  evaluate(part_means_, sensitivities, filter, bend, deviations_.part_mean_K);
+  evaluate(deformations_, sensitivities, filter, bend, deviations_.deformations_m);
+  evaluate(pressures_, sensitivities, filter, bend, deviations_.contact_pressures_Pa);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const Eigen::MatrixXd& rows = network_->parts[i].candidate_rows;
     if (rows.rows() == 0) continue;
@@ -89,7 +91,7 @@ void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter
     Eigen::Index hottest = 0;
     present_K.maxCoeff(&hottest);
     deviations_.part_maximum_K[static_cast<Eigen::Index>(i)] = deviation(
-        candidates_[i][static_cast<std::size_t>(hottest)], part_maximum_certificate_[i], sensitivities, filter);
+        candidates_[i][static_cast<std::size_t>(hottest)], part_maximum_certificate_[i], sensitivities, filter, bend);
   }
 }
 

@@ -18,15 +18,18 @@ struct OutputDeviations {
   Eigen::VectorXd contact_pressures_Pa;
 };
 
-/// σ² = l S P Sᵀ lᵀ + certificate², with P of the parameters: what state and parameters leave open, and what the
-/// network itself leaves out. Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of
-/// a part's maximum the row l is that of its hottest candidate point.
+/// σ² = l S P Sᵀ lᵀ + κ ½ Σ (l S)_i² P_ii² + certificate², with P of the parameters: what state and parameters leave
+/// open (the sum over the ln factors, in which outputs are not linear), and what the network itself leaves out.
+/// Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of a part's maximum the row l
+/// is that of its hottest candidate point.
 class DeviationOfOutputs {
  public:
   /// Allocates; evaluate() does not.
   DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, Eigen::Index parameters);
 
-  void evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& nodes_K);
+  /// `bend`: one entry per parameter, √(κ/2) P_ii where it is the ln of a factor, else 0.
+  void evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
+                const Eigen::VectorXd& nodes_K);
   /// p x any number of steps, as many in every call.
   void set_alternatives(const Eigen::MatrixXd& steps) { alternatives_ = steps; }
   void clear_alternatives() { alternatives_.setZero(); }
@@ -38,9 +41,10 @@ class DeviationOfOutputs {
     std::vector<Eigen::VectorXd> internal;
     std::vector<double> certificate;
   };
-  void evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter, Eigen::VectorXd& to);
+  void evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
+                Eigen::VectorXd& to);
   double deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
-                   SquareRootFilter& filter);
+                   SquareRootFilter& filter, const Eigen::VectorXd& bend);
 
   const rom::Network* network_;
   Rows key_points_, part_means_, deformations_, pressures_;

@@ -220,7 +220,7 @@ TEST(Estimator, switching_off_and_on_moves_no_temperature) {
   }
   const EstimatorStep first = pair.cycle();
   EXPECT_FALSE(first.state_corrected);
-  pair.run_until(3600.0);
+  pair.run_until(4800.0);
   EXPECT_LT(pair.sensor_error_K(), 0.05);
 }
 
