@@ -20,10 +20,19 @@ constexpr double touch_off_m = 1e-6;
 
 enum class HeatErrors { independent, common };  // "A", "B"
 
+/// What a run is like beside its hidden factors.
+struct Conditions {
+  double run_s = bench::run_s;
+  double sample_s = bench::sample_s;  ///< between readings; the estimator's period as well
+  double lag_s = 0.0;                 ///< of the sensors, first order; the twin is told
+  bool standstill = false;            ///< the spindle stands through the third quarter of the run
+};
+
 /// What one virtual spindle is and what its sensors say, sample by sample.
 struct Truth {
   std::uint64_t seed = 0;
   HeatErrors heats = HeatErrors::independent;
+  Conditions conditions;
   Eigen::VectorXd theta;  ///< hidden parameters in the order of the twin's ParameterModel at the start of the run
   std::vector<rom::OperatingState> read;  ///< what the twin is told
   Eigen::MatrixXd key_points_K;           ///< samples x key points
@@ -34,10 +43,10 @@ struct Truth {
 };
 
 /// ln of the factor by which a contact has drifted at time_s.
-double drift(double time_s);
+double drift(const Conditions& conditions, double time_s);
 
 Truth make_truth(const fem_offline::AffineModel& model, const correction::ParameterModel& parameters,
-                 std::uint64_t seed, HeatErrors heats);
+                 std::uint64_t seed, HeatErrors heats, const Conditions& conditions = {});
 
 /// Priors as the truth is drawn from them.
 correction::EstimatorPriors priors_of(HeatErrors heats);
@@ -53,7 +62,9 @@ struct Score {
 };
 
 Score run_open_loop(const rom::Network& network, const Truth& truth);
-Score run_paper(const rom::Network& network, const Truth& truth, int sensors);
+/// The published law, one heat factor every 80 s and the joint law, behind the guards. `correct_state`: with our own
+/// addition to it, that the rise is corrected together with the heat.
+Score run_paper(const rom::Network& network, const Truth& truth, int sensors, bool correct_state);
 Score run_estimator(const rom::Network& network, const Truth& truth, int sensors, bool touch_off,
                     const correction::EstimatorOptions& options);
 /// rms of the nose's σ that the same filter would have if it had the true parameters and offsets from the start: the

@@ -1,6 +1,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <mutex>
@@ -22,10 +23,19 @@ struct Options {
   double twin_mm = 4.0;
   double truth_mm = 6.0;
   bool is_short = false;
+  bool conditions = false;
   std::string cache;
   double walk = correction::EstimatorPriors{}.walk_per_root_min;
   double floor_K = correction::EstimatorOptions{}.floor_K;
 };
+
+correction::EstimatorOptions estimator_options(const Options& options, HeatErrors heats) {
+  correction::EstimatorOptions estimator;
+  estimator.priors = priors_of(heats);
+  estimator.priors.walk_per_root_min = options.walk;
+  estimator.floor_K = options.floor_K;
+  return estimator;
+}
 
 /// How many limits were missed.
 int run(const Options& options) {
@@ -35,14 +45,17 @@ int run(const Options& options) {
               options.truth_mm);
   std::fflush(stdout);
   const fem_offline::FeModel fe = model_of(options.truth_mm);
+  if (options.conditions) {
+    const ConditionRuns runs{std::min(options.runs, 4), std::min(options.runs, 2), options.threads,
+                             1000 * options.seed};
+    return print_conditions(network, fe.affine(), estimator_options(options, HeatErrors::independent), runs);
+  }
   std::vector<RunResult> results(static_cast<std::size_t>(2 * options.runs));
   std::mutex printing;
+  int done = 0;
   in_parallel(options.threads, 2 * options.runs, [&](int i) {
     const HeatErrors heats = i < options.runs ? HeatErrors::independent : HeatErrors::common;
-    correction::EstimatorOptions estimator;
-    estimator.priors = priors_of(heats);
-    estimator.priors.walk_per_root_min = options.walk;
-    estimator.floor_K = options.floor_K;
+    const correction::EstimatorOptions estimator = estimator_options(options, heats);
     const correction::ParameterModel parameters(network, estimator.priors);
     // The same spindles whatever the number of runs, and others for A than for B.
     const int number = i < options.runs ? i : i - options.runs + first_common;
@@ -52,16 +65,28 @@ int run(const Options& options) {
     result.seed = seed;
     result.heats = heats;
     result.span_um = 1e6 * (truth.nose_m.maxCoeff() - truth.nose_m.minCoeff());
+    describe_heats(parameters, truth, result);
     result.open_loop = run_open_loop(network, truth);
     for (std::size_t s = 0; s < set_ups.size(); ++s) {
       const SetUp& set_up = set_ups[s];
-      result.paper[s] = s > 0 && set_ups[s - 1].sensors == set_up.sensors ? result.paper[s - 1]
-                                                                          : run_paper(network, truth, set_up.sensors);
+      if (s > 0 && set_ups[s - 1].sensors == set_up.sensors) {
+        result.paper[s] = result.paper[s - 1];
+        result.paper_corrected[s] = result.paper_corrected[s - 1];
+      } else {
+        result.paper[s] = run_paper(network, truth, set_up.sensors, false);
+        result.paper_corrected[s] = run_paper(network, truth, set_up.sensors, true);
+      }
       result.estimator[s] = run_estimator(network, truth, set_up.sensors, set_up.touch_off, estimator);
       result.bound_um[s] = bound_um(network, truth, set_up.sensors, set_up.touch_off, estimator);
     }
     const std::lock_guard lock(printing);
-    std::fprintf(stderr, "run %d of %d\n", i + 1, 2 * options.runs);
+    std::fprintf(stderr, "%s %llu:", heats == HeatErrors::independent ? "A" : "B",
+                 static_cast<unsigned long long>(seed));
+    for (std::size_t s = 0; s < set_ups.size(); ++s) {
+      std::fprintf(stderr, "  %s %.2f of %.2f um", set_ups[s].name, result.estimator[s].error_um,
+                   result.estimator[s].deviation_um);
+    }
+    std::fprintf(stderr, "; run %d of %d\n", ++done, 2 * options.runs);
   });
   print_tables(results);
   if (!options.is_short) return print_limits(results);
@@ -93,6 +118,8 @@ int main(int argc, char** argv) {
   app.add_option("--floor-K", options.floor_K, "model error at a sensor")->capture_default_str();
   app.add_option("--cache", options.cache, "folder that keeps network and truths, so that a stopped campaign goes on");
   app.add_option("--twin-mm", options.twin_mm, "element size of the twin's FE model")->capture_default_str();
+  app.add_flag("--conditions", options.conditions,
+               "instead: lagging sensors, standstill, updates every second and a day, up to 4 runs each");
   app.add_flag("--short", options.is_short, "one run for each of A and B with coarse models, for a quick look");
   CLI11_PARSE(app, argc, argv);
   if (options.is_short) {

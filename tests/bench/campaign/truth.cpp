@@ -4,6 +4,7 @@
 #include <random>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
+#include "correction/estimator/sensor_window.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "tests/bench/campaign/campaign.hpp"
 
@@ -19,17 +20,19 @@ constexpr double tare_K = 0.02;
 constexpr double inlet_error_K = 0.1;
 constexpr double inlet_memory_s = 1800.0;
 
+constexpr double block_step_s = 10.0;
+
 struct Block {
   double until_s;
   double speed_rpm;
   double load;
 };
 
-std::vector<Block> draw_spectrum(std::mt19937_64& random) {
+std::vector<Block> draw_spectrum(std::mt19937_64& random, const Conditions& conditions) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::vector<Block> blocks;
-  for (double time_s = 0.0; time_s < run_s;) {
-    const double until_s = time_s + sample_s * std::round((180.0 + 540.0 * unit(random)) / sample_s);
+  for (double time_s = 0.0; time_s < conditions.run_s;) {
+    const double until_s = time_s + block_step_s * std::round((180.0 + 540.0 * unit(random)) / block_step_s);
     const double speed_rpm = unit(random) < 0.1 ? 0.0 : 12000.0 * unit(random);
     blocks.push_back({until_s, speed_rpm, unit(random)});
     time_s = until_s;
@@ -39,7 +42,9 @@ std::vector<Block> draw_spectrum(std::mt19937_64& random) {
 
 }  // namespace
 
-double drift(double time_s) { return std::log1p(drift_at_end * std::floor(time_s / refactor_s) * refactor_s / run_s); }
+double drift(const Conditions& conditions, double time_s) {
+  return std::log1p(drift_at_end * std::floor(time_s / refactor_s) * refactor_s / conditions.run_s);
+}
 
 correction::EstimatorPriors priors_of(HeatErrors heats) {
   correction::EstimatorPriors priors;
@@ -52,11 +57,12 @@ correction::EstimatorPriors priors_of(HeatErrors heats) {
 }
 
 Truth make_truth(const fem_offline::AffineModel& model, const correction::ParameterModel& parameters,
-                 std::uint64_t seed, HeatErrors heats) {
+                 std::uint64_t seed, HeatErrors heats, const Conditions& conditions) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0.0, 1.0);
-  Truth truth{seed, heats, Eigen::VectorXd::Zero(parameters.count()), {}, {}, {}, {}, {}, {}};
-  const auto samples = static_cast<Eigen::Index>(std::lround(run_s / sample_s)) + 1;
+  Truth truth{seed, heats, conditions, Eigen::VectorXd::Zero(parameters.count()), {}, {}, {}, {}, {}, {}};
+  const auto samples = static_cast<Eigen::Index>(std::lround(conditions.run_s / conditions.sample_s)) + 1;
+  const double step_s = conditions.sample_s;
   const auto key_points = static_cast<Eigen::Index>(model.key_points.size());
   truth.key_points_K = truth.measured_K = Eigen::MatrixXd::Zero(samples, key_points);
   truth.nose_m = truth.touch_off_m = truth.rotor_K = Eigen::VectorXd::Zero(samples);
@@ -81,7 +87,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
   }
   Eigen::VectorXd offsets_K(key_points);
   for (double& offset_K : offsets_K) offset_K = tare_K * normal(random);
-  const std::vector<Block> blocks = draw_spectrum(random);
+  const std::vector<Block> blocks = draw_spectrum(random, conditions);
   const rom::Boundaries& boundaries = model.boundaries;
   const auto environments = static_cast<Eigen::Index>(boundaries.environments.size());
   Eigen::VectorXd inlet_K(environments), phase(environments);
@@ -89,7 +95,8 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
     inlet_K[e] = inlet_error_K * normal(random);
     phase[e] = 2.0 * std::numbers::pi * normal(random);
   }
-  const double keep = std::exp(-sample_s / inlet_memory_s);
+  Eigen::VectorXd sensors_K = Eigen::VectorXd::Zero(key_points);  // what they would show without noise
+  const double keep = std::exp(-step_s / inlet_memory_s);
 
   fem_offline::FeStepper stepper(model);
   stepper.set_uniform_temperature(boundaries.reference_temperature_K);
@@ -101,11 +108,14 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
   Eigen::VectorXd theta = truth.theta;
   std::size_t block = 0;
   for (Eigen::Index k = 0; k < samples; ++k) {
-    const double time_s = static_cast<double>(k) * sample_s;
+    const double time_s = static_cast<double>(k) * step_s;
     while (time_s >= blocks[block].until_s && block + 1 < blocks.size()) ++block;
     rom::OperatingState operating = boundaries.operating;
     operating.speed_rpm = blocks[block].speed_rpm;
     operating.load = blocks[block].load;
+    if (conditions.standstill && time_s >= 0.5 * conditions.run_s && time_s < 0.75 * conditions.run_s) {
+      operating.speed_rpm = operating.load = 0.0;
+    }
     for (Eigen::Index e = 0; e < environments; ++e) {
       const double swing_K =
           boundaries.environments[static_cast<std::size_t>(e)].kind == rom::EnvironmentKind::ambient ? 1.5 : 0.5;
@@ -122,7 +132,11 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
     const Eigen::VectorXd& now_K = stepper.temperatures_K();
     for (Eigen::Index s = 0; s < key_points; ++s) {
       truth.key_points_K(k, s) = model.key_points[static_cast<std::size_t>(s)].row.dot(now_K);
-      truth.measured_K(k, s) = truth.key_points_K(k, s) + offsets_K[s] + noise_K * normal(random);
+      const double before_K = truth.key_points_K(std::max<Eigen::Index>(k - 1, 0), s);
+      sensors_K[s] = k == 0
+                         ? truth.key_points_K(k, s)
+                         : correction::lag(sensors_K[s], before_K, truth.key_points_K(k, s), step_s, conditions.lag_s);
+      truth.measured_K(k, s) = sensors_K[s] + offsets_K[s] + noise_K * normal(random);
     }
     const Eigen::VectorXd& nose = model.deformations.front().row_m_per_K;
     truth.nose_m[k] = nose.dot(now_K) - nose.sum() * boundaries.reference_temperature_K;
@@ -136,7 +150,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
     }
     for (Eigen::Index i = 0; i < parameters.count(); ++i) {
       if (parameters.list()[static_cast<std::size_t>(i)].kind == correction::ParameterKind::contact) {
-        theta[i] = truth.theta[i] + drift(time_s);
+        theta[i] = truth.theta[i] + drift(conditions, time_s);
       }
     }
     parameters.apply(theta, operating.speed_rpm, rises_K, factors, bias_K);
@@ -146,7 +160,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
       factors.heat[i] *= std::max(0.1, 1.0 - friction_per_K * rises_K[i]) / std::exp(-friction_per_K * rises_K[i]);
     }
     correction::evaluate_boundaries(boundaries, operating, factors, values);
-    stepper.advance(sample_s, sample_s, values);
+    stepper.advance(step_s, step_s, values);
   }
   return truth;
 }

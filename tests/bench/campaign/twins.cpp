@@ -30,9 +30,9 @@ struct Twin {
     evaluate();
   }
   void evaluate() { rom::evaluate_outputs(network, stepper->temperatures_K(), outputs); }
-  void advance(const rom::OperatingState& operating, const rom::CorrectionFactors& factors) {
+  void advance(double period_s, const rom::OperatingState& operating, const rom::CorrectionFactors& factors) {
     correction::evaluate_boundaries(network.boundaries, operating, factors, values);
-    if (stepper->advance(sample_s, values) != rom::StepStatus::ok) std::abort();
+    if (stepper->advance(period_s, values) != rom::StepStatus::ok) std::abort();
   }
   const rom::Network& network;
   std::unique_ptr<rom::FallbackStepper> stepper;
@@ -48,7 +48,7 @@ struct Judge {
     }
   }
   void note(const Truth& truth, Eigen::Index k, const rom::NetworkOutputs& outputs, double deviation_um) {
-    if (static_cast<double>(k) * sample_s < judged_from_s) return;
+    if (static_cast<double>(k) * truth.conditions.sample_s < judged_from_s) return;
     const double error_um = micrometres_per_metre * (outputs.deformations_m[0] - truth.nose_m[k]);
     sum.error_um += error_um * error_um;
     sum.deviation_um += deviation_um * deviation_um;
@@ -71,7 +71,9 @@ struct Judge {
 };
 
 correction::EstimatorOptions with_sensors(const rom::Network& network, correction::EstimatorOptions options,
-                                          int sensors) {
+                                          int sensors, const Conditions& conditions) {
+  options.lag_s = conditions.lag_s;
+  options.period_s = conditions.sample_s;
   options.sensors = correction::key_point_sensors(network, options);
   options.sensors.resize(static_cast<std::size_t>(sensors));
   return options;
@@ -84,24 +86,25 @@ void follow(const rom::Network& network, const Truth& truth, correction::Estimat
             const std::function<double(Eigen::Index, const Twin&)>& touch,
             const std::function<void(Eigen::Index, const Twin&)>& each) {
   Twin twin(network);
+  const double step_s = truth.conditions.sample_s;
   const auto sensors = static_cast<Eigen::Index>(estimator.sensors().size());
   const auto valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(sensors, true).eval();
   for (Eigen::Index k = 0; k < truth.nose_m.size(); ++k) {
-    const double time_s = static_cast<double>(k) * sample_s;
+    const double time_s = static_cast<double>(k) * step_s;
     rom::OperatingState operating = truth.read[static_cast<std::size_t>(k)];
     const Eigen::VectorXd measured_K = read(k, twin);
     if (touch_off && k > 0 && std::fmod(time_s, touch_off_s) == 0.0) {
       estimator.note_displacement(0, touch(k, twin), touch_off_m);
     }
     const correction::EstimatorStep step =
-        estimator.step({time_s, measured_K, valid, twin.stepper->temperatures_K(), operating}, sample_s);
+        estimator.step({time_s, measured_K, valid, twin.stepper->temperatures_K(), operating}, step_s);
     if (step.state_corrected) {
       twin.stepper->set_temperatures(estimator.corrected_nodes_K());
       twin.evaluate();
     }
     each(k, twin);
     operating.environment_K += estimator.environment_bias_K();
-    twin.advance(operating, estimator.factors());
+    twin.advance(step_s, operating, estimator.factors());
     twin.evaluate();
   }
 }
@@ -114,16 +117,18 @@ Score run_open_loop(const rom::Network& network, const Truth& truth) {
   const rom::CorrectionFactors none = correction::no_correction(network.boundaries);
   for (Eigen::Index k = 0; k < truth.nose_m.size(); ++k) {
     judge.note(truth, k, twin.outputs, 0.0);
-    twin.advance(truth.read[static_cast<std::size_t>(k)], none);
+    twin.advance(truth.conditions.sample_s, truth.read[static_cast<std::size_t>(k)], none);
     twin.evaluate();
   }
   return judge.score();
 }
 
-Score run_paper(const rom::Network& network, const Truth& truth, int sensors) {
+Score run_paper(const rom::Network& network, const Truth& truth, int sensors, bool correct_state) {
   Twin twin(network);
+  const double step_s = truth.conditions.sample_s;
   Judge judge(network, sensors);
   correction::PaperOptions options;
+  options.state_rescale = correct_state;
   options.groups = correction::common_heat_group(network);
   options.groups.front().key_points.resize(static_cast<std::size_t>(sensors));
   correction::PaperCorrection law(network, options, [&] { return make_stepper(network); });
@@ -133,15 +138,15 @@ Score run_paper(const rom::Network& network, const Truth& truth, int sensors) {
   for (Eigen::Index k = 0; k < truth.nose_m.size(); ++k) {
     const rom::OperatingState& operating = truth.read[static_cast<std::size_t>(k)];
     const Eigen::VectorXd measured_K = truth.measured_K.row(k).transpose();
-    const correction::PaperStep step = law.step({static_cast<double>(k) * sample_s, measured_K, valid,
+    const correction::PaperStep step = law.step({static_cast<double>(k) * step_s, measured_K, valid,
                                                  twin.outputs.key_points_K, twin.stepper->temperatures_K(), operating},
-                                                sample_s);
+                                                step_s);
     if (step.state_rescaled) {
       twin.stepper->set_temperatures(law.rescaled_nodes_K());
       twin.evaluate();
     }
     judge.note(truth, k, twin.outputs, 0.0);
-    twin.advance(operating, law.factors());
+    twin.advance(step_s, operating, law.factors());
     twin.evaluate();
   }
   return judge.score();
@@ -149,7 +154,7 @@ Score run_paper(const rom::Network& network, const Truth& truth, int sensors) {
 
 Score run_estimator(const rom::Network& network, const Truth& truth, int sensors, bool touch_off,
                     const correction::EstimatorOptions& options) {
-  correction::EstimatorCorrection estimator(network, with_sensors(network, options, sensors));
+  correction::EstimatorCorrection estimator(network, with_sensors(network, options, sensors, truth.conditions));
   Judge judge(network, sensors);
   long rejected = 0;
   follow(
@@ -167,10 +172,13 @@ Score run_estimator(const rom::Network& network, const Truth& truth, int sensors
 
 double bound_um(const rom::Network& network, const Truth& truth, int sensors, bool touch_off,
                 const correction::EstimatorOptions& options) {
-  correction::EstimatorCorrection estimator(network, with_sensors(network, options, sensors));
+  correction::EstimatorOptions linear = with_sensors(network, options, sensors, truth.conditions);
+  linear.curvature = 0.0;
+  correction::EstimatorCorrection estimator(network, linear);
   estimator.reset(
       0.0, Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), network.boundaries.reference_temperature_K),
       truth.read.front());
+  const double step_s = truth.conditions.sample_s;
   double sum_um2 = 0.0;
   long count = 0;
   follow(
@@ -180,14 +188,14 @@ double bound_um(const rom::Network& network, const Truth& truth, int sensors, bo
         for (Eigen::Index i = 0; i < theta.size(); ++i) {
           const auto& parameter = estimator.parameters().list()[static_cast<std::size_t>(i)];
           if (parameter.kind == correction::ParameterKind::contact)
-            theta[i] += drift(static_cast<double>(k) * sample_s);
+            theta[i] += drift(truth.conditions, static_cast<double>(k) * step_s);
         }
         estimator.set_parameters(theta);
         return twin.outputs.key_points_K.head(sensors).eval();
       },
       [&](Eigen::Index, const Twin& twin) { return twin.outputs.deformations_m[0]; },
       [&](Eigen::Index k, const Twin&) {
-        if (static_cast<double>(k) * sample_s < judged_from_s) return;
+        if (static_cast<double>(k) * step_s < judged_from_s) return;
         const double deviation_um = micrometres_per_metre * estimator.deviations().deformations_m[0];
         sum_um2 += deviation_um * deviation_um;
         ++count;
