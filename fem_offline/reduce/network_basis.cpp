@@ -13,7 +13,9 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 /// Weighted sum of squares of the dual snapshots relative to that of the fields.
-constexpr double dual_share = 0.2;
+constexpr double dual_share = 0.3;
+/// Of the mean square over all unknowns beside that over the points.
+constexpr double weight_of_mean = 1.0;
 constexpr int weight_rounds = 3;
 constexpr double most_change_of_weight = 2.0;
 /// Parts are balanced at the size at which fields err so much, as a root mean square over the points.
@@ -80,7 +82,7 @@ Modes nested_modes(const Eigen::MatrixXd& moments, const Eigen::MatrixXd& inner_
   return modes;
 }
 
-/// Largest error of every part when fields are projected on the first `nodes` columns.
+/// Largest error of every part when fields are projected on the basis.
 Eigen::VectorXd largest_part_errors_K(const RichModel& rich, const Eigen::MatrixXd& fields,
                                       const Eigen::MatrixXd& basis, int threads) {
   const Eigen::Index parts = 1 + *std::max_element(rich.part_of_point.begin(), rich.part_of_point.end());
@@ -112,7 +114,8 @@ Eigen::MatrixXd network_basis(const RichModel& rich, const RichSnapshots& snapsh
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
   Modes modes;
   for (int round = 0;; ++round) {
-    const Eigen::MatrixXd inner_product = rich.points.transpose() * weights.asDiagonal() * rich.points;
+    Eigen::MatrixXd inner_product = rich.points.transpose() * weights.asDiagonal() * rich.points;
+    inner_product.diagonal().array() += weight_of_mean * weights.sum() / rich.dense.uniform.squaredNorm();
     const auto size_of = [&](const Eigen::MatrixXd& moments) {
       return (inner_product.bottomRightCorner(others, others).cwiseProduct(moments.bottomRightCorner(others, others)))
           .sum();
