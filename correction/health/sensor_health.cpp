@@ -195,7 +195,19 @@ void SensorHealth::settle(std::size_t i, const HealthSample& sample, double h_s)
   Channel& channel = states_[i];
   HealthRecord& record = records_[i];
   if (channel.outlying) {
+    if (channel.outliers == 0) {
+      channel.first_outlier_K = channel.e_K;
+      channel.first_miss_K = channel.e_K - channel.course.expected_K;
+    }
     if (++channel.outliers >= outliers_to_fail) {
+      // A jump stays where it went; what goes on in the same direction is the place, warming faster than the model.
+      const double since_K = channel.e_K - channel.first_outlier_K;
+      if (since_K * channel.first_miss_K > 0.0 && std::abs(since_K) > 0.5 * std::abs(channel.first_miss_K)) {
+        channel.outliers = 0;
+        channel.course.restart();
+        channel.course.accept(channel.e_K, h_s, channels_[i].noise_K);
+        return;
+      }
       fail(i, HealthFault::jump, false);
     } else {
       record.fault = HealthFault::jump;

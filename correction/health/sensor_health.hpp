@@ -100,6 +100,7 @@ class SensorHealth {
     double quiet_s = 0.0;
     int electrical = 0;
     int outliers = 0;
+    double first_outlier_K = 0.0, first_miss_K = 0.0;
     std::array<double, 16> spike_times_s{};
     int spike_at = 0;
     bool latched = false;

@@ -32,7 +32,8 @@ struct Standstill {
   std::array<Bucket, buckets> ring{};
   int newest = 0;
   int filled = 0;
-  double change_share = 0.0;  ///< p
+  double change_share = 0.0;  ///< p: of noise, which turns back; a smooth rise that ends teaches nothing
+  double last_change_K = 0.0;
   double anchor_K = 0.0;
   int repeated = 0;
   bool seen = false;
@@ -88,7 +89,10 @@ struct Standstill {
     }
     const bool changed = std::abs(reading_K - anchor_K) > resolution_K * (1.0 + 1e-6);
     // A run that is being withheld teaches nothing about how the channel is when it lives.
-    if (!repeats()) change_share += change_memory * ((changed ? 1.0 : 0.0) - change_share);
+    const double change_K = reading_K - anchor_K;
+    const bool reversed = changed && change_K * last_change_K < 0.0;
+    if (!repeats()) change_share += change_memory * ((reversed ? 1.0 : 0.0) - change_share);
+    if (changed) last_change_K = change_K;
     repeated = changed ? 0 : repeated + 1;
     if (changed) anchor_K = reading_K;
   }
