@@ -15,13 +15,15 @@ namespace spindle_twin::correction {
 /// it back on the mean of the last ten minutes; and the model that is never corrected; half the limit does for the last
 /// two. A steady spindle raises nothing, whatever the corrected model does, because the last one stands. One step of q
 /// is allowed because a held analogue value flickers between two counts. Kept in buckets of a twelfth of the window.
-/// Besides, `repeats` looks for runs that a live reading with its usual share of changes would hardly have
-/// ((1 − p)^n < 1 in 1000): these are withheld, which costs a healthy channel nothing. Runs in the cycle.
+/// Besides, `repeats` looks for runs that a live reading with its usual share p of changes would hardly have
+/// ((1 − p)^n < 1 in 1000): these are withheld, which costs a healthy channel nothing. Only changes of noise, which
+/// turn back, count for p: a smooth rise that comes to its end is not stuck. Runs in the cycle.
 struct Standstill {
   static constexpr int buckets = 12;
   static constexpr std::array shares{1.0, 0.5, 0.5};  ///< of the limit, that each u must reach
   static constexpr double hardly = 1e-3;
   static constexpr double change_memory = 0.02;
+  static constexpr double turns_to_changes = 1.5;  ///< of white noise two changes in three turn back
 
   using Movements = std::array<double, 3>;
   struct Bucket {
@@ -32,7 +34,8 @@ struct Standstill {
   std::array<Bucket, buckets> ring{};
   int newest = 0;
   int filled = 0;
-  double change_share = 0.0;  ///< p: of noise, which turns back; a smooth rise that ends teaches nothing
+  double change_share = 0.0;
+  double turn_share = 0.0;  ///< changes against the one before
   double last_change_K = 0.0;
   double anchor_K = 0.0;
   int repeated = 0;
@@ -78,7 +81,10 @@ struct Standstill {
     return false;
   }
 
-  bool repeats() const { return repeated >= 3 && std::pow(1.0 - std::min(change_share, 0.99), repeated) < hardly; }
+  bool repeats() const {
+    const double p = std::min({change_share, turns_to_changes * turn_share, 0.99});
+    return repeated >= 3 && std::pow(1.0 - p, repeated) < hardly;
+  }
 
  private:
   void note_change(double reading_K, double resolution_K) {
@@ -91,7 +97,10 @@ struct Standstill {
     // A run that is being withheld teaches nothing about how the channel is when it lives.
     const double change_K = reading_K - anchor_K;
     const bool reversed = changed && change_K * last_change_K < 0.0;
-    if (!repeats()) change_share += change_memory * ((reversed ? 1.0 : 0.0) - change_share);
+    if (!repeats()) {
+      change_share += change_memory * ((changed ? 1.0 : 0.0) - change_share);
+      turn_share += change_memory * ((reversed ? 1.0 : 0.0) - turn_share);
+    }
     if (changed) last_change_K = change_K;
     repeated = changed ? 0 : repeated + 1;
     if (changed) anchor_K = reading_K;
