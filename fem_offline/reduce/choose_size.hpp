@@ -30,7 +30,7 @@ struct SizeChoice {
 /// Cases of the search: drawn for it alone, neither those of the snapshots nor those of the certificate.
 inline constexpr std::uint32_t size_choice_cases = 16;
 /// Share of the tolerance that the search asks for, since other cases may be somewhat worse than its own.
-inline constexpr double share_of_tolerance = 0.75;
+inline constexpr double share_of_tolerance = 0.6;
 inline constexpr int size_step = 10;
 inline constexpr int largest_size = 320;
 
