@@ -57,6 +57,8 @@ void Cycle::take_orders(const PlcCommand& command) {
   if (started_ && command.sensor_orders != watch_.orders) {
     take_sensor_order(command.sensor_order, plan_, judgement_, watch_, corrector_);
     watch_.orders = command.sensor_orders;
+    snapshot_.sensor_order = command.sensor_order;
+    ++snapshot_.sensor_orders;
   }
   if (command.tare_orders == tare_orders_) return;
   if (command.tare_order == TareOrder::take && !started_) return;

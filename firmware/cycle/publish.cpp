@@ -45,6 +45,7 @@ Snapshot first_snapshot(const rom::Network& network) {
   if (sd_m.size() > 0) snapshot.nose_network_sd_m = sd_m[0];
   snapshot.signals.fill(not_a_value);
   snapshot.measured_K.fill(not_a_value);
+  snapshot.raw_K.fill(not_a_value);
   snapshot.measured_age_s.fill(not_a_value);
   snapshot.probe_m.fill(not_a_value);
   snapshot.probe_age_s.fill(not_a_value);
@@ -70,6 +71,7 @@ void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snap
   for (std::size_t k = 0; k < snapshot.key_points; ++k) {
     const bool configured = judgement.sensors[k] != SensorQuality::not_configured;
     snapshot.measured_K[k] = configured ? sensed.sensors[k].value : not_a_value;
+    snapshot.raw_K[k] = configured ? sensed.raw_K[k] : not_a_value;
     snapshot.measured_age_s[k] = configured ? sensed.sensors[k].age_s : not_a_value;
   }
   for (std::size_t d = 0; d < snapshot.deformations; ++d) {

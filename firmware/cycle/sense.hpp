@@ -13,6 +13,7 @@ struct Sensed {
 
 struct SensedInputs {
   std::array<Sensed, slots::key_points> sensors;
+  std::array<double, slots::key_points> raw_K{};  ///< readings before the sensor tare
   std::array<Sensed, signal_count> signals;
   std::array<Sensed, slots::deformations> displacements;
   bool device_connected = false;

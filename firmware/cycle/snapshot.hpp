@@ -109,6 +109,7 @@ struct Snapshot {
 
   std::array<double, signal_count> signals{};  ///< in use; flows that have no circuit are 0
   std::array<double, slots::key_points> measured_K{};
+  std::array<double, slots::key_points> raw_K{};           ///< the same before the sensor tare
   std::array<double, slots::key_points> measured_age_s{};  ///< model time since the reading
   std::array<SensorQuality, slots::key_points> sensor_quality{};
   std::array<double, slots::deformations> probe_m{};  ///< what displacement probes read
@@ -142,6 +143,8 @@ struct Snapshot {
   bool model_in_doubt = false;
   std::uint16_t sensors_failed = 0;
   std::uint16_t sensor_tare_count = 0;
+  std::uint32_t sensor_orders = 0;  ///< those that the PLC gave for its sensors, and the last of them
+  SensorOrder sensor_order = SensorOrder::tare;
   std::array<SensorHealthState, slots::key_points> sensor_health{};
   std::array<double, slots::key_points> sensor_tare_K{};  ///< subtracted from the readings
 };

@@ -71,6 +71,7 @@ SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const
 }
 
 void subtract_tare(const SensorWatch& watch, SensedInputs& sensed) {
+  for (std::size_t k = 0; k < sensed.sensors.size(); ++k) sensed.raw_K[k] = sensed.sensors[k].value;
   for (std::size_t k = 0; k < watch.tare.offset_K.size(); ++k) sensed.sensors[k].value -= watch.tare.offset_K[k];
 }
 

@@ -93,6 +93,8 @@ std::string history_header(const rom::Network& network) {
   add_names(header, "sensor_state.", network.key_points, "");
   add_names(header, "sensor_fault.", network.key_points, "");
   add_names(header, "sensor_misfit.", network.key_points, "");
+  header += ",sensor_orders,sensor_order";
+  add_names(header, "raw.", network.key_points, "_degC");
   add_names(header, "probe.", network.deformations, "_m");
   add_names(header, "probe_age.", network.deformations, "_s");
   return header;
@@ -146,6 +148,9 @@ std::string history_row(const Snapshot& snapshot) {
   each([&](std::size_t k) { return bits(snapshot.sensor_health[k].state); });
   each([&](std::size_t k) { return bits(snapshot.sensor_health[k].fault); });
   each([&](std::size_t k) { return snapshot.sensor_health[k].misfit_ratio; });
+  add(row, snapshot.sensor_orders);
+  add(row, bits(snapshot.sensor_order));
+  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.raw_K[k] - zero_degC_K);
   for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_m[d]);
   for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_age_s[d]);
   return row;

@@ -87,6 +87,8 @@ void read_values(const rom::CsvTable& table, const rom::Network& network, Log& l
     const std::vector<double>& values = table.column(name);
     log.has_sensor[k] = std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
     take(values, celsius, k, &LogRow::measured_K, log.rows);
+    const std::string raw = "raw." + network.key_points[k].name + "_degC";
+    take(table.column(table.has(raw) ? raw : name), celsius, k, &LogRow::raw_K, log.rows);
     const std::string age = "age." + network.key_points[k].name + "_s";
     if (table.has(age)) take(table.column(age), {}, k, &LogRow::age_s, log.rows);
   }
@@ -149,6 +151,20 @@ void read_orders(const rom::CsvTable& table, double period_ns, Log& log) {
   }
 }
 
+/// Orders for the sensors, which histories of before sensors could be tared did not have.
+void read_sensor_orders(const rom::CsvTable& table, Log& log) {
+  if (!table.has("sensor_orders")) return;
+  const std::vector<double>& orders = full_column(table, "sensor_orders");
+  const std::vector<double>& last = full_column(table, "sensor_order");
+  for (std::size_t i = 0; i < log.rows.size(); ++i) {
+    if (last[i] != 0.0 && last[i] != 1.0 && last[i] != 2.0) {
+      throw rom::InputError(log.rows[i].where, "sensor_order", "must be 0 (tare), 1 (clear) or 2 (acknowledge)");
+    }
+    log.rows[i].sensor_orders = static_cast<std::uint32_t>(orders[i]);
+    log.rows[i].sensor_order = static_cast<firmware::SensorOrder>(last[i]);
+  }
+}
+
 /// A history's rows are cycles: what each advanced the model by follows from the periods that it missed, and its time
 /// is that of the prediction, one advance later than the cycle's own. While the daemon waited for its sensors time
 /// stood.
@@ -179,6 +195,7 @@ void read_cycles(const rom::CsvTable& table, Log& log) {
   if (!log.cycle_s)
     throw rom::InputError({log.file, 0}, "time_s", "this history holds no two cycles with a prediction");
   read_orders(table, 1e9 * *log.cycle_s, log);
+  read_sensor_orders(table, log);
   double end_s = std::max(0.0, time_s[0] - *log.cycle_s * static_cast<double>(1 + log.rows[0].missed));
   log.before_s = end_s;
   for (LogRow& row : log.rows) {

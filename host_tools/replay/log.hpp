@@ -18,6 +18,7 @@ struct LogRow {
   rom::SourceLine where;
   std::array<double, firmware::signal_count> signals{};
   std::array<double, firmware::slots::key_points> measured_K{};
+  std::array<double, firmware::slots::key_points> raw_K{};  ///< of a history: before the sensor tare
   std::array<double, firmware::slots::key_points> age_s{};  ///< of the readings of a history
   std::array<double, firmware::slots::deformations>
       deformation_m{};  ///< measured: a probe, or from outside for judging only
@@ -30,6 +31,8 @@ struct LogRow {
   bool tared = false;               ///< what the last of them left
   std::uint32_t length_orders = 0;  ///< touch-offs since the start, and the last one
   firmware::Displacement length;
+  std::uint32_t sensor_orders = 0;  ///< to tare or acknowledge sensors, since the start, and the last one
+  firmware::SensorOrder sensor_order = firmware::SensorOrder::tare;
   std::array<double, firmware::slots::deformations> probe_m{};
   std::array<double, firmware::slots::deformations> probe_age_s{};
 };

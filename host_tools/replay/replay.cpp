@@ -52,9 +52,9 @@ void take_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs&
 /// A row of a history: what the cycle of that row saw, readings as old as they were then.
 void take_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64_t now_ns, Inputs& inputs) {
   take_signals(row, log, now_ns, inputs);
-  for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
-    const bool without_age = std::isnan(row.age_s[k]) && std::isfinite(row.measured_K[k]);
-    inputs.frame.sensors[k] = reading_of_age(row.measured_K[k], without_age ? 0.0 : row.age_s[k], clock_rate, now_ns);
+  for (std::size_t k = 0; k < row.raw_K.size(); ++k) {
+    const bool without_age = std::isnan(row.age_s[k]) && std::isfinite(row.raw_K[k]);
+    inputs.frame.sensors[k] = reading_of_age(row.raw_K[k], without_age ? 0.0 : row.age_s[k], clock_rate, now_ns);
   }
   for (std::size_t d = 0; d < row.probe_m.size(); ++d) {
     inputs.frame.displacements[d] = reading_of_age(row.probe_m[d], row.probe_age_s[d], clock_rate, now_ns);
@@ -67,6 +67,8 @@ void take_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64
   command.tare_order = row.tared ? firmware::TareOrder::take : firmware::TareOrder::clear;
   command.displacements = row.length_orders;
   command.displacement = row.length;
+  command.sensor_orders = row.sensor_orders;
+  command.sensor_order = row.sensor_order;
 }
 
 using OnCycle = std::function<void(const ReplayedCycle&)>;

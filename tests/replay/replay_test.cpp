@@ -151,6 +151,12 @@ Life live(const rom::Network& network, unsigned seed, bool paper = true) {
       ++command.displacements;
       command.displacement = {0, 1e-6 * share(random), 2e-7};
     }
+    if (n == 800 || n == 1200 || n == 1300) {
+      ++command.sensor_orders;
+      command.sensor_order = n == 800    ? firmware::SensorOrder::acknowledge
+                             : n == 1200 ? firmware::SensorOrder::clear_tare
+                                         : firmware::SensorOrder::tare;
+    }
     command.correction = n > 300 && n < 420 ? firmware::CorrectionOrder::off : firmware::CorrectionOrder::on;
     life.snapshots.push_back(cycle.step(frame, command, now_ns, missed));
     life.history += firmware::history_row(life.snapshots.back()) + "\n";
