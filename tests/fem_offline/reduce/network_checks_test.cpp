@@ -85,7 +85,7 @@ TEST(SizeChoice, takes_the_smallest_size_that_keeps_the_tolerance) {
     }
     return choice.network.nodes.size();
   };
-  EXPECT_LT(nodes_for({1.0, 1.0, 4.0}), nodes_for({0.2, 0.2, 0.8}));
+  EXPECT_LT(nodes_for({3.0, 3.0, 12.0}), nodes_for({0.2, 0.2, 0.8}));
 }
 
 TEST(SizeChoice, says_when_no_size_is_enough) {
