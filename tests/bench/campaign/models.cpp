@@ -38,6 +38,7 @@ fem_offline::FeModel model_of(double element_size_mm) {
 rom::Network twin_network(const TwinOptions& options) {
   std::string path;
   if (!options.cache.empty()) {
+    std::filesystem::create_directories(options.cache);
     path = options.cache + "/twin_" + std::to_string(options.nodes) + ".rom";
     if (std::filesystem::exists(path)) return rom::read_network(path);
   }
