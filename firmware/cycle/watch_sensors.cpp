@@ -112,14 +112,14 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
   note_corrected(network, model, watch);
 }
 
-bool watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
                   Corrector& corrector) {
   note_corrected(network, model, watch);
-  if (!watch.others) return false;
+  if (!watch.others) return;
   correction::EstimatorCorrection& estimator = *corrector.estimator;
   if (corrector.enabled && !watch.was_enabled) watch.others->follow(estimator);
   watch.was_enabled = corrector.enabled;
-  if (!corrector.enabled || estimator.updates() == watch.seen_updates) return false;
+  if (!corrector.enabled || estimator.updates() == watch.seen_updates) return;
   watch.seen_updates = estimator.updates();
   watch.others->update(estimator);
   std::fill(watch.updates.begin(), watch.updates.end(), correction::HealthUpdate{});
@@ -131,7 +131,7 @@ bool watch_update(const rom::Network& network, const rom::OperatingState& operat
   }
   const int failed = watch.health->note_update(watch.updates);
   estimator.set_alternatives(watch.others->alternatives(estimator));
-  if (failed < 0) return false;
+  if (failed < 0) return;
   const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(failed));
   estimator.adopt(watch.others->without(channel), operating);
   watch.others->settle_on(channel);
@@ -139,7 +139,6 @@ bool watch_update(const rom::Network& network, const rom::OperatingState& operat
   corrector.operating = operating;
   corrector.operating.environment_K += estimator.environment_bias_K();
   note_corrected(network, model, watch);
-  return true;
 }
 
 void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,

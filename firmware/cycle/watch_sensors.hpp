@@ -43,8 +43,8 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
                    Judgement& judgement);
 
 /// After correct(): what the update said of each sensor. The estimator goes over to the filter without a sensor that
-/// failed by it; true if that has changed the model's state. Runs in the cycle.
-bool watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+/// failed by it, which changes the model's state. Runs in the cycle.
+void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
                   Corrector& corrector);
 
 /// An order from the PLC. Runs in the cycle; the first tare allocates.

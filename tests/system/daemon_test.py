@@ -23,6 +23,8 @@ DAEMON = ""
 MAKE_NETWORK = ""
 SLOWEST_ANSWER_S = 0.050  # beside a client that sends one byte a second
 
+SENSORS = "".join(f'[[sensor]]\nkey_point = "sleeve_{place}"\nregister = {2 * n}\ntype = "float32"\n'
+                  for n, place in enumerate(("inner", "middle", "outer")))
 CONFIG = """
 network = "small.rom"
 [serve]
@@ -30,19 +32,7 @@ port = {port}
 [device]
 port = {device}
 timeout_s = 2.0
-[[sensor]]
-key_point = "sleeve_inner"
-register = 0
-type = "float32"
-[[sensor]]
-key_point = "sleeve_middle"
-register = 2
-type = "float32"
-[[sensor]]
-key_point = "sleeve_outer"
-register = 4
-type = "float32"
-[cycle]
+{sensors}[cycle]
 clock_rate = 10.0
 [signals]
 speed = {{ source = "plc" }}
@@ -57,7 +47,7 @@ parameters = "parameters.csv"
 [checkpoint]
 path = "twin.checkpoint"
 interval_s = 5.0
-"""
+""".replace("{sensors}", SENSORS)
 
 
 def free_port():
