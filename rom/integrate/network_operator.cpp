@@ -1,11 +1,14 @@
 #include "rom/integrate/network_operator.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 namespace spindle_twin::rom {
 namespace {
+
+constexpr Eigen::Index block_entries = 512;
 
 void require(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
@@ -28,7 +31,7 @@ NetworkOperator::NetworkOperator(const Network& network)
       reference_K_(network.boundaries.reference_temperature_K) {
   const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
   const Eigen::Index n = capacity.rows();
-  const auto count = static_cast<Eigen::Index>(network.factors_m.size());
+  const Eigen::Index count = conductances_ = static_cast<Eigen::Index>(network.factors_m.size());
   require(n > 0 && capacity.cols() == n, "the capacity matrix is not square");
   require(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
           "the conduction matrix has not the shape of the capacity matrix");
@@ -46,14 +49,18 @@ NetworkOperator::NetworkOperator(const Network& network)
   capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(conduction);
   packed_conduction_ = packed_lower(0.5 * (conduction + conduction.transpose()));
 
-  conductance_terms_.resize(packed_conduction_.size(), count);
+  conductance_terms_.resize(packed_conduction_.size() * count);
   films_.resize(n, count);
   for (Eigen::Index j = 0; j < count; ++j) {
     Eigen::MatrixXd factor = network.factors_m[static_cast<std::size_t>(j)];
     require(factor.rows() == n, "a conductance factor has not one row per node");
     const Eigen::VectorXd column_sums = factor.colwise().sum().transpose();
     root.solveInPlace(factor);
-    conductance_terms_.col(j) = packed_lower(factor * factor.transpose());
+    const Eigen::VectorXd term = packed_lower(factor * factor.transpose());
+    for (Eigen::Index first = 0; first < term.size(); first += block_entries) {
+      const Eigen::Index width = std::min(block_entries, term.size() - first);
+      conductance_terms_.segment(first * count + j * width, width) = term.segment(first, width);
+    }
     const int environment = network.boundaries.conductances[static_cast<std::size_t>(j)].environment;
     if (environment < 0) continue;
     require(environment < environments_, "a conductance names an environment that does not exist");
@@ -102,10 +109,23 @@ void NetworkOperator::to_temperatures(const Eigen::VectorXd& x, Eigen::VectorXd&
   temperatures_K.array() += reference_K_;
 }
 
+/// packed += Σ weightⱼ K̃ⱼ.
+template <typename Weights>
+void NetworkOperator::add_terms(const Eigen::MatrixBase<Weights>& weights, Eigen::VectorXd& packed) const {
+  for (Eigen::Index first = 0; first < packed.size(); first += block_entries) {
+    const Eigen::Index width = std::min(block_entries, packed.size() - first);
+    auto sum = packed.segment(first, width);
+    for (Eigen::Index j = 0; j < conductances_; ++j) {
+      const double weight = weights[j];
+      if (weight != 0.0) sum += weight * conductance_terms_.segment(first * conductances_ + j * width, width);
+    }
+  }
+}
+
 void NetworkOperator::assemble(const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed,
                                Eigen::MatrixXd& lower) const {
   packed = packed_conduction_;
-  packed.noalias() += conductance_terms_ * conductance_W_per_m2K;
+  add_terms(conductance_W_per_m2K, packed);
   unpack(packed, lower);
 }
 
@@ -113,10 +133,7 @@ void NetworkOperator::assemble_from(const Eigen::VectorXd& base_W_per_m2K, const
                                     const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed,
                                     Eigen::MatrixXd& lower) const {
   packed = base_packed;
-  for (Eigen::Index j = 0; j < conductances(); ++j) {
-    const double more_W_per_m2K = conductance_W_per_m2K[j] - base_W_per_m2K[j];
-    if (more_W_per_m2K != 0.0) packed += more_W_per_m2K * conductance_terms_.col(j);
-  }
+  add_terms(conductance_W_per_m2K - base_W_per_m2K, packed);
   unpack(packed, lower);
 }
 

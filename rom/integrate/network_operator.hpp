@@ -24,7 +24,7 @@ class NetworkOperator {
   explicit NetworkOperator(const Network& network);
 
   Eigen::Index nodes() const { return capacity_root_.rows(); }
-  Eigen::Index conductances() const { return conductance_terms_.cols(); }
+  Eigen::Index conductances() const { return conductances_; }
   Eigen::Index sources() const { return sources_.cols(); }
   Eigen::Index environments() const { return environments_; }
   Eigen::Index circuits() const { return static_cast<Eigen::Index>(segments_.first.size()) - 1; }
@@ -65,12 +65,18 @@ class NetworkOperator {
               Eigen::VectorXd& u) const;
 
  private:
+  template <typename Weights>
+  void add_terms(const Eigen::MatrixBase<Weights>& weights, Eigen::VectorXd& packed) const;
   static void unpack(const Eigen::VectorXd& packed, Eigen::MatrixXd& lower);
 
   Eigen::MatrixXd capacity_root_;      // L
   Eigen::VectorXd packed_conduction_;  // columns of the lower triangle of K̃₀, one after another
-  Eigen::MatrixXd conductance_terms_;  // the same of K̃ⱼ, one column each
-  Eigen::MatrixXd films_;              // L⁻¹ Fⱼ Fⱼᵀ 1 of those conductances that have an environment
+  Eigen::Index conductances_ = 0;
+  // The same of all K̃ⱼ, in blocks: the first entries of every term one term after another, then the next of every term.
+  // Together they are larger than the cache beside the processor, and what counts is how fast they come from memory:
+  // in the order in which they lie, into a piece of the sum that stays in the innermost cache.
+  Eigen::VectorXd conductance_terms_;
+  Eigen::MatrixXd films_;  // L⁻¹ Fⱼ Fⱼᵀ 1 of those conductances that have an environment
   std::vector<Eigen::Index> film_conductance_;
   std::vector<Eigen::Index> film_environment_;
   CoolantSegments segments_;

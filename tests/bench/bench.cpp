@@ -55,7 +55,7 @@ void print_row(const std::string& what, double value, const std::string& unit, c
 }  // namespace spindle_twin::bench
 
 /// bench_rows: all rows of our own.
-/// bench_rows --network: the rows of the network only.
+/// bench_rows --network, --estimator: those rows only.
 /// bench_rows --step SPINDLE.toml: processor seconds of one transient step of 0.5 s.
 /// bench_rows --schedule X.rom S.csv: processor seconds of a network over a schedule in cycles of 1 s.
 int main(int count, char** arguments) {
@@ -70,6 +70,10 @@ int main(int count, char** arguments) {
   }
   if (count == 2 && std::string(arguments[1]) == "--network") {
     spindle_twin::bench::print_network_rows();
+    return 0;
+  }
+  if (count == 2 && std::string(arguments[1]) == "--estimator") {
+    spindle_twin::bench::print_estimator_rows();
     return 0;
   }
   spindle_twin::bench::print_fem_rows();
