@@ -18,8 +18,7 @@ double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, 
 }  // namespace
 
 DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities,
-                                       Eigen::Index parameters)
-    : network_(&network) {
+                                       Eigen::Index parameters) {
   const rom::Certificate& certificate = network.certificate;
   const auto internal = [&](const Eigen::VectorXd& row) {
     Eigen::VectorXd result(row.size());
@@ -30,17 +29,15 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
     key_points_.internal.push_back(internal(network.key_points[k].row));
     key_points_.certificate.push_back(certificate_of(certificate.key_points_K, k, certificate.worst.key_points_K));
   }
-  Eigen::Index most = 0;
   for (std::size_t i = 0; i < network.parts.size(); ++i) {
     const rom::PartOutput& part = network.parts[i];
     part_means_.internal.push_back(internal(part.mean_row));
     part_means_.certificate.push_back(certificate_of(certificate.part_means_K, i, certificate.worst.part_max_K));
     part_maximum_certificate_.push_back(certificate_of(certificate.part_maxima_K, i, certificate.worst.part_max_K));
-    candidates_.emplace_back();
+    candidates_.emplace_back(part.candidate_rows.cols(), part.candidate_rows.rows());
     for (Eigen::Index c = 0; c < part.candidate_rows.rows(); ++c) {
-      candidates_.back().push_back(internal(part.candidate_rows.row(c).transpose()));
+      candidates_.back().col(c) = internal(part.candidate_rows.row(c).transpose());
     }
-    most = std::max(most, part.candidate_rows.rows());
   }
   for (std::size_t i = 0; i < network.deformations.size(); ++i) {
     deformations_.internal.push_back(internal(network.deformations[i].row_m_per_K));
@@ -52,14 +49,15 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
     pressures_.certificate.push_back(certificate_of(certificate.contact_pressures_Pa, i, 0.0));
   }
   sensitivity_ = Eigen::VectorXd::Zero(parameters);
-  candidate_K_ = Eigen::VectorXd::Zero(most);
+  x_ = Eigen::VectorXd::Zero(network.capacity_J_per_K.rows());
   const auto sized = [](std::size_t count) { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count)).eval(); };
   deviations_ = {sized(network.key_points.size()), sized(network.parts.size()), sized(network.parts.size()),
                  sized(network.deformations.size()), sized(network.contact_pressures.size())};
 }
 
-double DeviationOfOutputs::deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
-                                     SquareRootFilter& filter, const Eigen::VectorXd& bend) {
+double DeviationOfOutputs::deviation(const Eigen::Ref<const Eigen::VectorXd>& internal, double certificate,
+                                     Sensitivities& sensitivities, SquareRootFilter& filter,
+                                     const Eigen::VectorXd& bend) {
   sensitivities.of_row(internal, sensitivity_);
   const double bent = sensitivity_.cwiseProduct(bend).squaredNorm();
   double alternative = 0.0;
@@ -83,15 +81,19 @@ void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter
   evaluate(part_means_, sensitivities, filter, bend, deviations_.part_mean_K);
   evaluate(deformations_, sensitivities, filter, bend, deviations_.deformations_m);
   evaluate(pressures_, sensitivities, filter, bend, deviations_.contact_pressures_Pa);
+  sensitivities.to_internal(nodes_K, x_);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    const Eigen::MatrixXd& rows = network_->parts[i].candidate_rows;
-    if (rows.rows() == 0) continue;
-    auto present_K = candidate_K_.head(rows.rows());
-    present_K.noalias() = rows * nodes_K;
+    const Eigen::MatrixXd& candidates = candidates_[i];
+    if (candidates.cols() == 0) continue;
+    // One after another, in the order of memory: together they are larger than the cache.
     Eigen::Index hottest = 0;
-    present_K.maxCoeff(&hottest);
-    deviations_.part_maximum_K[static_cast<Eigen::Index>(i)] = deviation(
-        candidates_[i][static_cast<std::size_t>(hottest)], part_maximum_certificate_[i], sensitivities, filter, bend);
+    double highest = candidates.col(0).dot(x_);
+    for (Eigen::Index c = 1; c < candidates.cols(); ++c) {
+      const double rise = candidates.col(c).dot(x_);
+      if (rise > highest) hottest = c, highest = rise;
+    }
+    deviations_.part_maximum_K[static_cast<Eigen::Index>(i)] =
+        deviation(candidates.col(hottest), part_maximum_certificate_[i], sensitivities, filter, bend);
   }
 }
 

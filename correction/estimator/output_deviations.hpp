@@ -43,14 +43,13 @@ class DeviationOfOutputs {
   };
   void evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
                 Eigen::VectorXd& to);
-  double deviation(const Eigen::VectorXd& internal, double certificate, Sensitivities& sensitivities,
+  double deviation(const Eigen::Ref<const Eigen::VectorXd>& internal, double certificate, Sensitivities& sensitivities,
                    SquareRootFilter& filter, const Eigen::VectorXd& bend);
 
-  const rom::Network* network_;
   Rows key_points_, part_means_, deformations_, pressures_;
-  std::vector<std::vector<Eigen::VectorXd>> candidates_;
+  std::vector<Eigen::MatrixXd> candidates_;  // per part, one row on x in each column
   std::vector<double> part_maximum_certificate_;
-  Eigen::VectorXd sensitivity_, candidate_K_;
+  Eigen::VectorXd sensitivity_, x_;
   Eigen::MatrixXd alternatives_;
   OutputDeviations deviations_;
 };

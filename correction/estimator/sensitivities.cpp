@@ -1,5 +1,7 @@
 #include "correction/estimator/sensitivities.hpp"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -10,6 +12,9 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
+/// States per block of the substitution: the buffers of Eigen's products stay below 128 kB, up to which it takes them
+/// from the stack.
+constexpr Eigen::Index states_at_once = 100;
 
 }  // namespace
 
@@ -37,16 +42,21 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
     column_sums_.segment(first_[j], factor.cols()) = factor.colwise().sum().transpose();
   }
   if (columns > 0) root.solveInPlace(factors_);
+  films_ = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(network.factors_m.size()));
+  for (Eigen::Index j = 0; j < films_.cols(); ++j) {
+    const auto index = static_cast<std::size_t>(j);
+    if (network.boundaries.conductances[index].environment < 0) continue;
+    const Eigen::Index begin = first_[index], count = first_[index + 1] - begin;
+    films_.col(j) = factors_.middleCols(begin, count) * column_sums_.segment(begin, count);
+  }
   sources_ = network.source_distribution;
   source_rows_ = network.source_distribution.transpose();
   if (sources_.cols() > 0) root.solveInPlace(sources_);
-  transposed_ = stage_ = drive_ = Eigen::MatrixXd::Zero(p, n);
-  lower_ = upper_ = Eigen::MatrixXd::Zero(n, n);
+  transposed_ = stage_ = impulse_ = Eigen::MatrixXd::Zero(p, n);
+  drive_ = Eigen::MatrixXd::Zero(n, p);
+  lower_ = Eigen::MatrixXd::Zero(n, n);
   packed_ = operator_->make_packed();
-  // Computed once so that it may be copied: a factor that never was has an indeterminate result.
-  cholesky_.compute(Eigen::MatrixXd::Identity(n, n));
   mean_K_ = x_ = shift_ = unused_drive_ = Eigen::VectorXd::Zero(n);
-  projected_ = Eigen::VectorXd::Zero(columns);
   rises_K_ = Eigen::VectorXd::Zero(sources_.cols());
   const Eigen::Index segments = operator_->segments().count();
   coupling_ = Eigen::MatrixXd::Zero(segments, segments);
@@ -96,7 +106,7 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
     const double heat_W = held.values.heat_W[i];
     if (heat_W == 0.0) continue;
     const auto into = [&](int slot, double weight) {
-      if (slot >= 0) drive_.row(slot) += weight * sources_.col(i).transpose();
+      if (slot >= 0) drive_.col(slot) += weight * sources_.col(i);
     };
     into(parameters.heat(i), heat_W);
     into(parameters.exponent(i), heat_W * log_x);
@@ -105,25 +115,22 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
   const double reference_K = operator_->reference_K();
   const rom::Boundaries& boundaries = network_->boundaries;
   for (std::size_t j = 0; j + 1 < first_.size(); ++j) {
-    const double conductance = held.values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)];
-    const Eigen::Index begin = first_[j], count = first_[j + 1] - first_[j];
-    if (conductance == 0.0 || count == 0) continue;
+    const auto index = static_cast<Eigen::Index>(j);
+    const double conductance = held.values.conductance_W_per_m2K[index];
+    if (conductance == 0.0) continue;
     const int environment = boundaries.conductances[j].environment;
-    const auto factor = factors_.middleCols(begin, count);
-    auto flow = projected_.segment(begin, count);
-    flow.noalias() = factor.transpose() * x_;  // block by block: each comes from memory once
-    if (environment >= 0) {
-      flow -= (held.values.environment_K[environment] - reference_K) * column_sums_.segment(begin, count);
-      const int bias = parameters.environment(environment);
-      if (bias >= 0) {
-        shift_.noalias() = factor * column_sums_.segment(begin, count);
-        drive_.row(bias) += conductance * shift_.transpose();
-      }
-    }
-    const int slot = parameters.conductance(static_cast<Eigen::Index>(j));
+    const double rise_K = environment < 0 ? 0.0 : held.values.environment_K[environment] - reference_K;
+    const int bias = environment < 0 ? -1 : parameters.environment(environment);
+    if (bias >= 0) drive_.col(bias) += conductance * films_.col(index);
+    const int slot = parameters.conductance(static_cast<int>(index));
     if (slot < 0) continue;
-    shift_.noalias() = factor * flow;
-    drive_.row(slot) -= conductance * shift_.transpose();
+    auto effect = drive_.col(slot);
+    // Column by column, each used twice while it is at hand: the factors come from memory in the order in which they
+    // lie, which is what they cost.
+    for (Eigen::Index column = first_[j]; column < first_[j + 1]; ++column) {
+      const auto factor = factors_.col(column);
+      effect -= conductance * (factor.dot(x_) - rise_K * column_sums_[column]) * factor;
+    }
   }
   // What the liquid has taken up before a segment lowers that segment's flow, and d(G/A)/d ln h is below G/A.
   const rom::CoolantSegments& segments = operator_->segments();
@@ -139,7 +146,7 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
       fed_W += coupling_(s, up) * (wall_rises_K_[up] - inlet_K);
     }
     const int slot = parameters.conductance(segments.conductance[segment]);
-    if (slot >= 0) drive_.row(slot) += fed_W * operator_->walls().col(s).transpose();
+    if (slot >= 0) drive_.col(slot) += fed_W * operator_->walls().col(s);
   }
   for (std::size_t c = 0; c + 1 < segments.first.size(); ++c) {
     const double flow_W_per_K = std::abs(held.values.coolant_W_per_K[static_cast<Eigen::Index>(c)]);
@@ -150,21 +157,33 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
       const double share = held.values.conductance_W_per_m2K[conductance] * segments.area_m2[s] / flow_W_per_K;
       // G = W (1 − e^(−NTU)): dG/d ln h = G NTU / (e^NTU − 1)
       const double transfer_units = -std::log1p(-share);
-      if (transfer_units > 0.0) drive_.row(slot) *= transfer_units / std::expm1(transfer_units);
+      if (transfer_units > 0.0) drive_.col(slot) *= transfer_units / std::expm1(transfer_units);
     }
   }
 }
 
-/// Right-hand side R ← (L Lᵀ)⁻¹ R for its transpose, one state after another.
+/// Right-hand side R ← (L Lᵀ)⁻¹ R for its transpose. Block by block: the buffers for a whole matrix would come from the
+/// heap.
 void Sensitivities::substitute(Eigen::MatrixXd& right_side) const {
-  const Eigen::Index n = right_side.cols();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    right_side.col(i).noalias() -= right_side.leftCols(i) * upper_.col(i).head(i);
-    right_side.col(i) /= lower_(i, i);
+  const Eigen::Index n = right_side.cols(), blocks = (n + states_at_once - 1) / states_at_once;
+  const auto first = [&](Eigen::Index block) { return block * n / blocks; };
+  const auto states = [&](Eigen::Index block) {
+    return right_side.middleCols(first(block), first(block + 1) - first(block));
+  };
+  const auto factor = [&](Eigen::Index row, Eigen::Index column) {
+    return lower_.block(first(row), first(column), first(row + 1) - first(row), first(column + 1) - first(column));
+  };
+  for (Eigen::Index i = 0; i < blocks; ++i) {
+    auto present = states(i);
+    for (Eigen::Index before = 0; before < i; ++before) {
+      present.noalias() -= states(before) * factor(i, before).transpose();
+    }
+    factor(i, i).transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(present);
   }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    right_side.col(i).noalias() -= right_side.rightCols(n - 1 - i) * lower_.col(i).tail(n - 1 - i);
-    right_side.col(i) /= lower_(i, i);
+  for (Eigen::Index i = blocks - 1; i >= 0; --i) {
+    auto present = states(i);
+    for (Eigen::Index after = i + 1; after < blocks; ++after) present.noalias() -= states(after) * factor(after, i);
+    factor(i, i).triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(present);
   }
 }
 
@@ -199,13 +218,8 @@ bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parame
   add_law_slopes(held);
   lower_ *= step;
   lower_.diagonal().array() += 1.0;
-  cholesky_.compute(lower_);
-  if (cholesky_.info() != Eigen::Success) return false;
-  const Eigen::Index n = lower_.rows();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    lower_.col(i).tail(n - i) = cholesky_.matrixLLT().col(i).tail(n - i);
-    upper_.row(i).tail(n - i) = lower_.col(i).tail(n - i).transpose();
-  }
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(lower_);  // in place
+  if (cholesky.info() != Eigen::Success) return false;
 
   drive(held, parameters);
   if (coupling_.size() > 0) {
@@ -213,14 +227,14 @@ bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parame
       wall_sensitivity_.col(s).noalias() = transposed_ * operator_->walls().col(s);
     }
     for (Eigen::Index s = 0; s < coupling_.rows(); ++s) {
-      shift_.noalias() = operator_->walls().col(s);
       fed_sensitivity_.col(s).noalias() = wall_sensitivity_ * coupling_.row(s).transpose();
-      drive_.noalias() += fed_sensitivity_.col(s) * shift_.transpose();
+      drive_.noalias() += operator_->walls().col(s) * fed_sensitivity_.col(s).transpose();
     }
   }
-  stage_ = transposed_ + step * drive_;
+  impulse_ = step * drive_.transpose();
+  stage_ = transposed_ + impulse_;
   substitute(stage_);
-  transposed_ += ((1.0 - gamma) / gamma) * (stage_ - transposed_) + step * drive_;
+  transposed_ += ((1.0 - gamma) / gamma) * (stage_ - transposed_) + impulse_;
   substitute(transposed_);
   return true;
 }

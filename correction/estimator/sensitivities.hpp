@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <memory>
 #include <vector>
@@ -31,10 +30,9 @@ struct HeldPeriod {
 ///      exponent i      ln(|n|/n_ref) q_i b_i
 /// by SDIRK2 (γ = 1 − 1/√2, L-stable, stiffly accurate), one factor and two pairs of triangular solves a period:
 ///   (1 + γhA) Y₁ = S + γhD,   (1 + γhA) S' = S + (1 − γ)/γ (Y₁ − S) + γhD
-/// D is taken in the middle of the period. Stored as Sᵀ (p x N): a state's sensitivities lie together, so that
-/// substitution runs through matrix-vector products, which never allocate, and nearly twice as fast as column by
-/// column. With coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a
-/// film's derivative leaves out what it does to the segments downstream.
+/// D is taken in the middle of the period. S is stored as Sᵀ (p x N): a state's sensitivities lie together. With
+/// coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a film's derivative
+/// leaves out what it does to the segments downstream.
 class Sensitivities {
  public:
   /// Allocates; nothing else here does.
@@ -48,8 +46,9 @@ class Sensitivities {
 
   /// Per kelvin of a row on node temperatures, the row on x: row·(T − T_ref) = internal·x.
   void internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const;
+  void to_internal(const Eigen::VectorXd& nodes_K, Eigen::VectorXd& x) const { operator_->to_internal(nodes_K, x); }
   /// d(row·T)/dθ for a row on x.
-  void of_row(const Eigen::VectorXd& internal, Eigen::VectorXd& sensitivity) {
+  void of_row(const Eigen::Ref<const Eigen::VectorXd>& internal, Eigen::VectorXd& sensitivity) {
     padded_.noalias() = transposed_ * internal;
     sensitivity = padded_.head(sensitivity.size());
   }
@@ -76,16 +75,17 @@ class Sensitivities {
   Eigen::MatrixXd factors_;          // all L⁻¹F_j side by side
   std::vector<Eigen::Index> first_;  // column of F_j in them
   Eigen::VectorXd column_sums_;      // F_jᵀ1, likewise
+  Eigen::MatrixXd films_;            // L⁻¹F_j F_jᵀ1, 0 for a conductance without environment
   Eigen::MatrixXd sources_;          // L⁻¹B
   Eigen::MatrixXd source_rows_;      // Bᵀ, sources x N
   Eigen::Index count_ = 0;           // p
   Eigen::VectorXd padded_;
-  Eigen::MatrixXd transposed_;     // Sᵀ
-  Eigen::MatrixXd stage_, drive_;  // p x N
-  Eigen::MatrixXd lower_, upper_;  // factor of 1 + γhA, and its transpose
+  Eigen::MatrixXd transposed_;       // Sᵀ
+  Eigen::MatrixXd drive_;            // D, N x p
+  Eigen::MatrixXd stage_, impulse_;  // Y₁ᵀ, γhDᵀ
+  Eigen::MatrixXd lower_;            // 1 + γhA, then its factor
   Eigen::VectorXd packed_;
-  Eigen::LLT<Eigen::MatrixXd> cholesky_;
-  Eigen::VectorXd mean_K_, x_, projected_, rises_K_, shift_;
+  Eigen::VectorXd mean_K_, x_, rises_K_, shift_;
   Eigen::MatrixXd coupling_, wall_sensitivity_, fed_sensitivity_;
   Eigen::VectorXd wall_rises_K_, unused_drive_;
   rom::BoundaryValues law_values_;

@@ -1,14 +1,18 @@
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::correction::test {
 namespace {
 
-TEST(Estimator, step_never_calls_the_heap) {
-  // 201 nodes: as large as a spindle's network.
-  const rom::Network network = rom::tests::make_synthetic_network({8, 5, 5, true}, 5);
+/// 201 nodes, as large as a spindle's network; the second with as many parameters as one has, too.
+class EstimatorOfShape : public testing::TestWithParam<rom::tests::SyntheticShape> {};
+
+TEST_P(EstimatorOfShape, step_never_calls_the_heap) {
+  const rom::Network network = rom::tests::make_synthetic_network(GetParam(), 5);
   EstimatorCorrection estimator(network, {});
   const auto sensors = static_cast<Eigen::Index>(estimator.sensors().size());
   const auto valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(sensors, true).eval();
@@ -33,6 +37,11 @@ TEST(Estimator, step_never_calls_the_heap) {
   EXPECT_EQ(updates, 6);
   EXPECT_EQ(estimator.failures(), 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Networks, EstimatorOfShape,
+                         testing::Values(rom::tests::SyntheticShape{8, 5, 5, true},
+                                         rom::tests::SyntheticShape{40, 5, 1, true}),
+                         [](const auto& shape) { return std::to_string(shape.param.bodies) + "_bodies"; });
 
 }  // namespace
 }  // namespace spindle_twin::correction::test
