@@ -90,7 +90,9 @@ void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter
     double highest = candidates.col(0).dot(x_);
     for (Eigen::Index c = 1; c < candidates.cols(); ++c) {
       const double rise = candidates.col(c).dot(x_);
-      if (rise > highest) hottest = c, highest = rise;
+      if (!(rise > highest)) continue;
+      highest = rise;
+      hottest = c;
     }
     deviations_.part_maximum_K[static_cast<Eigen::Index>(i)] =
         deviation(candidates.col(hottest), part_maximum_certificate_[i], sensitivities, filter, bend);

@@ -30,7 +30,8 @@ struct HeldPeriod {
 ///      exponent i      ln(|n|/n_ref) q_i b_i
 /// by SDIRK2 (γ = 1 − 1/√2, L-stable, stiffly accurate), one factor and two pairs of triangular solves a period:
 ///   (1 + γhA) Y₁ = S + γhD,   (1 + γhA) S' = S + (1 − γ)/γ (Y₁ − S) + γhD
-/// D is taken in the middle of the period. S is stored as Sᵀ (p x N): a state's sensitivities lie together. With
+/// D is taken in the middle of the period. S is stored as Sᵀ (p x N): a state's sensitivities lie together, and
+/// a block of states, which substitution works on, is one piece of memory. With
 /// coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a film's derivative
 /// leaves out what it does to the segments downstream.
 class Sensitivities {
