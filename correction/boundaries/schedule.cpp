@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "rom/laws/held_law.hpp"
 #include "rom/read/csv_table.hpp"
 
 namespace spindle_twin::correction {
@@ -10,62 +12,75 @@ namespace {
 
 constexpr double kelvin_at_0_degC = 273.15;
 
-std::vector<std::string> allowed_columns(const rom::Boundaries& boundaries) {
-  std::vector<std::string> columns = {"time_s", "speed_rpm", "load"};
-  for (const rom::Environment& environment : boundaries.environments) columns.push_back(environment.name + "_degC");
-  for (const rom::CoolantCircuit& circuit : boundaries.circuits) columns.push_back(circuit.name + "_kg_per_s");
+using Setter = std::function<void(double, rom::OperatingState&)>;
+
+struct Column {
+  std::string name;
+  Setter set;  ///< of the state; none of time_s
+  bool is_degC = false;
+};
+
+/// What a schedule of these boundaries may have.
+std::vector<Column> allowed_columns(const rom::Boundaries& boundaries) {
+  using rom::OperatingState;
+  std::vector<Column> columns = {{"time_s", {}},
+                                 {"speed_rpm", [](double value, OperatingState& state) { state.speed_rpm = value; }},
+                                 {"load", [](double value, OperatingState& state) { state.load = value; }}};
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    const auto index = static_cast<Eigen::Index>(e);
+    const auto set = [index](double value, OperatingState& state) {
+      state.environment_K[index] = value + kelvin_at_0_degC;
+    };
+    columns.push_back({boundaries.environments[e].name + "_degC", set, true});
+  }
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const auto index = static_cast<Eigen::Index>(c);
+    const auto set = [index](double value, OperatingState& state) { state.flow_kg_per_s[index] = value; };
+    columns.push_back({boundaries.circuits[c].name + "_kg_per_s", set});
+  }
+  if (rom::follows_current(boundaries)) {
+    columns.push_back({"current_A", [](double value, OperatingState& state) { state.current_A = value; }});
+  }
+  if (rom::follows_power(boundaries)) {
+    columns.push_back({"power_W", [](double value, OperatingState& state) { state.power_W = value; }});
+  }
   return columns;
 }
 
-/// For every column of the file, its index among the allowed ones.
-std::vector<std::size_t> read_header(const std::vector<std::string>& header, const std::vector<std::string>& allowed,
-                                     const rom::SourceLine& where) {
-  std::vector<std::size_t> meaning;
-  for (const std::string& column : header) {
-    const auto found = std::find(allowed.begin(), allowed.end(), column);
+/// For every column of the file its meaning.
+std::vector<Column> read_header(const std::vector<std::string>& header, const std::vector<Column>& allowed,
+                                const rom::SourceLine& where) {
+  std::vector<Column> columns;
+  for (const std::string& name : header) {
+    const auto is_it = [&](const Column& column) { return column.name == name; };
+    const auto found = std::find_if(allowed.begin(), allowed.end(), is_it);
     if (found == allowed.end()) {
       std::string names;
-      for (const std::string& name : allowed) names += (names.empty() ? "" : ", ") + name;
-      throw rom::InputError(where, column, "unknown column; allowed: " + names);
+      for (const Column& column : allowed) names += (names.empty() ? "" : ", ") + column.name;
+      throw rom::InputError(where, name, "unknown column; allowed: " + names);
     }
-    meaning.push_back(static_cast<std::size_t>(found - allowed.begin()));
+    columns.push_back(*found);
   }
-  for (std::size_t required = 0; required < 3; ++required) {
-    if (std::find(meaning.begin(), meaning.end(), required) == meaning.end()) {
-      throw rom::InputError(where, allowed[required], "missing column; the header needs time_s, speed_rpm and load");
+  for (const char* required : {"time_s", "speed_rpm", "load"}) {
+    if (std::find(header.begin(), header.end(), required) == header.end()) {
+      throw rom::InputError(where, required, "missing column; the header needs time_s, speed_rpm and load");
     }
   }
-  return meaning;
+  return columns;
 }
 
-ScheduleRow read_row(const rom::CsvTable& table, std::size_t index, const std::vector<std::size_t>& meaning,
+ScheduleRow read_row(const rom::CsvTable& table, std::size_t index, const std::vector<Column>& columns,
                      const rom::OperatingState& standard) {
   const rom::SourceLine where = table.where(index);
   ScheduleRow row{0.0, standard};
-  const std::size_t first_flow = 3 + static_cast<std::size_t>(standard.environment_K.size());
-  for (std::size_t c = 0; c < meaning.size(); ++c) {
-    const std::string& column = table.names[c];
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const Column& column = columns[c];
     const double value = table.columns[c][index];
-    if (std::isnan(value)) throw rom::InputError(where, column, "'' is not a finite number with a decimal point");
-    switch (meaning[c]) {
-      case 0:
-        row.time_s = value;
-        break;
-      case 1:
-        row.state.speed_rpm = value;
-        break;
-      case 2:
-        row.state.load = value;
-        break;
-      default:
-        if (meaning[c] >= first_flow) {
-          row.state.flow_kg_per_s[static_cast<Eigen::Index>(meaning[c] - first_flow)] = value;
-          break;
-        }
-        if (value <= -kelvin_at_0_degC)
-          throw rom::InputError(where, column, "is not above absolute zero, -273.15 degC");
-        row.state.environment_K[static_cast<Eigen::Index>(meaning[c] - 3)] = value + kelvin_at_0_degC;
+    if (std::isnan(value)) throw rom::InputError(where, column.name, "'' is not a finite number with a decimal point");
+    if (column.is_degC && value <= -kelvin_at_0_degC) {
+      throw rom::InputError(where, column.name, "is not above absolute zero, -273.15 degC");
     }
+    column.set ? column.set(value, row.state) : void(row.time_s = value);
   }
   return row;
 }
@@ -74,10 +89,10 @@ ScheduleRow read_row(const rom::CsvTable& table, std::size_t index, const std::v
 
 Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries) {
   const rom::CsvTable table = rom::read_csv_table(path, rom::LastLine::whole);
-  const std::vector<std::size_t> meaning = read_header(table.names, allowed_columns(boundaries), table.header());
+  const std::vector<Column> columns = read_header(table.names, allowed_columns(boundaries), table.header());
   Schedule schedule;
   for (std::size_t i = 0; i < table.rows(); ++i) {
-    ScheduleRow row = read_row(table, i, meaning, boundaries.operating);
+    ScheduleRow row = read_row(table, i, columns, boundaries.operating);
     if (schedule.rows.empty() && row.time_s != 0.0) {
       throw rom::InputError(table.where(i), "time_s", "the first row must be at time 0");
     }
@@ -100,6 +115,8 @@ void state_at(const Schedule& schedule, double time_s, rom::OperatingState& stat
   const ScheduleRow& row = next == rows.begin() ? rows.front() : *(next - 1);
   state.speed_rpm = row.state.speed_rpm;
   state.load = row.state.load;
+  state.current_A = row.state.current_A;
+  state.power_W = row.state.power_W;
   state.environment_K = row.state.environment_K;
   state.flow_kg_per_s = row.state.flow_kg_per_s;
   if (next != rows.begin() && next != rows.end()) {

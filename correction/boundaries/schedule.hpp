@@ -13,17 +13,18 @@ struct ScheduleRow {
   rom::OperatingState state;
 };
 
-/// A drive cycle. Speed, load and coolant flows hold until the next row; environment temperatures run linearly to the
-/// next row.
+/// A drive cycle. Speed, load, current, power and coolant flows hold until the next row; environment temperatures run
+/// linearly to the next row.
 struct Schedule {
   std::vector<ScheduleRow> rows;  ///< strictly rising times, the first at 0
   double end_s = 0.0;
 };
 
 /// Reads a CSV with header time_s,speed_rpm,load and optionally one <environment>_degC column per environment and one
-/// <circuit>_kg_per_s column per coolant circuit (missing ones keep the description's operating state). The last row's
-/// time is the end. Throws rom::InputError with file, line and column for an unknown column, a missing one, a
-/// non-finite value, times that do not rise.
+/// <circuit>_kg_per_s column per coolant circuit (missing ones keep the description's operating state); current_A and
+/// power_W where a heat follows them (missing ones: heats follow the load). The last row's time is the end. Throws
+/// rom::InputError with file, line and column for an unknown column, a missing one, a non-finite value, times that do
+/// not rise.
 Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries);
 
 /// The state at time_s (clamped to the schedule). Cycle-safe when `state` is already sized.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "firmware/config/config.hpp"
+#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -62,19 +63,26 @@ void bind_signal(const ConfiguredSignal& configured, std::size_t signal, DaemonP
   if (configured.source) plan.device.channels.push_back({Channel::Kind::signal, signal, *configured.source});
 }
 
+/// A signal that moves nothing would be a mistake that nobody sees.
+void check_followed(const ConfiguredSignal& signal, bool followed, const std::string& law) {
+  if (signal.plan.source == SignalSource::none || followed) return;
+  throw rom::InputError(signal.where, signal.field,
+                        "no heat of the network follows it; only those of the law \"" + law + "\" do");
+}
+
 void bind_flows(const Config& config, const rom::Network& network, DaemonPlan& plan) {
   const auto& circuits = network.boundaries.circuits;
   const Eigen::VectorXd& operating_kg_per_s = network.boundaries.operating.flow_kg_per_s;
   for (std::size_t c = 0; c < circuits.size(); ++c) {
-    const double flow_kg_per_s = operating_kg_per_s[static_cast<Eigen::Index>(c)];
-    plan.cycle.signals[first_flow_signal + c] = {SignalSource::constant, flow_kg_per_s, flow_kg_per_s, flow_kg_per_s,
-                                                 0.0};
+    SignalPlan& flow = plan.cycle.signals[first_flow_signal + c];
+    flow.source = SignalSource::constant;
+    flow.value = operating_kg_per_s[static_cast<Eigen::Index>(c)];
   }
   for (const ConfiguredFlow& flow : config.flows) {
-    if (circuits.empty()) throw rom::InputError(flow.where, flow.field, "the network has no coolant circuit");
-    const std::size_t c = find_by_name(circuits, flow.circuit, "coolant circuit", flow.where, flow.field);
     ConfiguredSignal signal = flow.signal;
-    if (!flow.has_first) signal.plan.value = operating_kg_per_s[static_cast<Eigen::Index>(c)];
+    if (circuits.empty()) throw rom::InputError(signal.where, signal.field, "the network has no coolant circuit");
+    const std::size_t c = find_by_name(circuits, flow.circuit, "coolant circuit", signal.where, signal.field);
+    if (!signal.has_first) signal.plan.value = operating_kg_per_s[static_cast<Eigen::Index>(c)];
     bind_signal(signal, first_flow_signal + c, plan);
   }
 }
@@ -108,6 +116,9 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
     plan.cycle.probes[d] = probe.plan;
     plan.device.channels.push_back({Channel::Kind::displacement, d, probe.source});
   }
+  const auto signal = [&](Signal which) { return config.signals[static_cast<std::size_t>(which)]; };
+  check_followed(signal(Signal::current), rom::follows_current(network.boundaries), "copper_loss");
+  check_followed(signal(Signal::power), rom::follows_power(network.boundaries), "motor_efficiency");
   for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, plan);
   bind_flows(config, network, plan);
   if (!plan.cycle.paper) return plan;

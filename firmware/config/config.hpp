@@ -54,17 +54,17 @@ struct ConfiguredProbe {
 };
 
 struct ConfiguredSignal {
-  SignalPlan plan;                       ///< in K, rpm, fraction
-  std::optional<RegisterSource> source;  ///< of a device signal, to K, rpm, fraction, kg/s
-};
-
-/// The flow of one coolant circuit.
-struct ConfiguredFlow {
-  std::string circuit;
   rom::SourceLine where;
   std::string field;
+  SignalPlan plan;                       ///< in K, rpm, fraction, A, W, kg/s
+  std::optional<RegisterSource> source;  ///< of a device signal, to the same
+  bool has_first = false;                ///< the configuration says what is used until the first good reading
+};
+
+/// The flow of one coolant circuit; without a first value the network's operating flow is used until it is read.
+struct ConfiguredFlow {
+  std::string circuit;
   ConfiguredSignal signal;
-  bool has_first = false;  ///< else the network's operating flow is used until the first good reading
 };
 
 struct ConfiguredGroup {
@@ -116,7 +116,8 @@ struct DaemonPlan {
 
 /// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating
 /// flow for ever. Throws rom::InputError for a sensor, source or circuit that the network does not have (its message
-/// lists those it has) and for a network with more outputs than the register map has room for.
+/// lists those it has), for a current or power that no heat of the network follows, and for a network with more outputs
+/// than the register map has room for.
 DaemonPlan bind_config(const Config& config, const rom::Network& network);
 
 }  // namespace spindle_twin::firmware

@@ -56,14 +56,19 @@ RegisterSource to_si(RegisterSource source, Unit unit) {
 }
 
 struct SignalRules {
-  double first;  ///< used until the first good reading, in the configuration's unit
+  double first;  ///< used until the first good reading, in the configuration's unit; NaN: not known until then
   double min;
   double max;
   Unit unit;
 };
 
-ConfiguredSignal read_signal(const TomlTable& table, const SignalRules& rules, bool has_device) {
+ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, const SignalRules& rules,
+                             bool has_device) {
+  const TomlTable table = signals.table(name);
   ConfiguredSignal signal;
+  signal.where = signals.where(name);
+  signal.field = signals.path(name);
+  signal.has_first = table.has("first") || table.has("value");
   const std::string from = table.choice("source", {"device", "plc", "constant"});
   double first = 0.0;
   if (from == "constant") {
@@ -91,10 +96,7 @@ std::vector<ConfiguredFlow> read_flows(const TomlTable& table, bool has_device) 
   std::vector<ConfiguredFlow> flows;
   for (const std::string& circuit : table.free_keys()) {
     constexpr SignalRules rules{0.0, -most_kg_per_s, most_kg_per_s, {}};
-    const TomlTable entry = table.table(circuit);
-    const bool has_first = entry.has("first") || entry.has("value");
-    flows.push_back(
-        {circuit, table.where(circuit), table.path(circuit), read_signal(entry, rules, has_device), has_first});
+    flows.push_back({circuit, read_signal(table, circuit, rules, has_device)});
   }
   return flows;
 }
@@ -232,9 +234,12 @@ Config read_root(const TomlTable& root, const std::string& path) {
   const std::array<NamedRules, first_flow_signal> named{{{"speed", {0.0, -200000.0, 200000.0, {}}},
                                                          {"load", {0.0, -10.0, 10.0, {}}},
                                                          {"coolant", {20.0, coldest_degC, hottest_degC, celsius}},
-                                                         {"ambient", {20.0, coldest_degC, hottest_degC, celsius}}}};
+                                                         {"ambient", {20.0, coldest_degC, hottest_degC, celsius}},
+                                                         {"current", {not_a_value, -1e4, 1e4, {}}},
+                                                         {"power", {not_a_value, -1e6, 1e6, {}}}}};
   for (std::size_t s = 0; s < named.size(); ++s) {
-    config.signals[s] = read_signal(signals.table(named[s].name), named[s].rules, config.has_device);
+    if (s >= first_optional_signal && !signals.has(named[s].name)) continue;
+    config.signals[s] = read_signal(signals, named[s].name, named[s].rules, config.has_device);
   }
   if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
 

@@ -34,6 +34,8 @@ bool believed(const SignalPlan& plan, const Sensed& sensed) {
          (plan.stale_after_s == 0.0 || sensed.age_s <= plan.stale_after_s);
 }
 
+std::optional<double> if_known(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
+
 }  // namespace
 
 Judgement first_judgement(const CyclePlan& plan) {
@@ -59,6 +61,7 @@ void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgeme
     judgement.data_age_s = std::fmax(judgement.data_age_s, sensed.sensors[k].age_s);
   }
   for (std::size_t s = 0; s < signal_count; ++s) {
+    if (plan.signals[s].source == SignalSource::none) continue;
     uses_device = uses_device || plan.signals[s].source == SignalSource::device;
     if (believed(plan.signals[s], sensed.signals[s])) {
       judgement.signals[s] = sensed.signals[s].value;
@@ -75,6 +78,8 @@ void set_operating(const rom::Network& network, const Judgement& judgement, rom:
   const auto signal = [&](Signal which) { return judgement.signals[static_cast<std::size_t>(which)]; };
   operating.speed_rpm = signal(Signal::speed);
   operating.load = signal(Signal::load);
+  operating.current_A = if_known(signal(Signal::current));
+  operating.power_W = if_known(signal(Signal::power));
   const auto& environments = network.boundaries.environments;
   for (std::size_t e = 0; e < environments.size(); ++e) {
     operating.environment_K[static_cast<Eigen::Index>(e)] =

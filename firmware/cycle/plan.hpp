@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "correction/estimator/estimator_correction.hpp"
@@ -34,13 +35,13 @@ struct ProbePlan {
   double stale_after_s = 3.0;  ///< model time
 };
 
-enum class SignalSource { constant, device, plc };
+enum class SignalSource { none, constant, device, plc };
 
 struct SignalPlan {
-  SignalSource source = SignalSource::constant;
-  double value = 0.0;  ///< of a constant; else what is used until the first good reading
-  double min = 0.0;    ///< believed range
-  double max = 0.0;
+  SignalSource source = SignalSource::none;
+  double value = not_a_value;  ///< of a constant; else what is used until the first good reading. NaN: not known
+  double min = std::numeric_limits<double>::lowest();  ///< believed range
+  double max = std::numeric_limits<double>::max();
   double stale_after_s = 0.0;  ///< model time; 0: never, for a PLC that writes on change only
 };
 
@@ -51,7 +52,7 @@ struct CyclePlan {
   bool compare_uncorrected = true;
   std::array<SensorPlan, slots::key_points> sensors;
   std::array<ProbePlan, slots::deformations> probes;
-  std::array<SignalPlan, signal_count> signals;   ///< flows that no circuit has are constants of 0
+  std::array<SignalPlan, signal_count> signals;   ///< of which some machines tell no current, no power and no flows
   bool correction_enabled = true;                 ///< until the PLC says otherwise
   std::optional<correction::PaperOptions> paper;  ///< the published law corrects
   /// The estimator, without sensors: these come from `sensors`. Not together with `paper`.

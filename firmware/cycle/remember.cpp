@@ -66,6 +66,8 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
   held.signals[static_cast<std::size_t>(Signal::speed)] = 0.0;
   held.signals[static_cast<std::size_t>(Signal::load)] = 0.0;
   set_operating(network_, held, operating_);
+  if (operating_.current_A) operating_.current_A = 0.0;
+  if (operating_.power_W) operating_.power_W = 0.0;
 
   bool known = false;
   if (corrector_.estimator) {

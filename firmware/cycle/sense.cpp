@@ -27,6 +27,8 @@ void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& co
   }
   for (std::size_t s = 0; s < signal_count; ++s) {
     switch (plan.signals[s].source) {
+      case SignalSource::none:
+        break;
       case SignalSource::constant:
         sensed.signals[s] = {plan.signals[s].value, 0.0, now_ns};
         break;

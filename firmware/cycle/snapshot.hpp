@@ -17,13 +17,16 @@ constexpr std::uint16_t bits(Code code) {
   return static_cast<std::uint16_t>(code);
 }
 
-/// What the machine tells besides the sensors; behind these the flow of each coolant circuit.
-enum class Signal : std::size_t { speed, load, coolant, ambient };
-inline constexpr std::size_t first_flow_signal = 4;
+/// What the machine tells besides the sensors; behind these the flow of each coolant circuit. From the current on a
+/// machine need not tell them.
+enum class Signal : std::size_t { speed, load, coolant, ambient, current, power };
+inline constexpr std::size_t first_optional_signal = 4;
+inline constexpr std::size_t first_flow_signal = 6;
 inline constexpr std::size_t signal_count = first_flow_signal + slots::circuits;
 
-/// One reading; sensors, coolant and ambient in K, speed in rpm, load as a fraction of the rated load, flows in kg/s,
-/// negative when the coolant runs from the last segment to the first.
+/// One reading; sensors, coolant and ambient in K, speed in rpm, load as a fraction of the rated load, the motor's
+/// phase current in A and electrical power in W, flows in kg/s, negative when the coolant runs from the last segment to
+/// the first.
 struct Reading {
   double value = not_a_value;
   std::int64_t time_ns = 0;  ///< monotonic; 0: never read
@@ -107,7 +110,7 @@ struct Snapshot {
   std::size_t deformations = 0;
   std::size_t circuits = 0;
 
-  std::array<double, signal_count> signals{};  ///< in use; flows that have no circuit are 0
+  std::array<double, signal_count> signals{};  ///< in use; NaN: not told
   std::array<double, slots::key_points> measured_K{};
   std::array<double, slots::key_points> raw_K{};           ///< the same before the sensor tare
   std::array<double, slots::key_points> measured_age_s{};  ///< model time since the reading

@@ -97,6 +97,7 @@ std::string history_header(const rom::Network& network) {
   add_names(header, "raw.", network.key_points, "_degC");
   add_names(header, "probe.", network.deformations, "_m");
   add_names(header, "probe_age.", network.deformations, "_s");
+  header += ",current_A,power_W";
   return header;
 }
 
@@ -153,6 +154,8 @@ std::string history_row(const Snapshot& snapshot) {
   for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.raw_K[k] - zero_degC_K);
   for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_m[d]);
   for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_age_s[d]);
+  add_exactly(row, snapshot.signals[static_cast<std::size_t>(Signal::current)]);
+  add_exactly(row, snapshot.signals[static_cast<std::size_t>(Signal::power)]);
   return row;
 }
 

@@ -55,9 +55,10 @@ void take_displacement(RegisterImage& image, PlcCommand& command) {
 WriteRange writable_registers() { return {command_block().address, command_block().length}; }
 
 void clear_commands(RegisterImage& image) {
-  for (const Register which : {Register::command_speed, Register::command_load, Register::command_coolant,
-                               Register::command_ambient, Register::command_correction, Register::command_displacement,
-                               Register::command_displacement_sd, Register::command_displacement_output}) {
+  for (const Register which :
+       {Register::command_speed, Register::command_load, Register::command_coolant, Register::command_ambient,
+        Register::command_current, Register::command_power, Register::command_correction,
+        Register::command_displacement, Register::command_displacement_sd, Register::command_displacement_output}) {
     put_not_present(image, which);
   }
   for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) put_not_present(image, Register::command_flow, c);
@@ -76,7 +77,9 @@ void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image
   constexpr std::array<Way, first_flow_signal> ways{{{Register::command_speed, Signal::speed, 1.0, 0.0},
                                                      {Register::command_load, Signal::load, 0.01, 0.0},
                                                      {Register::command_coolant, Signal::coolant, 1.0, zero_degC_K},
-                                                     {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K}}};
+                                                     {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K},
+                                                     {Register::command_current, Signal::current, 1.0, 0.0},
+                                                     {Register::command_power, Signal::power, 1e3, 0.0}}};
   for (const Way& way : ways) {
     if (!touches(written, way.from)) continue;
     command.signals[static_cast<std::size_t>(way.to)] = {get(image, way.from) * way.scale + way.shift, now_ns};

@@ -36,7 +36,7 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
   for (const Register which : {Register::sequence, Register::temperatures_sequence, Register::parts_sequence,
                                Register::factors_sequence, Register::deviations_sequence, Register::sensors_sequence,
-                               Register::estimator_sequence, Register::health_sequence}) {
+                               Register::estimator_sequence, Register::health_sequence, Register::motor_sequence}) {
     fill.value(which, snapshot.sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
@@ -61,6 +61,8 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::load, 100.0 * signal(Signal::load));
   fill.value(Register::coolant_temperature, signal(Signal::coolant) - zero_degC_K);
   fill.value(Register::ambient_temperature, signal(Signal::ambient) - zero_degC_K);
+  fill.value(Register::motor_current, signal(Signal::current));
+  fill.value(Register::motor_power, 1e-3 * signal(Signal::power));
   fill.value(Register::circuit_count, static_cast<double>(snapshot.circuits));
   for (std::size_t c = 0; c < slots::circuits; ++c) {
     const double flow_kg_per_s = c < snapshot.circuits ? snapshot.signals[first_flow_signal + c] : not_a_value;

@@ -30,8 +30,8 @@ struct SignalColumn {
 
 /// In the order of firmware::Signal.
 std::vector<SignalColumn> signal_columns(const rom::Network& network) {
-  std::vector<SignalColumn> columns = {
-      {"speed_rpm", {}}, {"load", {}}, {"coolant_degC", celsius}, {"ambient_degC", celsius}};
+  std::vector<SignalColumn> columns = {{"speed_rpm", {}},         {"load", {}},      {"coolant_degC", celsius},
+                                       {"ambient_degC", celsius}, {"current_A", {}}, {"power_W", {}}};
   for (const rom::CoolantCircuit& circuit : network.boundaries.circuits) {
     columns.push_back({"flow." + circuit.name + "_kg_per_s", {}});
   }
@@ -78,8 +78,13 @@ void read_values(const rom::CsvTable& table, const rom::Network& network, Log& l
   const std::vector<SignalColumn> signals = signal_columns(network);
   for (std::size_t s = 0; s < signals.size(); ++s) {
     if (s > 1 && !table.has(signals[s].name)) continue;
-    log.has_signal[s] = true;
-    take(full_column(table, signals[s].name), signals[s].unit, s, &LogRow::signals, log.rows);
+    // A history has every column, empty where the daemon was not told.
+    const bool may_be_empty =
+        table.has("sequence") && s >= firmware::first_optional_signal && s < firmware::first_flow_signal;
+    const std::vector<double>& values =
+        may_be_empty ? table.column(signals[s].name) : full_column(table, signals[s].name);
+    log.has_signal[s] = std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+    take(values, signals[s].unit, s, &LogRow::signals, log.rows);
   }
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     const std::string name = sensor_column(network.key_points[k]);

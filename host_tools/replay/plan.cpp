@@ -43,7 +43,7 @@ firmware::Config config_of_log(const rom::Network& network, const Log& log, cons
     sensor.stale_after_s = options.longest_gap_s;
     config.sensors.push_back(sensor);
   }
-  const std::array<double, firmware::first_flow_signal> otherwise = {
+  const std::array<double, firmware::first_optional_signal> otherwise = {
       network.boundaries.operating.speed_rpm, network.boundaries.operating.load,
       operating_K(network.boundaries, rom::EnvironmentKind::coolant),
       operating_K(network.boundaries, rom::EnvironmentKind::ambient)};

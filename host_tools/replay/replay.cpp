@@ -110,7 +110,7 @@ void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& lo
   for (std::size_t s = 0; s < plan.signals.size(); ++s) {
     firmware::SignalPlan& signal = plan.signals[s];
     if (!log.has_signal[s]) {
-      signal.source = SignalSource::constant;
+      if (signal.source != SignalSource::none) signal.source = SignalSource::constant;
     } else {
       signal.source = SignalSource::device;
       if (log.cycle_s) signal = {SignalSource::device, signal.value, -1e300, 1e300, 0.0};  // it was judged already

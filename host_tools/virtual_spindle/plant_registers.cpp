@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace spindle_twin::host_tools {
@@ -59,6 +60,11 @@ PlantRegisters encode_plant(const rom::Boundaries& boundaries, const PlantSnapsh
     const auto circuit = static_cast<Eigen::Index>(c);
     registers[24 + c] = circuit < flow_kg_per_s.size() ? as_int16(1e4 * flow_kg_per_s[circuit]) : not_fitted;
   }
+  const auto measured = [](const std::optional<double>& value, double counts) {
+    return value ? as_int16(counts * *value) : not_fitted;
+  };
+  registers[28] = measured(snapshot.operating.current_A, 100.0);
+  registers[29] = measured(snapshot.operating.power_W, 0.1);
   put_float(registers, 30, snapshot.time_s);
   put_float(registers, 32, speed_rpm);
   put_float(registers, 34, snapshot.operating.load);

@@ -18,6 +18,7 @@
 ///   6, 7     coolant inlet, ambient, 0.01 degC
 ///   8-23     temperature channels 1-16, 0.01 degC
 ///   24-27    flow of coolant circuits 1-4, 0.1 g/s, negative backwards, -32768 = no such circuit
+///   28, 29   motor current, 0.01 A; motor power, 10 W, negative when it brakes; -32768 = not in the schedule
 ///   30       model time, s (float32); 32 speed, rpm; 34 load, 1 = rated; 36, 38 coolant inlet, ambient, degC
 ///   40-71    temperature channels 1-16, degC (float32)
 /// Truth, for whoever judges a twin and for nobody else (float32):

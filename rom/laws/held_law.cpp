@@ -11,6 +11,13 @@ double nominal_K(const LawTemperature& temperature, const Eigen::VectorXd& envir
   return temperature.environment < 0 ? temperature.nominal_K : environment_K[temperature.environment];
 }
 
+template <class Law>
+bool has_heat_of(const Boundaries& boundaries) {
+  return std::any_of(boundaries.sources.begin(), boundaries.sources.end(), [](const HeatSource& source) {
+    return source.physics && std::holds_alternative<Law>(source.physics->law.parameters);
+  });
+}
+
 }  // namespace
 
 LawState nominal_state(const BoundLaw& bound, const LawDrive& drive, const Eigen::VectorXd& environment_K) {
@@ -56,5 +63,9 @@ bool has_physics(const Boundaries& boundaries) {
   return std::any_of(boundaries.sources.begin(), boundaries.sources.end(), physical) ||
          std::any_of(boundaries.conductances.begin(), boundaries.conductances.end(), physical);
 }
+
+bool follows_current(const Boundaries& boundaries) { return has_heat_of<CopperLaw>(boundaries); }
+
+bool follows_power(const Boundaries& boundaries) { return has_heat_of<MotorEfficiencyLaw>(boundaries); }
 
 }  // namespace spindle_twin::rom

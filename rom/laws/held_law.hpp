@@ -24,4 +24,8 @@ void take_machine(const OperatingState& state, LawDrive& drive);
 
 bool has_physics(const Boundaries& boundaries);
 
+/// Whether any heat reads the motor's current (copper_loss) or its power (motor_efficiency).
+bool follows_current(const Boundaries& boundaries);
+bool follows_power(const Boundaries& boundaries);
+
 }  // namespace spindle_twin::rom

@@ -101,9 +101,20 @@ TEST(PlantRegisters, words_follow_the_published_map) {
   EXPECT_EQ(registers[8], 2944);
   EXPECT_EQ(registers[9], static_cast<std::uint16_t>(-321));
   EXPECT_EQ(registers[10], 0x8000) << "not fitted";
+  EXPECT_EQ(registers[28], 0x8000) << "not in the schedule";
+  EXPECT_EQ(registers[29], 0x8000);
   EXPECT_EQ(registers[102], 0xC148) << "-12.5 as float32, high word first";
   EXPECT_EQ(registers[103], 0x0000);
   EXPECT_EQ(std::bit_cast<float>(static_cast<std::uint32_t>(registers[142]) << 16 | registers[143]), 42.19f);
+}
+
+TEST(PlantRegisters, current_and_power_of_the_motor_are_shown_where_the_schedule_has_them) {
+  PlantSnapshot snapshot = some_snapshot();
+  snapshot.operating.current_A = 12.34;
+  snapshot.operating.power_W = -1500.0;
+  const PlantRegisters registers = encode_plant(small_boundaries(), snapshot);
+  EXPECT_EQ(registers[28], 1234);
+  EXPECT_EQ(registers[29], static_cast<std::uint16_t>(-150));
 }
 
 class Served : public ::testing::Test {

@@ -290,7 +290,8 @@ TEST_F(Replay, bad_logs_are_refused_with_line_and_column) {
   EXPECT_EQ(refusal("speed_rpm,load\n6000,1\n"), ":1: time_s: missing column");
   EXPECT_EQ(refusal("time_s,speed_rpm,load,measured.front_degC\n0,1,1,20\n"),
             ":1: measured.front_degC: unknown column; allowed: time_s, speed_rpm, load, coolant_degC, ambient_degC, "
-            "measured.sleeve_inner_degC, measured.sleeve_middle_degC, measured.sleeve_outer_degC, measured.nose_um, "
+            "current_A, power_W, measured.sleeve_inner_degC, measured.sleeve_middle_degC, measured.sleeve_outer_degC, "
+            "measured.nose_um, "
             "measured.rear_um, and those of a history of spindle-twind");
   EXPECT_EQ(refusal("time_s,speed_rpm,load\n0,1,1\n1,nan,1\n"),
             ":3: speed_rpm: 'nan' is not a finite number with a decimal point");

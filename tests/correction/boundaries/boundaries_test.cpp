@@ -105,6 +105,32 @@ TEST(Schedule, speed_and_load_hold_and_environments_run_linearly) {
   EXPECT_NEAR(state.environment_K[0], 303.15, 1e-10);
 }
 
+TEST(Schedule, current_and_power_hold_until_the_next_row_where_a_heat_follows_them) {
+  rom::Boundaries boundaries = make_boundaries();
+  const ScheduleFile current("time_s,speed_rpm,load,current_A\n0,0,0,7.5\n10,0,0,-3\n20,0,0,0\n");
+  try {
+    read_schedule(current.path(), boundaries);
+    ADD_FAILURE() << "nothing follows the current";
+  } catch (const rom::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(":1: current_A: unknown column"), std::string::npos) << error.what();
+  }
+  rom::BoundLaw copper, motor;
+  copper.law.parameters = rom::CopperLaw{};
+  motor.law.parameters = rom::MotorEfficiencyLaw{};
+  boundaries.sources.push_back({"winding", 1.0, {}, copper});
+  rom::OperatingState state = boundaries.operating;
+  state_at(read_schedule(current.path(), boundaries), 9.0, state);
+  EXPECT_EQ(state.current_A, 7.5);
+  EXPECT_FALSE(state.power_W.has_value());
+  state_at(read_schedule(current.path(), boundaries), 10.0, state);
+  EXPECT_EQ(state.current_A, -3.0);
+  boundaries.sources.back().physics = motor;
+  const ScheduleFile power("time_s,speed_rpm,load,power_W\n0,0,0,-250\n20,0,0,0\n");
+  state_at(read_schedule(power.path(), boundaries), 5.0, state);
+  EXPECT_EQ(state.power_W, -250.0);
+  EXPECT_FALSE(state.current_A.has_value());
+}
+
 TEST(Schedule, constant_schedule_holds_the_operating_state) {
   const rom::Boundaries boundaries = make_boundaries();
   const Schedule schedule = constant_schedule(boundaries, 1800.0);
