@@ -14,6 +14,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   snapshot_.clock_ns = now_ns - first_ns_;
 
   sense(plan_, frame, command, now_ns, sensed_);
+  take_orders(command);  // before the tare is subtracted: an order to change it counts for these readings already
   subtract_tare(watch_, sensed_);
   judge(plan_, sensed_, judgement_);
   set_operating(network_, judgement_, operating_);
@@ -23,7 +24,6 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   }
   publish_inputs(sensed_, judgement_, snapshot_);
   snapshot_.quality = judgement_.quality;
-  take_orders(command);
 
   if (started_ || ready_to_start()) {
     take_probes(plan_, sensed_, snapshot_.tare_m, corrector_);

@@ -161,6 +161,33 @@ TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_withou
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(run.last.sensor_tare_K[k], 0.0);
 }
 
+TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = at_rest(estimated());
+  plan.estimator->offset_K = 0.2;
+  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  Watched run(network, plan, 0.0);
+  run.offset_K = {0.15, -0.2, 0.05};
+  run.noise_K = 0.0;
+  run.until(1003);
+  for (const SensorOrder order : {SensorOrder::tare, SensorOrder::clear_tare}) {
+    run.command.sensor_order = order;
+    ++run.command.sensor_orders;
+    run.until(run.n + 1);
+    EXPECT_EQ(run.last.sensor_tare_count, run.command.sensor_orders);
+    const std::uint32_t updates = run.last.updates;
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(run.last.measured_K[k], run.last.raw_K[k] - run.last.sensor_tare_K[k]);
+    }
+    while (run.last.updates == updates) run.until(run.n + 1);
+    // Nothing has moved, so that one reading with the other tare would be all that the update sees.
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(run.last.sensor_update[k].observation, run.last.measured_K[k], 1e-9);
+      EXPECT_NEAR(run.last.sensor_update[k].innovation, 0.0, 1e-3);
+    }
+  }
+}
+
 TEST(WatchSensors, switched_off_only_range_and_age_count) {
   const rom::Network network = tests::small_network();
   CyclePlan plan = estimated();
