@@ -73,9 +73,7 @@ CorrectedInputs run_estimator(const SensedInputs& sensed, const Judgement& judge
   if (step.corrected) ++corrector.corrections;
   if (step.state_corrected) model.stepper->set_temperatures(estimator.corrected_nodes_K());
   if (estimator.updates() != updates) corrector.freeze = bits(freeze_of(estimator, corrector.channels.size()));
-  corrector.operating = operating;
-  corrector.operating.environment_K += estimator.environment_bias_K();
-  return {estimator.factors(), corrector.operating};
+  return {estimator.factors(), with_biases(operating, corrector)};
 }
 
 CorrectedInputs run_paper(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
@@ -127,6 +125,12 @@ CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, 
   if (corrector.paper) return run_paper(sensed, judgement, operating, time_s, advance_s, model, corrector);
   if (corrector.estimator) return run_estimator(sensed, judgement, operating, time_s, advance_s, model, corrector);
   return {corrector.none, operating};
+}
+
+const rom::OperatingState& with_biases(const rom::OperatingState& operating, Corrector& corrector) {
+  corrector.operating = operating;
+  corrector.operating.environment_K += corrector.estimator->environment_bias_K();
+  return corrector.operating;
 }
 
 void take_displacement(int index, double value_m, double deviation_m, Corrector& corrector) {

@@ -51,6 +51,9 @@ Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, con
 CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
                         double time_s, double advance_s, Model& model, Corrector& corrector);
 
+/// The operating state with what the estimator adds to the environments. Runs in the cycle.
+const rom::OperatingState& with_biases(const rom::OperatingState& operating, Corrector& corrector);
+
 /// A measured length for the next update, in deformation output `index` from the reference temperature on. Left
 /// out while no estimator corrects, and where the output does not exist or the deviation is not above 0. Runs in the
 /// cycle.

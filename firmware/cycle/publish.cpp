@@ -43,24 +43,6 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.circuits = network.boundaries.circuits.size();
   const Eigen::VectorXd sd_m = rom::output_uncertainty(network).deformations_m;
   if (sd_m.size() > 0) snapshot.nose_network_sd_m = sd_m[0];
-  snapshot.signals.fill(not_a_value);
-  snapshot.measured_K.fill(not_a_value);
-  snapshot.raw_K.fill(not_a_value);
-  snapshot.measured_age_s.fill(not_a_value);
-  snapshot.probe_m.fill(not_a_value);
-  snapshot.probe_age_s.fill(not_a_value);
-  snapshot.sensor_quality.fill(SensorQuality::not_configured);
-  snapshot.predicted_K.fill(not_a_value);
-  snapshot.uncorrected_K.fill(not_a_value);
-  snapshot.part_maximum_K.fill(not_a_value);
-  snapshot.deformation_m.fill(not_a_value);
-  snapshot.deformation_raw_m.fill(not_a_value);
-  snapshot.predicted_sd_K.fill(not_a_value);
-  snapshot.part_maximum_sd_K.fill(not_a_value);
-  snapshot.deformation_sd_m.fill(not_a_value);
-  snapshot.heat_factor.fill(not_a_value);
-  snapshot.conductance_factor.fill(not_a_value);
-  snapshot.sensor_tare_K.fill(not_a_value);
   return snapshot;
 }
 

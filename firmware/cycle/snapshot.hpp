@@ -12,6 +12,16 @@ namespace spindle_twin::firmware {
 inline constexpr double not_a_value = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double zero_degC_K = 273.15;
 
+/// The first value of an array of numbers that do not exist yet.
+inline constexpr struct NotValues {
+  template <std::size_t count>
+  constexpr operator std::array<double, count>() const {  // NOLINT(google-explicit-constructor): stands for any of them
+    std::array<double, count> values{};
+    values.fill(not_a_value);
+    return values;
+  }
+} not_values;
+
 template <class Code>
 constexpr std::uint16_t bits(Code code) {
   return static_cast<std::uint16_t>(code);
@@ -110,28 +120,33 @@ struct Snapshot {
   std::size_t deformations = 0;
   std::size_t circuits = 0;
 
-  std::array<double, signal_count> signals{};  ///< in use; NaN: not told
-  std::array<double, slots::key_points> measured_K{};
-  std::array<double, slots::key_points> raw_K{};           ///< the same before the sensor tare
-  std::array<double, slots::key_points> measured_age_s{};  ///< model time since the reading
-  std::array<SensorQuality, slots::key_points> sensor_quality{};
-  std::array<double, slots::deformations> probe_m{};  ///< what displacement probes read
-  std::array<double, slots::deformations> probe_age_s{};
-  std::array<double, slots::key_points> predicted_K{};
-  std::array<double, slots::key_points> uncorrected_K{};
-  std::array<double, slots::parts> part_maximum_K{};
-  std::array<double, slots::deformations> deformation_raw_m{};  ///< the first is the nose, + = spindle longer
-  std::array<double, slots::deformations> deformation_m{};      ///< follows the one above at the slew limit
-  double nose_m = not_a_value;                                  ///< deformation_m[0] minus the tare
-  double nose_uncorrected_m = not_a_value;                      ///< minus the tare
+  std::array<double, signal_count> signals = not_values;  ///< in use; NaN: not told
+  std::array<double, slots::key_points> measured_K = not_values;
+  std::array<double, slots::key_points> raw_K = not_values;           ///< the same before the sensor tare
+  std::array<double, slots::key_points> measured_age_s = not_values;  ///< model time since the reading
+  std::array<SensorQuality, slots::key_points> sensor_quality = [] {
+    std::array<SensorQuality, slots::key_points> qualities{};
+    qualities.fill(SensorQuality::not_configured);
+    return qualities;
+  }();
+  std::array<double, slots::deformations> probe_m = not_values;  ///< what displacement probes read
+  std::array<double, slots::deformations> probe_age_s = not_values;
+  std::array<double, slots::key_points> predicted_K = not_values;
+  std::array<double, slots::key_points> uncorrected_K = not_values;
+  std::array<double, slots::parts> part_maximum_K = not_values;
+  std::array<double, slots::deformations> deformation_raw_m =
+      not_values;                                                      ///< the first is the nose, + = spindle longer
+  std::array<double, slots::deformations> deformation_m = not_values;  ///< follows the one above at the slew limit
+  double nose_m = not_a_value;                                         ///< deformation_m[0] minus the tare
+  double nose_uncorrected_m = not_a_value;                             ///< minus the tare
   double tare_m = 0.0;
   double nose_network_sd_m = not_a_value;  ///< the certificate's part of the nose's standard deviation
   // Standard deviations of what is published, NaN with the published law, which knows none.
-  std::array<double, slots::key_points> predicted_sd_K{};
-  std::array<double, slots::parts> part_maximum_sd_K{};
-  std::array<double, slots::deformations> deformation_sd_m{};
-  std::array<double, slots::sources> heat_factor{};
-  std::array<double, slots::conductances> conductance_factor{};
+  std::array<double, slots::key_points> predicted_sd_K = not_values;
+  std::array<double, slots::parts> part_maximum_sd_K = not_values;
+  std::array<double, slots::deformations> deformation_sd_m = not_values;
+  std::array<double, slots::sources> heat_factor = not_values;
+  std::array<double, slots::conductances> conductance_factor = not_values;
 
   std::uint32_t updates = 0;  ///< of the estimator since the start
   std::uint16_t parameters = 0;
@@ -149,7 +164,7 @@ struct Snapshot {
   std::uint32_t sensor_orders = 0;  ///< those that the PLC gave for its sensors, and the last of them
   SensorOrder sensor_order = SensorOrder::tare;
   std::array<SensorHealthState, slots::key_points> sensor_health{};
-  std::array<double, slots::key_points> sensor_tare_K{};  ///< subtracted from the readings
+  std::array<double, slots::key_points> sensor_tare_K = not_values;  ///< subtracted from the readings
 };
 
 }  // namespace spindle_twin::firmware

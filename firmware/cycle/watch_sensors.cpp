@@ -136,8 +136,7 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   estimator.adopt(watch.others->without(channel), operating);
   watch.others->settle_on(channel);
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
-  corrector.operating = operating;
-  corrector.operating.environment_K += estimator.environment_bias_K();
+  with_biases(operating, corrector);
   note_corrected(network, model, watch);
 }
 

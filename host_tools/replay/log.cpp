@@ -12,7 +12,6 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-using firmware::not_a_value;
 using firmware::zero_degC_K;
 
 /// How a column's numbers become SI.
@@ -216,14 +215,7 @@ Log read_log(const std::string& path, const rom::Network& network, double longes
   check_columns(table, network);
   Log log;
   log.file = path;
-  LogRow nothing;
-  nothing.signals.fill(not_a_value);
-  nothing.measured_K.fill(not_a_value);
-  nothing.age_s.fill(not_a_value);
-  nothing.deformation_m.fill(not_a_value);
-  nothing.probe_m.fill(not_a_value);
-  nothing.probe_age_s.fill(not_a_value);
-  log.rows.assign(table.rows(), nothing);
+  log.rows.resize(table.rows());
   const std::vector<double>& time_s = full_column(table, "time_s");
   for (std::size_t i = 0; i < log.rows.size(); ++i) {
     log.rows[i].time_s = time_s[i];

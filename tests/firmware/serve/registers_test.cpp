@@ -15,11 +15,6 @@ namespace {
 
 Snapshot empty_snapshot() {
   Snapshot snapshot;
-  for (auto* values : {&snapshot.measured_K, &snapshot.predicted_K, &snapshot.uncorrected_K}) values->fill(not_a_value);
-  snapshot.part_maximum_K.fill(not_a_value);
-  snapshot.deformation_m.fill(not_a_value);
-  snapshot.heat_factor.fill(not_a_value);
-  snapshot.conductance_factor.fill(not_a_value);
   snapshot.signals = {6000.0, 1.0, 300.0, 300.0};
   snapshot.nose_m = 0.0;
   return snapshot;
@@ -108,9 +103,6 @@ TEST(RegisterImage, nose_stands_in_all_forms) {
 
 TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
   Snapshot snapshot = empty_snapshot();
-  for (auto* values : {&snapshot.deformation_raw_m, &snapshot.deformation_sd_m}) values->fill(not_a_value);
-  snapshot.predicted_sd_K.fill(not_a_value);
-  snapshot.part_maximum_sd_K.fill(not_a_value);
   RegisterImage image = image_of(snapshot);
   EXPECT_EQ(word(image, Register::nose_sd), 0x7FC0);
   EXPECT_EQ(word(image, Register::key_point_sd), 0xFFFF);
