@@ -17,6 +17,8 @@ constexpr double seconds_per_hour = 3600.0;
 constexpr double speed_share = 2e-3;
 constexpr double load_change = 0.01;
 constexpr double flow_share = 2e-3;
+// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
+constexpr double fresh_s = 30.0;
 
 bool differs(double a, double b, double share) { return std::abs(a - b) > share * std::max(std::abs(a), std::abs(b)); }
 
@@ -100,6 +102,7 @@ void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom
   fused_s = time_s;
   due_s = time_s + options.period_s;
   seen_s = time_s;
+  fresh_until_s = time_s + fresh_s;
   nodes_K = nodes;
   publish_factors(operating);
   outputs.evaluate(sensitivities, filter, bend, nodes_K);
@@ -311,12 +314,15 @@ EstimatorStep EstimatorCore::step(const EstimatorSample& sample) {
     if (sample.valid[index]) windows[s].observe(sample.measured_K[index]);
   }
   const bool due = sample.time_s >= due_s - time_slack_s;
-  if (due || inputs_changed(sample.operating)) close_period(sample.time_s);
+  const bool fresh = sample.time_s < fresh_until_s;
+  if (due || fresh || inputs_changed(sample.operating)) close_period(sample.time_s);
   EstimatorStep result;
   if (due) {
     result.corrected = result.state_corrected = update(sample.time_s);
     due_s += options.period_s;
     if (due_s <= sample.time_s) due_s = sample.time_s + options.period_s;
+  } else if (fresh) {
+    outputs.evaluate(sensitivities, filter, bend, nodes_K);
   }
   publish_factors(sample.operating);
   if (!period_open) open_period(sample.time_s, sample.operating);
@@ -340,7 +346,7 @@ void EstimatorCore::stand_by(double time_s, const Eigen::VectorXd& nodes, const 
   factors.heat.setOnes();
   factors.conductance.setOnes();
   bias_K.setZero();
-  if (time_s >= opened_s + options.period_s - time_slack_s || inputs_changed(operating)) {
+  if (time_s >= opened_s + options.period_s - time_slack_s || time_s < fresh_until_s || inputs_changed(operating)) {
     close_period(time_s);
     outputs.evaluate(sensitivities, filter, bend, nodes_K);
   }

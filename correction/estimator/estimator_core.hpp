@@ -70,7 +70,7 @@ struct EstimatorCore {
   SensorRecord displacement_record;
   int displacement_index = 0;
   double displacement_m = 0.0, displacement_variance_m2 = 1.0;
-  double opened_s = 0.0, fused_s = 0.0, due_s = 0.0, seen_s = 0.0;
+  double opened_s = 0.0, fused_s = 0.0, due_s = 0.0, seen_s = 0.0, fresh_until_s = 0.0;
   bool started = false, period_open = false, standing_by = false, displacement_pending = false;
   long updates = 0, failures = 0;
 };

@@ -160,7 +160,7 @@ class EstimatorCorrection {
   const SensorRecord& record(Eigen::Index sensor) const;
   /// Of the last displacement, in m.
   const SensorRecord& displacement_record() const;
-  /// 1σ of all outputs at the last update.
+  /// 1σ of all outputs at the last update; in the first 30 s after reset() at the last step.
   const OutputDeviations& deviations() const;
   /// Covariance of (θ, b). Allocates.
   Eigen::MatrixXd covariance() const;

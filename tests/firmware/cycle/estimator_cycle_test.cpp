@@ -57,6 +57,52 @@ TEST(EstimatorCycle, finds_the_heat_and_its_deviations_hold_the_truth) {
   EXPECT_EQ(run.last.state, State::running);
 }
 
+TEST(EstimatorCycle, from_the_first_cycle_on_sigma_is_what_the_priors_make_of_the_time_since_the_start) {
+  rom::Network network = tests::small_network();
+  network.certificate = {};
+  CyclePlan plan = estimated();
+  plan.estimator->curvature = 0.0;
+  correction::EstimatorPriors& priors = plan.estimator->priors;
+  priors = {.heat = 0.5, .contact = 0.0, .film = 0.0, .environment_K = 0.0, .bearing_mean_per_K = 0.0};
+  priors.bearing_per_K = priors.speed_exponent = priors.walk_per_root_min = 0.0;
+  priors.start_K = 0.01;
+  priors.centred = false;
+  constexpr double nudge = 1e-3;
+  struct Nudged {
+    Machine above, below;
+  };
+  std::vector<Nudged> sources;
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    sources.push_back({Machine(network, 1.0), Machine(network, 1.0)});
+    sources.back().above.factors.heat[i] = std::exp(nudge);
+    sources.back().below.factors.heat[i] = std::exp(-nudge);
+  }
+  for (const bool corrects : {true, false}) {
+    plan.estimator_corrects = corrects;
+    Cycle cycle(network, plan, runtime);
+    for (Nudged& source : sources) {
+      for (Machine* machine : {&source.above, &source.below}) {
+        machine->model.stepper->set_temperatures(Eigen::VectorXd::Constant(5, start_K));
+        predict(network, machine->model);
+      }
+    }
+    const double uniform_m = 0.01 * network.deformations[0].row_m_per_K.sum();
+    for (int n = 0; n < 30; ++n) {
+      double variance_m2 = uniform_m * uniform_m;
+      for (Nudged& source : sources) {
+        const double slope_m =
+            (source.above.model.outputs.deformations_m[0] - source.below.model.outputs.deformations_m[0]) /
+            (2.0 * nudge);
+        variance_m2 += 0.25 * slope_m * slope_m;
+        source.above.advance(1.0);
+        source.below.advance(1.0);
+      }
+      const Snapshot snapshot = cycle.step({}, {}, at_s(n), 0);
+      EXPECT_NEAR(snapshot.deformation_sd_m[0], std::sqrt(variance_m2), 0.02 * std::sqrt(variance_m2)) << n;
+    }
+  }
+}
+
 TEST(EstimatorCycle, what_the_coolant_reads_wrong_is_added_to_the_model_but_not_to_the_comparison) {
   const rom::Network network = tests::small_network();
   CyclePlan plan = estimated();
