@@ -17,8 +17,6 @@ constexpr double seconds_per_hour = 3600.0;
 constexpr double speed_share = 2e-3;
 constexpr double load_change = 0.01;
 constexpr double flow_share = 2e-3;
-// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
-constexpr double fresh_s = 30.0;
 
 bool differs(double a, double b, double share) { return std::abs(a - b) > share * std::max(std::abs(a), std::abs(b)); }
 
@@ -103,6 +101,7 @@ void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom
   due_s = time_s + options.period_s;
   seen_s = time_s;
   fresh_until_s = time_s + fresh_s;
+  start_memory_s = start_shape = 0.0;
   nodes_K = nodes;
   publish_factors(operating);
   outputs.evaluate(sensitivities, filter, bend, nodes_K);
@@ -157,8 +156,9 @@ void EstimatorCore::passing_of_time(double elapsed_s, Eigen::VectorXd& to_keep, 
   to_keep.setOnes();
   for (Eigen::Index i = 0; i < p; ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
-    if (parameter.memory_s > 0.0) {
-      to_keep[i] = std::exp(-elapsed_s / parameter.memory_s);
+    const double memory_s = i == parameters.start() ? start_memory_s : parameter.memory_s;
+    if (memory_s > 0.0) {
+      to_keep[i] = std::exp(-elapsed_s / memory_s);
       to_grow[i] = parameter.deviation * parameter.deviation * (1.0 - to_keep[i] * to_keep[i]);
     } else {
       to_grow[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
@@ -180,6 +180,9 @@ void EstimatorCore::note_bend() {
     const ParameterKind kind = parameters.list()[static_cast<std::size_t>(i)].kind;
     const bool is_ln = kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film;
     bend[i] = is_ln ? share * filter.deviation(i) * filter.deviation(i) : 0.0;
+  }
+  if (start_memory_s > 0.0) {
+    bend[parameters.start()] = start_shape * std::exp(-std::max(0.0, seen_s - widened_s) / start_memory_s);
   }
 }
 

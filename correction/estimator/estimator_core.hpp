@@ -10,6 +10,9 @@
 
 namespace spindle_twin::correction {
 
+/// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
+constexpr double fresh_s = 30.0;
+
 /// The inside of EstimatorCorrection, whose members are described there.
 struct EstimatorCore {
   EstimatorCore(const rom::Network& the_network, EstimatorOptions the_options);
@@ -19,6 +22,7 @@ struct EstimatorCore {
   void stand_by(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating);
   void note_displacement(int index, double value_m, double deviation_m);
   void widen_offset(Eigen::Index sensor, double deviation_K);
+  void widen_start(double time_s, const Eigen::VectorXd& nodes, const Eigen::VectorXd& rise_K);
   void note_tare(Eigen::Index sensor, double shift_K, double deviation_K);
   void passing_of_time(double elapsed_s, Eigen::VectorXd& to_keep, Eigen::VectorXd& to_grow) const;
   void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
@@ -66,11 +70,13 @@ struct EstimatorCore {
   std::vector<SensorWindow> windows;
   std::vector<Eigen::VectorXd> displacement_rows;
   Eigen::VectorXd displacement_row;
-  Eigen::VectorXd bend;  ///< √(κ/2) P_ii of the ln factors, 0 for the rest
+  Eigen::VectorXd bend;  ///< √(κ/2) P_ii of the ln factors, of the start what its effect may miss, 0 for the rest
   SensorRecord displacement_record;
   int displacement_index = 0;
   double displacement_m = 0.0, displacement_variance_m2 = 1.0;
   double opened_s = 0.0, fused_s = 0.0, due_s = 0.0, seen_s = 0.0, fresh_until_s = 0.0;
+  // Of a start after a pause: > 0, its parameter forgets; what its effect may miss, when it was widened.
+  double start_memory_s = 0.0, start_shape = 0.0, widened_s = 0.0;
   bool started = false, period_open = false, standing_by = false, displacement_pending = false;
   long updates = 0, failures = 0;
 };

@@ -43,6 +43,10 @@ void EstimatorCorrection::widen_offset(Eigen::Index sensor, double deviation_K) 
   impl_->widen_offset(sensor, deviation_K);
 }
 
+void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& nodes_K, const Eigen::VectorXd& rise_K) {
+  impl_->widen_start(time_s, nodes_K, rise_K);
+}
+
 void EstimatorCorrection::note_tare(Eigen::Index sensor, double shift_K, double deviation_K) {
   impl_->note_tare(sensor, shift_K, deviation_K);
 }

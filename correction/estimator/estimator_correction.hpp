@@ -129,6 +129,12 @@ class EstimatorCorrection {
   /// offset before anything else. For a sensor that returns after a fault. May run in the cycle.
   void widen_offset(Eigen::Index sensor, double deviation_K);
 
+  /// Before the first step after a pause: unseen heating may have made the spindle warmer than these nodes, if it went
+  /// on all the time by rise_K (N). From here on the start parameter means that: half of it is 1σ. For some ten minutes
+  /// it stays open and a fifth of it counts as unknown besides, in readings and outputs alike, because heat that came
+  /// and went in another way has another shape. Nothing happens without a start parameter. Allocates.
+  void widen_start(double time_s, const Eigen::VectorXd& nodes_K, const Eigen::VectorXd& rise_K);
+
   const EstimatorUpdate& last_update() const;
   double gate() const;
   /// The filter over (θ, b), its prior and its passing of time: z ← centre + keep (z − centre), P ← keep P keep +

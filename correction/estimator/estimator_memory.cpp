@@ -6,6 +6,12 @@
 namespace spindle_twin::correction {
 namespace {
 
+// What a pause may have done unseen: of the rise that it had time for, 1 sigma of how much; what the shape of that rise
+// may miss, because heat comes and goes in other ways; and how long both stay open.
+constexpr double unseen_share = 0.5;
+constexpr double unseen_shape = 0.2;
+constexpr double unseen_memory_s = 600.0;
+
 /// Calls visit(numbers, their place in the state) for everything that is remembered.
 template <class Visit>
 void remembered(const EstimatorCore& core, EstimatorState& state, const Visit& visit) {
@@ -58,6 +64,34 @@ bool EstimatorCore::restore(const EstimatorState& state) {
   note_bend();
   outputs.evaluate(sensitivities, filter, bend, nodes_K);
   return true;
+}
+
+void EstimatorCore::widen_start(double time_s, const Eigen::VectorXd& nodes, const Eigen::VectorXd& rise_K) {
+  const Eigen::Index start = parameters.start();
+  if (start < 0) return;
+  nodes_K = nodes;
+  close_period(time_s);
+  const double deviation = parameters.list()[static_cast<std::size_t>(start)].deviation;
+  // What was open of the start before adds to it, node by node.
+  const Eigen::ArrayXd before_K = filter.deviation(start) * sensitivities.in_kelvin().col(start).array();
+  const Eigen::ArrayXd heated_K = unseen_share * rise_K.array();
+  sensitivities.set_start((heated_K.square() + before_K.square()).sqrt().matrix() / deviation, parameters);
+  keep.setOnes();
+  growth.setZero();
+  keep[start] = 0.0;
+  growth[start] = deviation * deviation;
+  filter.pass_time(prior_mean, keep, growth);
+  theta = filter.mean().head(parameters.count());
+  start_memory_s = unseen_memory_s;
+  start_shape = unseen_shape * deviation;
+  widened_s = time_s;
+  fresh_until_s = time_s + fresh_s;
+  for (SensorWindow& window : windows) {
+    sensitivities.of_row(window.internal, window.sensitivity);
+    window.lagged_sensitivity[start] = window.sensitivity[start];
+  }
+  note_bend();
+  outputs.evaluate(sensitivities, filter, bend, nodes_K);
 }
 
 }  // namespace spindle_twin::correction

@@ -72,6 +72,10 @@ void Sensitivities::start(const ParameterModel& parameters) {
   if (parameters.start() >= 0) transposed_.row(parameters.start()) = capacity_root_.colwise().sum();  // Lᵀ 1
 }
 
+void Sensitivities::set_start(const Eigen::VectorXd& column_K, const ParameterModel& parameters) {
+  transposed_.row(parameters.start()) = column_K.transpose() * capacity_root_;
+}
+
 void Sensitivities::internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const {
   internal = row;
   capacity_root_.triangularView<Eigen::Lower>().solveInPlace(internal);

@@ -42,6 +42,8 @@ class Sensitivities {
 
   /// At the start: nothing but the start itself has had an effect.
   void start(const ParameterModel& parameters);
+  /// From now on the start has had this effect at the nodes. [K per unit of its parameter]
+  void set_start(const Eigen::VectorXd& column_K, const ParameterModel& parameters);
   /// Forgets nothing on failure: returns false and leaves S when the factor is not positive definite.
   bool advance(const HeldPeriod& held, const ParameterModel& parameters);
 

@@ -34,14 +34,15 @@ class Cycle {
 
   /// Before the first step: goes on from what was remembered gap_s of model time ago. The spindle is taken to have
   /// stood still since, with environments and flows as they were then; sensitivities and variances are carried through
-  /// it. The estimator goes on only where its parameters and sensors are the same. Nothing is changed where nothing
-  /// fits. Allocates.
+  /// it, and the estimator is told what the spindle would have warmed if it had run all the time: first readings that
+  /// say so find it open to that. The estimator goes on only where its parameters and sensors are the same. Nothing is
+  /// changed where nothing fits. Allocates.
   Resumed resume(const Remembered& from, double gap_s);
 
  private:
   bool ready_to_start();
   void start_from(double temperature_K);
-  void stand_still(double gap_s);
+  Eigen::VectorXd stand_still(double gap_s);
   void take_orders(const PlcCommand& command);
   void note(Integrated integrated);
   void label(std::int64_t missed);

@@ -79,7 +79,8 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
   if (from.sensor_tare.offset_K.size() == tared && from.sensor_tare.deviation_K.size() == tared) {
     watch_.tare = from.sensor_tare;
   }
-  stand_still(gap_s);
+  const Eigen::VectorXd unseen_K = stand_still(gap_s);
+  if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), unseen_K);
   if (watch_.others) watch_.others->follow(*corrector_.estimator);
 
   snapshot_.tare_m = from.tare_m;
@@ -89,7 +90,16 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
   return known ? Resumed::temperatures_and_estimator : Resumed::temperatures;
 }
 
-void Cycle::stand_still(double gap_s) {
+/// What the spindle would be warmer now if it had run at the operating state all the time.
+Eigen::VectorXd Cycle::stand_still(double gap_s) {
+  Model running = make_model(network_, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  running.stepper->set_temperatures(model_.stepper->temperatures_K());
+  rom::OperatingState operating = operating_;
+  operating.speed_rpm = network_.boundaries.operating.speed_rpm;
+  operating.load = network_.boundaries.operating.load;
+  operating.current_A.reset();
+  operating.power_W.reset();
+  rom::CorrectionFactors described_heat = corrector_.none;
   const double steps = std::ceil(gap_s / std::max(longest_step_s, gap_s / most_steps));
   rom::CorrectionFactors no_heat = corrector_.none;
   no_heat.heat.setZero();
@@ -97,11 +107,14 @@ void Cycle::stand_still(double gap_s) {
     const double advance_s = gap_s / steps;
     const CorrectedInputs inputs =
         correct({}, judgement_, operating_, -gap_s + step * advance_s, advance_s, model_, corrector_);
-    no_heat.conductance = inputs.factors.conductance;
+    no_heat.conductance = described_heat.conductance = inputs.factors.conductance;
+    operating.environment_K = inputs.operating.environment_K;
+    integrate(network_, operating, described_heat, advance_s, running);
     integrate(network_, inputs.operating, no_heat, advance_s, model_);
     no_heat.conductance = corrector_.none.conductance;
     integrate(network_, operating_, no_heat, advance_s, uncorrected_);
   }
+  return running.stepper->temperatures_K() - model_.stepper->temperatures_K();
 }
 
 }  // namespace spindle_twin::firmware

@@ -1,12 +1,14 @@
 #include "firmware/keep/checkpoint.hpp"
 
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "firmware/keep/keeper.hpp"
 #include "firmware/keep/parameters.hpp"
@@ -117,6 +119,80 @@ TEST(Resume, the_model_cools_through_the_gap_as_the_machine_did) {
     if (gap_s > 1000.0) {
       EXPECT_LT(first.predicted_K[0], warm_K - 0.5);
     }
+  }
+}
+
+/// A twin that was away while the machine did something, from the first cycle after it on.
+struct Returned {
+  Returned(const rom::Network& network, const Ran& ran, double gap_s, double from_s, double to_s)
+      : machine(network, 0.0), cycle(network, estimated(), runtime) {
+    machine.model.stepper->set_temperatures(ran.machine.model.stepper->temperatures_K());
+    for (double time_s = 0.0; time_s < gap_s; time_s += 10.0) {
+      machine.factors.heat.setConstant(time_s >= from_s && time_s < to_s ? 0.5 : 0.0);
+      machine.advance(10.0);
+    }
+    machine.factors.heat.setConstant(0.5);
+    resumed = cycle.resume(ran.checkpoint.remembered, gap_s);
+    Remembered now;
+    cycle.remember(now);
+    missed_K = machine.model.outputs.key_points_K[0] - now.nodes_K[2];
+  }
+
+  void step() {
+    DeviceFrame frame = machine.frame(at_s(n));
+    for (std::size_t k = 0; k < 3; ++k) frame.sensors[k].value += 0.03 * normal(random);
+    last = cycle.step(frame, {}, at_s(n++), 0);
+    machine.advance(1.0);
+  }
+  double error_K(std::size_t k) const {
+    return last.predicted_K[k] - machine.model.outputs.key_points_K[static_cast<Eigen::Index>(k)];
+  }
+  double nose_error_m() const { return last.deformation_raw_m[0] - machine.model.outputs.deformations_m[0]; }
+
+  Machine machine;
+  Cycle cycle;
+  Resumed resumed;
+  double missed_K = 0.0;  ///< what the first key point is warmer than the twin takes it for
+  Snapshot last;
+  std::mt19937_64 random{3};
+  std::normal_distribution<double> normal{0.0, 1.0};
+  int n = 0;
+};
+
+TEST(Resume, a_machine_that_ran_unseen_is_found_within_the_first_update_and_the_nose_is_within_its_sigma) {
+  const rom::Network network = tests::small_network();
+  const Ran ran(network);
+  constexpr double gap_s = 1800.0;
+  struct Unseen {
+    double from_s, to_s;
+  };
+  for (const Unseen& unseen : {Unseen{0.0, gap_s}, {gap_s - 300.0, gap_s}, {0.0, 900.0}, {600.0, 1600.0}, {0.0, 0.0}}) {
+    SCOPED_TRACE("ran from " + std::to_string(unseen.from_s) + " to " + std::to_string(unseen.to_s) + " s of the gap");
+    Returned run(network, ran, gap_s, unseen.from_s, unseen.to_s);
+    ASSERT_EQ(run.resumed, Resumed::temperatures_and_estimator);
+    double worst_ratio = 0.0, largest_K = 0.0;
+    std::string sigma_um;
+    int rejections = 0, failed = 0, outside = 0;
+    for (int n = 0; n < 3600; ++n) {
+      run.step();
+      for (std::size_t k = 0; k < 3; ++k) {
+        if ((run.last.sensor_update[k].flags & bits(Update::rejected)) != 0) ++rejections;
+        largest_K = std::max(largest_K, n >= 20 ? std::abs(run.error_K(k)) : 0.0);
+      }
+      failed = std::max(failed, static_cast<int>(run.last.sensors_failed));
+      if (n == 0 || n == 60 || n == 600) sigma_um += fmt::format(" {:.2f}", 1e6 * run.last.deformation_sd_m[0]);
+      const double ratio = std::abs(run.nose_error_m()) / run.last.deformation_sd_m[0];
+      if (ratio > 2.0) ++outside;
+      worst_ratio = std::max(worst_ratio, ratio);
+    }
+    EXPECT_LT(largest_K, 0.1) << "at a key point, from 20 s on";
+    EXPECT_EQ(rejections, 0);
+    EXPECT_EQ(failed, 0);
+    EXPECT_EQ(outside, 0) << "cycles in which the nose is outside two of its deviations; worst " << worst_ratio;
+    fmt::print(
+        "ran {:4} to {:4} s of the gap: the sleeve was {:.2f} K warmer than the twin took it for; from 20 s on a "
+        "key point is {:.3f} K off, the nose {:.2f} sigma; sigma at 0, 60, 600 s:{} um\n",
+        unseen.from_s, unseen.to_s, run.missed_K, largest_K, worst_ratio, sigma_um);
   }
 }
 
