@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -13,6 +12,7 @@
 #include "host_tools/replay/errors.hpp"
 #include "host_tools/replay/plan.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/replay/bits.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools {
@@ -62,34 +62,6 @@ class Replay : public ::testing::Test {
   rom::Network network_;
   tests::TemporaryFolder folder_;
 };
-
-/// The bits of everything that a prediction consists of.
-std::vector<std::uint64_t> bits_of(const Snapshot& snapshot) {
-  std::vector<std::uint64_t> bits = {std::bit_cast<std::uint64_t>(snapshot.model_time_s),
-                                     std::bit_cast<std::uint64_t>(snapshot.nose_m),
-                                     std::bit_cast<std::uint64_t>(snapshot.nose_uncorrected_m),
-                                     std::bit_cast<std::uint64_t>(snapshot.tare_m),
-                                     std::bit_cast<std::uint64_t>(snapshot.data_age_s),
-                                     snapshot.sequence,
-                                     snapshot.overruns,
-                                     snapshot.fault,
-                                     snapshot.correction_count,
-                                     snapshot.correction_freeze,
-                                     static_cast<std::uint64_t>(snapshot.correction_enabled)};
-  const auto add = [&](const auto& values) {
-    for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
-  };
-  add(snapshot.predicted_K);
-  add(snapshot.uncorrected_K);
-  add(snapshot.part_maximum_K);
-  add(snapshot.deformation_m);
-  add(snapshot.predicted_sd_K);
-  add(snapshot.deformation_sd_m);
-  add(snapshot.heat_factor);
-  add(snapshot.conductance_factor);
-  for (const firmware::SensorQuality quality : snapshot.sensor_quality) bits.push_back(firmware::bits(quality));
-  return bits;
-}
 
 /// A daemon's life with all that can come: it waits for its sensors, readings go missing, grow old, are out of range,
 /// cycles come late, speed and load jump, the PLC tares and switches the correction.
