@@ -7,18 +7,13 @@
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/check_options.hpp"
+#include "correction/estimator/inputs_changed.hpp"
 
 namespace spindle_twin::correction {
 namespace {
 
 constexpr double time_slack_s = 1e-6;
 constexpr double seconds_per_hour = 3600.0;
-// A held period ends where the inputs have changed by more than this.
-constexpr double speed_share = 2e-3;
-constexpr double load_change = 0.01;
-constexpr double flow_share = 2e-3;
-
-bool differs(double a, double b, double share) { return std::abs(a - b) > share * std::max(std::abs(a), std::abs(b)); }
 
 }  // namespace
 
@@ -110,15 +105,6 @@ void EstimatorCore::reset(double time_s, const Eigen::VectorXd& nodes, const rom
 void EstimatorCore::publish_factors(const rom::OperatingState& operating) {
   sensitivities.source_rises(nodes_K, rises_K);
   parameters.apply(theta, operating.speed_rpm, rises_K, factors, bias_K);
-}
-
-bool EstimatorCore::inputs_changed(const rom::OperatingState& operating) const {
-  if (differs(operating.speed_rpm, held_state.speed_rpm, speed_share)) return true;
-  if (std::abs(operating.load - held_state.load) > load_change) return true;
-  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
-    if (differs(operating.flow_kg_per_s[c], held_state.flow_kg_per_s[c], flow_share)) return true;
-  }
-  return false;
 }
 
 void EstimatorCore::open_period(double time_s, const rom::OperatingState& operating) {
@@ -318,7 +304,7 @@ EstimatorStep EstimatorCore::step(const EstimatorSample& sample) {
   }
   const bool due = sample.time_s >= due_s - time_slack_s;
   const bool fresh = sample.time_s < fresh_until_s;
-  if (due || fresh || inputs_changed(sample.operating)) close_period(sample.time_s);
+  if (due || fresh || inputs_changed(sample.operating, held_state)) close_period(sample.time_s);
   EstimatorStep result;
   if (due) {
     result.corrected = result.state_corrected = update(sample.time_s);
@@ -349,7 +335,8 @@ void EstimatorCore::stand_by(double time_s, const Eigen::VectorXd& nodes, const 
   factors.heat.setOnes();
   factors.conductance.setOnes();
   bias_K.setZero();
-  if (time_s >= opened_s + options.period_s - time_slack_s || time_s < fresh_until_s || inputs_changed(operating)) {
+  if (time_s >= opened_s + options.period_s - time_slack_s || time_s < fresh_until_s ||
+      inputs_changed(operating, held_state)) {
     close_period(time_s);
     outputs.evaluate(sensitivities, filter, bend, nodes_K);
   }

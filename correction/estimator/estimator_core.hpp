@@ -32,7 +32,6 @@ struct EstimatorCore {
  private:
   void forget();
   void publish_factors(const rom::OperatingState& operating);
-  bool inputs_changed(const rom::OperatingState& operating) const;
   /// A held period: from here on S is owed, until close_period() pays it with the model's temperatures at both ends.
   void open_period(double time_s, const rom::OperatingState& operating);
   void close_period(double time_s);

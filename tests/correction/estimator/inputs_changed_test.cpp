@@ -1,0 +1,46 @@
+#include "correction/estimator/inputs_changed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+namespace spindle_twin::correction {
+namespace {
+
+rom::OperatingState some_state() {
+  rom::OperatingState state{6000.0, 0.5, Eigen::VectorXd::Constant(1, 300.15)};
+  state.flow_kg_per_s = Eigen::VectorXd::Constant(1, 0.05);
+  state.current_A = 10.0;
+  return state;
+}
+
+TEST(InputsChanged, ends_a_held_period_at_a_jump_and_not_at_noise) {
+  struct Case {
+    const char* what;
+    std::function<void(rom::OperatingState&)> change;
+    bool ends;
+  };
+  const std::vector<Case> cases = {
+      {"nothing", [](rom::OperatingState&) {}, false},
+      {"speed, 0.1 %", [](rom::OperatingState& now) { now.speed_rpm *= 1.001; }, false},
+      {"speed, 1 %", [](rom::OperatingState& now) { now.speed_rpm *= 1.01; }, true},
+      {"load, 0.005", [](rom::OperatingState& now) { now.load += 0.005; }, false},
+      {"load, 0.02", [](rom::OperatingState& now) { now.load += 0.02; }, true},
+      {"flow stops", [](rom::OperatingState& now) { now.flow_kg_per_s[0] = 0.0; }, true},
+      {"current, 3 %", [](rom::OperatingState& now) { now.current_A = 10.3; }, false},
+      {"current, 20 %", [](rom::OperatingState& now) { now.current_A = 12.0; }, true},
+      {"current off", [](rom::OperatingState& now) { now.current_A = 0.0; }, true},
+      {"current no longer told", [](rom::OperatingState& now) { now.current_A.reset(); }, true},
+      {"power told", [](rom::OperatingState& now) { now.power_W = 0.0; }, true},
+      {"surroundings", [](rom::OperatingState& now) { now.environment_K[0] += 5.0; }, false}};
+  for (const Case& item : cases) {
+    rom::OperatingState now = some_state();
+    item.change(now);
+    EXPECT_EQ(inputs_changed(now, some_state()), item.ends) << item.what;
+    EXPECT_EQ(inputs_changed(some_state(), now), item.ends) << item.what << ", back";
+  }
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction
