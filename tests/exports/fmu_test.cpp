@@ -30,14 +30,21 @@ rom::OperatingState state_at(const rom::Boundaries& boundaries, int second) {
   return state;
 }
 
+/// Written once for all tests: packing the library takes longer than the rest of them.
+struct Exported {
+  rom::Network network = rom::tests::make_synthetic_network({}, 7);
+  spindle_twin::tests::TemporaryFolder folder;
+  std::string path = folder.file("x.fmu");
+  Exported() { write_fmu(network, rom::encode_network(network), path); }
+};
+const Exported& exported() {
+  static const Exported once;
+  return once;
+}
+
 class Fmu : public ::testing::Test {
  protected:
-  void SetUp() override {
-    network_ = rom::tests::make_synthetic_network({}, 7);
-    path_ = folder_.file("x.fmu");
-    write_fmu(network_, rom::encode_network(network_), path_);
-    importer_ = std::make_unique<Importer>(path_);
-  }
+  void SetUp() override { importer_ = std::make_unique<Importer>(path_); }
 
   void begin(fmi2Component slave) {
     ASSERT_EQ(FMI2_CALL(*importer_, fmi2SetupExperiment)(slave, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
@@ -59,9 +66,8 @@ class Fmu : public ::testing::Test {
   }
   double nose_m(fmi2Component slave) { return importer_->get(slave, "deformation." + network_.deformations[0].name); }
 
-  rom::Network network_;
-  spindle_twin::tests::TemporaryFolder folder_;
-  std::string path_;
+  const rom::Network& network_ = exported().network;
+  const std::string& path_ = exported().path;
   std::unique_ptr<Importer> importer_;
 };
 

@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""clang-tidy on those of the given sources that differ from when it last found them clean.
+
+A source is the same when its preprocessed text, its flags, .clang-tidy and the program are: the digests of clean sources are
+the names of empty files in build/clang-tidy. Needs build/compile_commands.json and the generated headers.
+    tests/clang_tidy_changed.py FILE...
+"""
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+
+BUILD = pathlib.Path("build")
+CLEAN = BUILD / "clang-tidy"
+
+
+def said_by(command, folder="."):
+    return subprocess.run(command, cwd=folder, capture_output=True, check=True).stdout
+
+
+def digest(entry, checks):
+    words = shlex.split(entry["command"])
+    out = words.index("-o")
+    words = words[:out] + words[out + 2:]
+    words[words.index("-c")] = "-E"
+    if os.path.basename(words[0]) == "ccache":
+        words = words[1:]
+    return hashlib.sha256(checks + " ".join(words).encode() + said_by(words, entry["directory"])).hexdigest()
+
+
+def judge(path, entry, checks):
+    """What clang-tidy says against the source; nothing for a clean one. The last: whether it had to be run."""
+    mark = CLEAN / digest(entry, checks)
+    if mark.exists():
+        return "", False
+    result = subprocess.run(["clang-tidy", "-p", BUILD, "--quiet", path], capture_output=True, text=True)
+    if result.returncode == 0:
+        mark.touch()
+        return "", True
+    return result.stdout or result.stderr, True
+
+
+def main(paths):
+    CLEAN.mkdir(exist_ok=True)
+    checks = said_by(["clang-tidy", "--version"]) + pathlib.Path(".clang-tidy").read_bytes()
+    entries = {entry["file"]: entry for entry in json.loads((BUILD / "compile_commands.json").read_text())}
+    wanted = [(path, entries[os.path.abspath(path)]) for path in paths if os.path.abspath(path) in entries]
+    with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        results = list(pool.map(lambda source: judge(*source, checks), wanted))
+    found = [text for text, _ in results if text]
+    print("".join(found), end="")
+    print(f"clang-tidy: {sum(run for _, run in results)} of {len(wanted)} sources had changed, {len(found)} with findings")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
