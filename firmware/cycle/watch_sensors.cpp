@@ -148,7 +148,8 @@ void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement
   }
   double noise_K = 0.0;
   for (const SensorPlan& sensor : plan.sensors) noise_K = std::max(noise_K, sensor.configured ? sensor.noise_K : 0.0);
-  const correction::SensorTare before = watch.tare;
+  std::array<double, slots::key_points> before_K{};
+  std::copy(watch.tare.offset_K.begin(), watch.tare.offset_K.end(), before_K.begin());
   if (order == SensorOrder::tare) {
     const double ambient_K =
         watch.tare_to_ambient ? judgement.signals[static_cast<std::size_t>(Signal::ambient)] : not_a_value;
@@ -160,7 +161,7 @@ void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     const std::size_t k = corrector.channels[c];
     const auto channel = static_cast<Eigen::Index>(c);
-    const double shift_K = watch.tare.offset_K[k] - before.offset_K[k];
+    const double shift_K = watch.tare.offset_K[k] - before_K[k];
     // Without a tare the offset is as open as the configuration says.
     const double deviation_K = watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_K;
     corrector.estimator->note_tare(channel, shift_K, deviation_K);

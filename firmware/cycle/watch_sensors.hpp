@@ -47,7 +47,7 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
 void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
                   Corrector& corrector);
 
-/// An order from the PLC. Runs in the cycle; the first tare allocates.
+/// An order from the PLC. Runs in the cycle.
 void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
                        Corrector& corrector);
 

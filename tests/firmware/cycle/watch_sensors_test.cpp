@@ -13,6 +13,7 @@
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/pack.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -27,7 +28,9 @@ struct Watched {
       DeviceFrame frame = machine.frame(at_s(n));
       for (std::size_t k = 0; k < 3; ++k) frame.sensors[k].value += offset_K[k] + noise_K * normal(random);
       if (tamper) tamper(n, frame);
+      const long calls = rom::tests::heap_calls();
       last = cycle.step(frame, command, at_s(n), 0);
+      heap_calls += rom::tests::heap_calls() - calls;
       machine.advance(1.0);
     }
   }
@@ -42,6 +45,7 @@ struct Watched {
   std::mt19937_64 random{8};
   std::normal_distribution<double> normal{0.0, 1.0};
   int n = 0;
+  long heap_calls = 0;
 };
 
 CyclePlan at_rest(CyclePlan plan) {
@@ -186,6 +190,21 @@ TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
       EXPECT_NEAR(run.last.sensor_update[k].innovation, 0.0, 1e-3);
     }
   }
+}
+
+TEST(WatchSensors, no_order_calls_the_heap_not_even_the_first_tare) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, at_rest(estimated()), 0.0);
+  run.until(1000);
+  ASSERT_NE(run.last.quality & bits(Quality::sensor_tare_offered), 0);
+  run.heap_calls = 0;
+  for (const SensorOrder order : {SensorOrder::tare, SensorOrder::tare, SensorOrder::acknowledge}) {
+    run.command.sensor_order = order;
+    ++run.command.sensor_orders;
+    run.until(run.n + 20);
+  }
+  EXPECT_EQ(run.last.sensor_tare_count, 2);
+  EXPECT_EQ(run.heap_calls, 0);
 }
 
 TEST(WatchSensors, switched_off_only_range_and_age_count) {
