@@ -1,6 +1,3 @@
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,18 +10,8 @@
 namespace spindle_twin::bench {
 namespace {
 
-constexpr int first_common = 48;
-
-struct Options {
-  int runs = 48;
-  int nodes = 110;
-  int threads = 2;
-  std::uint64_t seed = 1;
-  double twin_mm = 4.0;
-  double truth_mm = 6.0;
-  bool is_short = false;
+struct Options : CampaignOptions {
   bool conditions = false;
-  std::string cache;
   double walk = correction::EstimatorPriors{}.walk_per_root_min;
   double floor_K = correction::EstimatorOptions{}.floor_K;
 };
@@ -39,28 +26,26 @@ correction::EstimatorOptions estimator_options(const Options& options, HeatError
 
 /// How many limits were missed.
 int run(const Options& options) {
-  const rom::Network network = twin_network({options.nodes, options.threads, options.twin_mm, options.cache});
+  const rom::Network network = twin_network(options.twin);
   std::printf("seed %llu, %d runs of 2 h for each of A and B; twin: %zu nodes from a mesh of %g mm; truth: %g mm\n",
-              static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(), options.twin_mm,
-              options.truth_mm);
+              static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(),
+              options.twin.element_size_mm, options.truth_mm);
   std::fflush(stdout);
   const fem_offline::FeModel fe = model_of(options.truth_mm);
   if (options.conditions) {
-    const ConditionRuns runs{std::min(options.runs, 4), std::min(options.runs, 2), options.threads,
+    const ConditionRuns runs{std::min(options.runs, 4), std::min(options.runs, 2), options.twin.threads,
                              1000 * options.seed};
     return print_conditions(network, fe.affine(), estimator_options(options, HeatErrors::independent), runs);
   }
   std::vector<RunResult> results(static_cast<std::size_t>(2 * options.runs));
   std::mutex printing;
   int done = 0;
-  in_parallel(options.threads, 2 * options.runs, [&](int i) {
+  in_parallel(options.twin.threads, 2 * options.runs, [&](int i) {
     const HeatErrors heats = i < options.runs ? HeatErrors::independent : HeatErrors::common;
     const correction::EstimatorOptions estimator = estimator_options(options, heats);
     const correction::ParameterModel parameters(network, estimator.priors);
-    // The same spindles whatever the number of runs, and others for A than for B.
-    const int number = i < options.runs ? i : i - options.runs + first_common;
-    const std::uint64_t seed = 1000 * options.seed + static_cast<std::uint64_t>(number);
-    const Truth truth = cached_truth(options.cache, fe.affine(), parameters, seed, heats);
+    const std::uint64_t seed = seed_of(options, i < options.runs ? i : i - options.runs, heats);
+    const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
     RunResult& result = results[static_cast<std::size_t>(i)];
     result.seed = seed;
     result.heats = heats;
@@ -107,26 +92,14 @@ int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
   CLI::App app{"twin_campaign: virtual spindles against their twins"};
-  app.add_option("--runs", options.runs, "of 2 h, for each of A and B")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  app.add_option("--nodes", options.nodes, "of the twin")->check(CLI::Range(20, 400))->capture_default_str();
-  app.add_option("--threads", options.threads)->check(CLI::Range(1, 256))->capture_default_str();
-  app.add_option("--seed", options.seed)->capture_default_str();
-  app.add_option("--truth-mm", options.truth_mm, "element size of the truth")->capture_default_str();
+  options.runs = 48;
+  add_options(app, options, "of 2 h, for each of A and B",
+              "one run for each of A and B with coarse models, for a quick look");
   app.add_option("--walk", options.walk, "random walk of the ln factors per root minute")->capture_default_str();
   app.add_option("--floor-K", options.floor_K, "model error at a sensor")->capture_default_str();
-  app.add_option("--cache", options.cache, "folder that keeps network and truths, so that a stopped campaign goes on");
-  app.add_option("--twin-mm", options.twin_mm, "element size of the twin's FE model")->capture_default_str();
   app.add_flag("--conditions", options.conditions,
                "instead: lagging sensors, standstill, updates every second and a day, up to 4 runs each");
-  app.add_flag("--short", options.is_short, "one run for each of A and B with coarse models, for a quick look");
   CLI11_PARSE(app, argc, argv);
-  if (options.is_short) {
-    options.runs = 1;
-    options.nodes = 80;
-    options.twin_mm = 8.0;
-    options.truth_mm = 10.0;
-  }
+  settle(options);
   return run(options) == 0 ? 0 : 1;
 }

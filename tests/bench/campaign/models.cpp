@@ -1,5 +1,7 @@
 #include "tests/bench/campaign/models.hpp"
 
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <filesystem>
 
@@ -51,6 +53,32 @@ rom::Network twin_network(const TwinOptions& options) {
   rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm).affine(), reduce);
   if (!path.empty()) rom::write_network(network, path);
   return network;
+}
+
+void add_options(CLI::App& app, CampaignOptions& options, const char* what_a_run_is, const char* what_short_is) {
+  app.add_option("--runs", options.runs, what_a_run_is)->check(CLI::Range(1, 10000))->capture_default_str();
+  app.add_option("--nodes", options.twin.nodes, "of the twin")->check(CLI::Range(20, 400))->capture_default_str();
+  app.add_option("--threads", options.twin.threads)->check(CLI::Range(1, 256))->capture_default_str();
+  app.add_option("--seed", options.seed)->capture_default_str();
+  app.add_option("--twin-mm", options.twin.element_size_mm, "element size of the twin's FE model")
+      ->capture_default_str();
+  app.add_option("--truth-mm", options.truth_mm, "element size of the truth's FE model")->capture_default_str();
+  app.add_option("--cache", options.twin.cache,
+                 "folder that keeps network and truths, so that a stopped campaign goes on");
+  app.add_flag("--short", options.is_short, what_short_is);
+}
+
+void settle(CampaignOptions& options) {
+  if (!options.is_short) return;
+  options.runs = 1;
+  options.twin.nodes = 80;
+  options.twin.element_size_mm = 8.0;
+  options.truth_mm = 10.0;
+}
+
+std::uint64_t seed_of(const CampaignOptions& options, int number, HeatErrors heats) {
+  constexpr int first_common = 48;
+  return 1000 * options.seed + static_cast<std::uint64_t>(number + (heats == HeatErrors::common ? first_common : 0));
 }
 
 }  // namespace spindle_twin::bench

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <CLI/App.hpp>
 #include <atomic>
+#include <cstdint>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "fem_offline/model/build_model.hpp"
 #include "rom/network.hpp"
+#include "tests/bench/campaign/campaign.hpp"
 
 namespace spindle_twin::bench {
 
@@ -22,6 +25,23 @@ struct TwinOptions {
 
 /// The twin's network; kept in the cache.
 rom::Network twin_network(const TwinOptions& options);
+
+/// What every campaign may be told.
+struct CampaignOptions {
+  int runs = 0;
+  std::uint64_t seed = 1;
+  double truth_mm = 6.0;  ///< element size of the truth's FE model
+  TwinOptions twin;
+  bool is_short = false;
+};
+
+void add_options(CLI::App& app, CampaignOptions& options, const char* what_a_run_is, const char* what_short_is);
+
+/// After parsing: coarse models and a single run where it is to be short.
+void settle(CampaignOptions& options);
+
+/// Seed of the number-th virtual spindle: the same ones whatever the number of runs, and others for A than for B.
+std::uint64_t seed_of(const CampaignOptions& options, int number, HeatErrors heats);
 
 /// Calls work(i) for i in [0, count) from several threads.
 template <class Work>

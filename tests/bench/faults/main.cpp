@@ -1,6 +1,3 @@
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <cstdio>
 
 #include "tests/bench/campaign/models.hpp"
@@ -10,25 +7,16 @@
 namespace spindle_twin::bench {
 namespace {
 
-constexpr int first_common = 48;
 constexpr int sensors = 6;
 constexpr double earliest_s = 900.0;
 constexpr double latest_s = 5400.0;
 constexpr double repaired_after_s = 1200.0;
 constexpr std::array rates_K_per_h{0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 
-struct Options {
-  int runs = 8;
-  int nodes = 110;
-  int threads = 2;
+struct Options : CampaignOptions {
   int drift_runs = 4;
   double cycle_s = 1.0;
-  std::uint64_t seed = 1;
-  double twin_mm = 4.0;
-  double truth_mm = 6.0;
-  bool is_short = false;
   bool verbose = false;
-  std::string cache;
 };
 
 /// The faults of one virtual spindle; each first the run in which the sensor is only withdrawn.
@@ -69,20 +57,19 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
 }
 
 int run(const Options& options) {
-  const rom::Network network = twin_network({options.nodes, options.threads, options.twin_mm, options.cache});
+  const rom::Network network = twin_network(options.twin);
   const fem_offline::FeModel fe = model_of(options.truth_mm);
   std::printf("seed %llu, %d virtual spindles of 2 h, cycles of %g s, %zu nodes\n",
               static_cast<unsigned long long>(options.seed), options.runs, options.cycle_s, network.nodes.size());
   std::vector<SpindleRuns> all(static_cast<std::size_t>(options.runs));
-  in_parallel(options.threads, options.runs, [&](int i) {
+  in_parallel(options.twin.threads, options.runs, [&](int i) {
     const HeatErrors heats = i % 2 == 0 ? HeatErrors::independent : HeatErrors::common;
     FollowOptions follow_options;
     follow_options.cycle_s = options.cycle_s;
     follow_options.estimator.priors = priors_of(heats);
     const correction::ParameterModel parameters(network, follow_options.estimator.priors);
-    const std::uint64_t seed =
-        1000 * options.seed + static_cast<std::uint64_t>(i / 2 + (heats == HeatErrors::common ? first_common : 0));
-    const Truth truth = cached_truth(options.cache, fe.affine(), parameters, seed, heats);
+    const std::uint64_t seed = seed_of(options, i / 2, heats);
+    const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
     SpindleRuns& runs = all[static_cast<std::size_t>(i)];
     runs.seed = seed;
     for (const Fault& fault : draw_faults(seed, options, i < options.drift_runs)) {
@@ -101,26 +88,19 @@ int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
   CLI::App app{"fault_campaign: virtual spindles whose sensors fail"};
-  app.add_option("--runs", options.runs, "virtual spindles, each with every fault on every sensor")
-      ->check(CLI::Range(1, 96))
-      ->capture_default_str();
+  options.runs = 8;
+  add_options(app, options, "virtual spindles, each with every fault on every sensor",
+              "one spindle, one sensor, coarse models: a quick look");
+  app.get_option("--runs")->check(CLI::Range(1, 96));  // beyond that A would take the seeds of B
   app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
-  app.add_option("--nodes", options.nodes, "of the twin")->check(CLI::Range(20, 400))->capture_default_str();
-  app.add_option("--threads", options.threads)->check(CLI::Range(1, 256))->capture_default_str();
   app.add_option("--cycle-s", options.cycle_s, "period of the daemon")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();
-  app.add_option("--seed", options.seed)->capture_default_str();
-  app.add_option("--cache", options.cache, "folder that keeps network and truths");
-  app.add_flag("--short", options.is_short, "one spindle, one sensor, coarse models: a quick look");
   app.add_flag("--verbose", options.verbose, "a line per run");
   CLI11_PARSE(app, argc, argv);
+  settle(options);
   if (options.is_short) {
-    options.runs = 1;
     options.drift_runs = 0;
-    options.nodes = 80;
-    options.twin_mm = 8.0;
-    options.truth_mm = 10.0;
     options.cycle_s = 5.0;
   }
   return run(options) == 0 ? 0 : 1;
