@@ -4,6 +4,31 @@
 #include <cmath>
 
 namespace spindle_twin::correction {
+namespace {
+
+constexpr double most_surprise = 9.0;
+constexpr double memory_s = 3600.0;
+constexpr double doubt_from = 5.0;  // evidence
+constexpr double doubt_whole = 12.0;
+
+double surprise(double innovation, double variance) {
+  return std::min(innovation * innovation / variance, most_surprise);
+}
+
+/// J of the estimator itself.
+double surprise_of(const EstimatorCorrection& estimator) {
+  const EstimatorUpdate& made = estimator.last_update();
+  double sum = 0.0;
+  for (Eigen::Index s = 0; s < made.residual_K.size(); ++s) {
+    const SensorRecord& record = estimator.record(s);
+    if (std::isfinite(made.residual_K[s])) sum += surprise(record.innovation_K, record.variance_K2);
+  }
+  if (!std::isfinite(made.displacement_m)) return sum;
+  const SensorRecord& record = estimator.displacement_record();
+  return sum + surprise(record.innovation_K, record.variance_K2);
+}
+
+}  // namespace
 
 LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
     : filters_(estimator.sensors().size(), estimator.prior()),
@@ -32,10 +57,15 @@ void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Inde
 
 void LeaveOneOut::update(const EstimatorCorrection& estimator) {
   estimator.passing_of_time(estimator.last_update().elapsed_s, keep_, growth_);
-  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(filters_.size()); ++s) update_one(estimator, s);
+  const double all = surprise_of(estimator);
+  const double fade = std::exp(-estimator.last_update().elapsed_s / memory_s);
+  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(filters_.size()); ++s) {
+    double& evidence = misfits_[static_cast<std::size_t>(s)].evidence;
+    evidence = fade * evidence + all - update_one(estimator, s);
+  }
 }
 
-void LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index sensor) {
+double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index sensor) {
   const EstimatorUpdate& made = estimator.last_update();
   SquareRootFilter& filter = filters_[static_cast<std::size_t>(sensor)];
   Misfit& misfit = misfits_[static_cast<std::size_t>(sensor)];
@@ -55,10 +85,12 @@ void LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index 
     misfit.deviation_K = std::sqrt(filter.variance_of(row_) + made.noise_K2[sensor]);
   }
   const double gate = estimator.gate();
+  double surprised = 0.0;
   for (Eigen::Index j = 0; j < sensors; ++j) {
     if (j == sensor || !std::isfinite(made.residual_K[j])) continue;
     const double innovation = innovation_K(j);
     const double variance_K2 = filter.variance_of(row_) + made.noise_K2[j];
+    surprised += surprise(innovation, variance_K2);
     if (innovation * innovation > gate * gate * variance_K2) continue;
     filter.update(row_, innovation, made.noise_K2[j]);
   }
@@ -66,7 +98,9 @@ void LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index 
     row_.setZero();
     row_.head(p) = made.displacement_row;
     const double innovation = made.displacement_m - row_.head(p).dot(filter.mean().head(p) - made.theta);
-    if (innovation * innovation <= gate * gate * (filter.variance_of(row_) + made.displacement_variance_m2)) {
+    const double variance_m2 = filter.variance_of(row_) + made.displacement_variance_m2;
+    surprised += surprise(innovation, variance_m2);
+    if (innovation * innovation <= gate * gate * variance_m2) {
       filter.update(row_, innovation, made.displacement_variance_m2);
     }
   }
@@ -75,6 +109,7 @@ void LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index 
     bounded_[i] = std::clamp(filter.mean()[i], parameter.minimum, parameter.maximum);
   }
   filter.set_first(bounded_);
+  return surprised;
 }
 
 void LeaveOneOut::widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K) {
@@ -86,7 +121,8 @@ void LeaveOneOut::widen_offset(const EstimatorCorrection& estimator, Eigen::Inde
 
 const Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
-    const double weight = std::clamp(std::abs(misfit(s).ratio()) - 1.0, 0.0, 1.0);
+    const double weight =
+        std::sqrt(std::clamp((misfit(s).evidence - doubt_from) / (doubt_whole - doubt_from), 0.0, 1.0));
     alternatives_.col(s) = weight * (without(s).mean() - estimator.filter().mean()).head(alternatives_.rows());
   }
   return alternatives_;

@@ -11,6 +11,7 @@ struct Misfit {
   bool judged = false;       ///< the sensor had a valid reading at the last update
   double misfit_K = 0.0;     ///< reading − what the others predict
   double deviation_K = 1.0;  ///< 1σ of that
+  double evidence = 0.0;     ///< that its readings do not fit those of all others; about 0 to 10 for a healthy sensor
   double ratio() const { return judged ? misfit_K / deviation_K : 0.0; }
 };
 
@@ -19,9 +20,15 @@ struct Misfit {
 ///   prediction of filter s at sensor j     L_j T + h_j (θ_s − θ) + b_s,j
 ///   misfit of sensor s                     y_s − L_s T − h_s (θ_s − θ) − b_s,s,     σ² = [h_s, 1] P_s [h_s, 1]ᵀ +
 ///   noise
-/// A slow fault of s shows in its own misfit in full, as far as the others can tell what s should read; the estimator
-/// itself has by then bent its parameters to it. When s has failed, its filter is what the estimator would be had it
-/// never seen s: it can be taken over (EstimatorCorrection::adopt).
+/// A slow fault of s shows in its own misfit as far as the others can tell what s should read. How sure the fault is,
+/// and whose, is told by the whole history (generalised likelihood ratio: Willsky and Jones, IEEE Trans. AC 21, 1976).
+/// With ν the innovations of a filter, one sensor after the other, and V their variances:
+///   J = Σ min(ν² / V, 9)  of one update,      evidence_s ← e^(−Δt / 1 h) evidence_s + J_all − J_without s
+/// By the chain rule of probabilities that is −2 ln of how likely the readings of s were, given those of all others.
+/// The bound keeps one update from deciding alone. The estimator bends its parameters to a drift, so its innovations
+/// stay small; but they are larger than those of the filter that never saw the sensor, at every update.
+///   When s has failed, its filter is what the estimator would be had it never seen s: it can be taken over
+/// (EstimatorCorrection::adopt).
 /// No allocation after construction; may run in the cycle: m (m − 1) rank-one updates and m Cholesky factors.
 class LeaveOneOut {
  public:
@@ -39,16 +46,17 @@ class LeaveOneOut {
   /// The sensor failed and the estimator went over to its filter: all others follow.
   void settle_on(Eigen::Index sensor);
 
-  /// For EstimatorCorrection::set_alternatives: θ_s − θ per sensor, weighed by how far its misfit is one that a healthy
-  /// sensor does not have (0 up to one deviation, 1 from two on). As long as it is open whether s has failed, the truth
-  /// may lie where its filter says.
+  /// For EstimatorCorrection::set_alternatives: √w (θ_s − θ) per sensor, w from 0 to 1 as the evidence goes from 5 to
+  /// 12. As long as it is open whether s has failed, the truth may lie where its filter says (solution separation, the
+  /// protection level of satellite navigation: Brown and McBurney, Navigation 35, 1988).
   const Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
 
   const Misfit& misfit(Eigen::Index sensor) const { return misfits_[static_cast<std::size_t>(sensor)]; }
   const SquareRootFilter& without(Eigen::Index sensor) const { return filters_[static_cast<std::size_t>(sensor)]; }
 
  private:
-  void update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
+  /// J of the filter without the sensor.
+  double update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
 
   std::vector<SquareRootFilter> filters_;
   std::vector<Misfit> misfits_;

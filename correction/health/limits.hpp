@@ -45,13 +45,11 @@ struct HealthLimits {
   double stuck_resolutions = 8.0;  ///< and by so many steps of the channel's resolution
   double stuck_window_s = 120.0;   ///< within this time
 
-  // Drift: Page's sum on the misfit to what all other channels say, in its deviations, at every update.
-  double drift_slack = 2.2;
-  double drift_limit = 3.0;
-  double drift_clear = 1.4;   ///< the misfit is so many times the next channel's,
-  double drift_sure = 8.0;    ///< or so large
+  // Drift: evidence that a channel contradicts all others (leave_one_out.hpp).
+  double drift_limit = 15.0;
+  double drift_lead = 8.0;    ///< and so much more than of the next channel
   double drift_wait_s = 600;  ///< between two failures by drift: what bent the estimate has to fade first
-  int rejected = 12;          ///< updates in a row
+  int rejected = 2;           ///< updates in a row by then: it went too fast for a drift, and is implausible
 
   // Swapped.
   double swap_K = 0.3;      ///< rms by which a channel misses its own movement

@@ -48,7 +48,6 @@ void SensorHealth::fail(std::size_t i, HealthFault fault, bool latch) {
   channel.outliers = 0;
   channel.course.restart();
   channel.has_last_e = false;
-  channel.drift = {};
   if (in_use(i)) ++record.failures;
   channel.latched = channel.latched || latch || record.failures >= limits_.failures;
   change(i, HealthState::failed);
@@ -270,7 +269,6 @@ void SensorHealth::follow_return(std::size_t i, const HealthSample& sample, doub
   record.return_offset_K = limits_.return_offset_K + std::abs(off_K);
   record.fault = HealthFault::none;
   record.partner = -1;
-  channel.drift = {};
   channel.has_old_course = false;
   channel.old_course_K = 0.0;
   change(i, HealthState::good);
@@ -298,43 +296,27 @@ void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s,
 
 int SensorHealth::note_update(const std::vector<HealthUpdate>& updates) {
   int judged = 0, worst = -1;
-  bool alarmed = false;
   double most = 0.0, next = 0.0;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (!channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
     ++judged;
-    const double misfit = std::abs(updates[i].misfit_ratio);
-    const bool drifts = states_[i].drift.observe(updates[i].misfit_ratio, limits_);
-    const bool rejected = updates[i].rejected_in_a_row >= limits_.rejected;
-    alarmed = alarmed || drifts || rejected;
-    // Without filters that leave one out, the channel that is rejected most often counts as the worst.
-    const double badness = misfit + (misfit == 0.0 ? 1e-3 * updates[i].rejected_in_a_row : 0.0);
-    if (badness > most) {
-      next = most;
-      most = badness;
-      worst = static_cast<int>(i);
-    } else {
-      next = std::max(next, badness);
-    }
+    next = std::max(next, std::min(most, updates[i].evidence));
+    if (updates[i].evidence <= most) continue;
+    most = updates[i].evidence;
+    worst = static_cast<int>(i);
   }
-  if (!alarmed || worst < 0 || judged < 3 || time_s_ < drift_wait_s_) return -1;
-  const auto w = static_cast<std::size_t>(worst);
-  const bool drifts = states_[w].drift.most() > limits_.drift_limit;
-  const bool rejected = updates[w].rejected_in_a_row >= limits_.rejected;
-  if (!drifts && !rejected) return -1;
-  if (most < limits_.drift_clear * next && most < limits_.drift_sure) return -1;
+  if (judged < 3 || most <= limits_.drift_limit || most - next < limits_.drift_lead) return -1;
+  if (time_s_ < drift_wait_s_) return -1;
   drift_wait_s_ = time_s_ + limits_.drift_wait_s;
+  const auto w = static_cast<std::size_t>(worst);
+  const bool drifts = updates[w].rejected_in_a_row < limits_.rejected;
   fail(w, drifts ? HealthFault::drift : HealthFault::implausible, drifts);
-  for (Channel& channel : states_) channel.drift = {};
   return worst;
 }
 
 void SensorHealth::acknowledge() {
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    states_[i].latched = false;
-    states_[i].drift = {};
-    records_[i].failures = 0;
-  }
+  for (Channel& channel : states_) channel.latched = false;
+  for (HealthRecord& record : records_) record.failures = 0;
 }
 
 }  // namespace spindle_twin::correction

@@ -4,7 +4,6 @@
 #include <limits>
 #include <vector>
 
-#include "correction/health/drift.hpp"
 #include "correction/health/jump.hpp"
 #include "correction/health/limits.hpp"
 #include "correction/health/stuck.hpp"
@@ -36,7 +35,7 @@ struct HealthSample {
 /// What an update of the estimator says of a channel.
 struct HealthUpdate {
   bool taken = false;         ///< there was a reading, fused or rejected; false: nothing is said
-  double misfit_ratio = 0.0;  ///< leave_one_out.hpp; 0 where no such filters run
+  double evidence = 0.0;      ///< against the channel, leave_one_out.hpp
   int rejected_in_a_row = 0;  ///< by the estimator
 };
 
@@ -86,7 +85,6 @@ class SensorHealth {
   struct Channel {
     Course course;
     Standstill standstill;
-    DriftSum drift;
     HighPass reading_movement, model_movement;
     double model_K = 0.0;  // u
     double still_K = 0.0;  // u without what corrections keep taking back

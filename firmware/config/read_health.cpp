@@ -26,8 +26,8 @@ void read_limits(const rom::TomlTable& table, correction::HealthLimits& limits) 
   seconds("spike_window_s", limits.spike_window_s);
   kelvin("stuck_K", limits.stuck_K);
   seconds("stuck_window_s", limits.stuck_window_s);
-  ratio("drift_slack", limits.drift_slack);
   ratio("drift_limit", limits.drift_limit);
+  ratio("drift_lead", limits.drift_lead);
   limits.rejected = static_cast<int>(table.integer_or("rejected", limits.rejected, 1, 100000));
   kelvin("swap_K", limits.swap_K);
   seconds("return_after_s", limits.return_after_s);

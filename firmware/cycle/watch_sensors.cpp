@@ -126,7 +126,7 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     const auto channel = static_cast<Eigen::Index>(c);
     const correction::SensorRecord& record = estimator.record(channel);
-    watch.updates[corrector.channels[c]] = {record.fused || record.rejected, watch.others->misfit(channel).ratio(),
+    watch.updates[corrector.channels[c]] = {record.fused || record.rejected, watch.others->misfit(channel).evidence,
                                             record.rejected_in_a_row};
   }
   const int failed = watch.health->note_update(watch.updates);

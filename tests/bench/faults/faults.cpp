@@ -18,6 +18,8 @@ const char* name_of(FaultKind kind) {
       return "none";
     case FaultKind::withdrawn:
       return "withdrawn";
+    case FaultKind::withdrawn_pair:
+      return "both withdrawn";
     case FaultKind::open:
       return "open";
     case FaultKind::shorted:
@@ -46,6 +48,7 @@ void Saboteur::tamper(double time_s, Eigen::VectorXd& readings_K) {
   switch (fault_.kind) {
     case FaultKind::none:
     case FaultKind::withdrawn:
+    case FaultKind::withdrawn_pair:
       break;
     case FaultKind::open:
       reading_K = open_K;

@@ -10,8 +10,20 @@
 
 namespace spindle_twin::bench {
 
-/// The ways in which a sensor fails.
-enum class FaultKind { none, withdrawn, open, shorted, out_of_range, jump, spikes, stuck, swapped, drift };
+/// The ways in which a sensor fails; withdrawn: it is not used any more, nor its partner in withdrawn_pair.
+enum class FaultKind {
+  none,
+  withdrawn,
+  withdrawn_pair,
+  open,
+  shorted,
+  out_of_range,
+  jump,
+  spikes,
+  stuck,
+  swapped,
+  drift
+};
 inline constexpr std::array all_faults{FaultKind::open,    FaultKind::shorted, FaultKind::out_of_range,
                                        FaultKind::jump,    FaultKind::spikes,  FaultKind::stuck,
                                        FaultKind::swapped, FaultKind::drift};
@@ -26,6 +38,12 @@ struct Fault {
   double until_s = 1e18;
   double size_K = 0.0;        ///< of a jump or a spike, with its sign
   double rate_K_per_s = 0.0;  ///< of a drift
+  bool is_reference() const { return kind == FaultKind::withdrawn || kind == FaultKind::withdrawn_pair; }
+  /// Whether the fault is one of this sensor.
+  bool concerns(int which) const {
+    const bool both = kind == FaultKind::swapped || kind == FaultKind::withdrawn_pair;
+    return kind != FaultKind::none && (which == sensor || (both && which == partner));
+  }
   bool at(double time_s) const { return kind != FaultKind::none && time_s >= from_s && time_s < until_s; }
 };
 

@@ -116,8 +116,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     for (std::size_t s = 0; s < count; ++s) {
       const correction::HealthRecord& record = health.records()[s];
       const auto i = static_cast<Eigen::Index>(s);
-      const bool withdrawn =
-          fault.kind == FaultKind::withdrawn && fault.sensor == static_cast<int>(s) && fault.at(time_s);
+      const bool withdrawn = fault.is_reference() && fault.concerns(static_cast<int>(s)) && fault.at(time_s);
       valid[i] = !withdrawn && (record.usable || !options.with_health);
       if (record.returned && options.with_health) {
         estimator.widen_offset(i, record.return_offset_K);
@@ -136,11 +135,11 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       bank.update(estimator);
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
-        judged_updates[s] = {record.fused || record.rejected, bank.misfit(static_cast<Eigen::Index>(s)).ratio(),
+        judged_updates[s] = {record.fused || record.rejected, bank.misfit(static_cast<Eigen::Index>(s)).evidence,
                              record.rejected_in_a_row};
       }
       const int failed = options.with_health ? health.note_update(judged_updates) : -1;
-      estimator.set_alternatives(bank.alternatives(estimator));
+      if (options.with_health) estimator.set_alternatives(bank.alternatives(estimator));
       if (failed >= 0) {
         estimator.adopt(bank.without(failed), operating);
         bank.settle_on(failed);
@@ -154,8 +153,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     for (std::size_t s = 0; s < count; ++s) {
       const correction::HealthRecord& record = health.records()[s];
       const int sensor = static_cast<int>(s);
-      const bool faulty = fault.kind != FaultKind::withdrawn && fault.kind != FaultKind::none &&
-                          (sensor == fault.sensor || (fault.kind == FaultKind::swapped && sensor == fault.partner));
+      const bool faulty = !fault.is_reference() && fault.concerns(sensor);
       const bool active = faulty && time_s >= fault.from_s;
       const bool fell = record.state == correction::HealthState::failed &&
                         before[s] != correction::HealthState::failed && before[s] != correction::HealthState::returning;
@@ -166,7 +164,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       if (active && sensor == fault.sensor && result.withheld_s < 0.0 && !record.usable) {
         result.withheld_s = time_s - fault.from_s;
       }
-      if (fell && !active && (fault.kind != FaultKind::withdrawn || sensor != fault.sensor)) ++result.false_alarms;
+      if (fell && !active && !(fault.is_reference() && fault.concerns(sensor))) ++result.false_alarms;
       if (active && result.moving_s < 0.0 && time_s >= fault.from_s && readings.moves(time_s, sensor)) {
         result.moving_s = time_s - fault.from_s;
       }

@@ -31,7 +31,7 @@ struct Followed {
 struct FollowOptions {
   double cycle_s = 1.0;
   double resolution_K = 0.01;
-  bool with_health = true;
+  bool with_health = true;  ///< false: every reading is believed
   correction::EstimatorOptions estimator;
   correction::HealthLimits limits;
   /// Called after every cycle; may be empty.

@@ -19,7 +19,7 @@ struct Options : CampaignOptions {
   bool verbose = false;
 };
 
-/// The faults of one virtual spindle; each first the run in which the sensor is only withdrawn.
+/// The faults of one virtual spindle; first the run in which the sensor is only withdrawn.
 std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool drifts) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -37,6 +37,11 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
     faults.push_back(fault);
     for (const FaultKind kind : all_faults) {
       if (kind == FaultKind::drift) continue;
+      if (kind == FaultKind::swapped) {
+        fault.kind = FaultKind::withdrawn_pair;
+        fault.until_s = 1e18;
+        faults.push_back(fault);
+      }
       fault.kind = kind;
       fault.size_K = kind == FaultKind::spikes ? 5.0 * sign : jump_K;
       fault.until_s = repaired && kind != FaultKind::swapped ? fault.from_s + repaired_after_s : 1e18;
@@ -72,6 +77,9 @@ int run(const Options& options) {
     const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
     SpindleRuns& runs = all[static_cast<std::size_t>(i)];
     runs.seed = seed;
+    follow_options.with_health = false;
+    runs.unwatched = follow(network, truth, {}, follow_options);
+    follow_options.with_health = true;
     for (const Fault& fault : draw_faults(seed, options, i < options.drift_runs)) {
       runs.followed.push_back(follow(network, truth, fault, follow_options));
       if (options.verbose) print_run(seed, runs.followed.back());

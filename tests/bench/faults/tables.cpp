@@ -103,19 +103,29 @@ void print_run(std::uint64_t seed, const Followed& run) {
 int print_tables(const std::vector<SpindleRuns>& all, double cycle_s) {
   std::map<FaultKind, Row> kinds;
   std::map<std::pair<double, std::string>, Row> drifts;
+  Row swapped_for_one;
+  std::vector<double> sd_growth, error_growth;
   int healthy_alarms = 0;
   long healthy_withheld = 0;
   double step_um = 0.0;
   for (const SpindleRuns& runs : all) {
     const Followed* reference = nullptr;
+    const Followed* without_both = nullptr;
+    const Followed& healthy = runs.followed.front();
+    sd_growth.push_back(healthy.deviation_um / runs.unwatched.deviation_um);
+    error_growth.push_back(healthy.error_um / runs.unwatched.error_um);
     for (const Followed& run : runs.followed) {
       step_um = std::max(step_um, run.step_um);
-      if (run.fault.kind == FaultKind::none || run.fault.kind == FaultKind::withdrawn) {
+      if (run.fault.kind == FaultKind::none || run.fault.is_reference()) {
         healthy_alarms += run.false_alarms;
         healthy_withheld += run.fault.kind == FaultKind::none ? run.withheld : 0;
         if (run.fault.kind == FaultKind::withdrawn) reference = &run;
+        if (run.fault.kind == FaultKind::withdrawn_pair) without_both = &run;
       } else if (run.fault.kind == FaultKind::drift) {
         drifts[{std::abs(3600.0 * run.fault.rate_K_per_s), place_of(run.fault.sensor)}].note(run, *reference, cycle_s);
+      } else if (run.fault.kind == FaultKind::swapped) {
+        kinds[run.fault.kind].note(run, *without_both, cycle_s);
+        swapped_for_one.note(run, *reference, cycle_s);
       } else {
         kinds[run.fault.kind].note(run, *reference, cycle_s);
       }
@@ -124,7 +134,12 @@ int print_tables(const std::vector<SpindleRuns>& all, double cycle_s) {
   const auto spindles = static_cast<double>(all.size());
   std::printf("\nHealthy: %d channels failed without a fault; %.4f %% of the readings withheld\n", healthy_alarms,
               100.0 * static_cast<double>(healthy_withheld) / (spindles * 6.0 * run_s / cycle_s));
-  std::printf("\nNose from the fault on; reference: the same run, the sensor withdrawn at that moment.\n");
+  std::printf("Watching them costs: standard deviation of the nose x %.3f (median), %.3f (worst); error x %.3f, %.3f\n",
+              quantile(sd_growth, 0.5), quantile(sd_growth, 1.0), quantile(error_growth, 0.5),
+              quantile(error_growth, 1.0));
+  std::printf(
+      "\nNose from the fault on; reference: the same run, the sensor withdrawn at that moment, of swapped ones "
+      "both.\n");
   print_head("fault");
   int late = 0, missed = 0, beyond = 0;
   for (const auto& [kind, row] : kinds) {
@@ -133,6 +148,7 @@ int print_tables(const std::vector<SpindleRuns>& all, double cycle_s) {
     if (kind != FaultKind::swapped && kind != FaultKind::stuck) missed += row.runs - row.found;
     beyond += row.beyond;
   }
+  print_row("swapped, one out", swapped_for_one);
   if (!drifts.empty()) {
     std::printf("\nDrift from 900 s on, K/h\n");
     print_head("rate, sensor");

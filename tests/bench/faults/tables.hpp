@@ -10,6 +10,7 @@ namespace spindle_twin::bench {
 /// All runs of one virtual spindle: the healthy one, then per sensor the withdrawn one before its faults.
 struct SpindleRuns {
   std::uint64_t seed = 0;
+  Followed unwatched;  ///< the healthy one, every reading believed
   std::vector<Followed> followed;
 };
 
