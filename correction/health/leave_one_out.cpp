@@ -8,6 +8,7 @@ namespace {
 
 constexpr double most_surprise = 9.0;
 constexpr double memory_s = 3600.0;
+constexpr double keep_every_s = 300.0;
 constexpr double doubt_from = 5.0;  // evidence
 constexpr double doubt_whole = 12.0;
 
@@ -32,12 +33,23 @@ double surprise_of(const EstimatorCorrection& estimator) {
 
 LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
     : filters_(estimator.sensors().size(), estimator.prior()),
+      before_(estimator.prior()),
       misfits_(estimator.sensors().size()),
       keep_(Eigen::VectorXd::Ones(estimator.prior().size())),
       growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
       row_(growth_),
       bounded_(Eigen::VectorXd::Zero(estimator.parameters().count())),
-      alternatives_(Eigen::MatrixXd::Zero(bounded_.size(), static_cast<Eigen::Index>(filters_.size()))) {}
+      alternatives_(Eigen::MatrixXd::Zero(bounded_.size(), static_cast<Eigen::Index>(filters_.size()))) {
+  for (Kept& kept : kept_) kept.filter = estimator.prior();
+}
+
+void LeaveOneOut::keep_all(const SquareRootFilter& filter) {
+  for (Kept& kept : kept_) {
+    kept.filter.set_mean(filter.mean());
+    kept.filter.set_root(filter.root());
+    kept.age_s = 0.0;
+  }
+}
 
 void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
   for (SquareRootFilter& filter : filters_) {
@@ -45,6 +57,7 @@ void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
     filter.set_root(estimator.filter().root());
   }
   std::fill(misfits_.begin(), misfits_.end(), Misfit{});
+  keep_all(estimator.filter());
 }
 
 void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K) {
@@ -53,10 +66,22 @@ void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Inde
     row_[estimator.parameters().count() + sensor] -= shift_K;
     filter.set_mean(row_);
   }
+  for (Kept& kept : kept_) {
+    row_ = kept.filter.mean();
+    row_[estimator.parameters().count() + sensor] -= shift_K;
+    kept.filter.set_mean(row_);
+  }
 }
 
 void LeaveOneOut::update(const EstimatorCorrection& estimator) {
   estimator.passing_of_time(estimator.last_update().elapsed_s, keep_, growth_);
+  for (Kept& kept : kept_) kept.age_s += estimator.last_update().elapsed_s;
+  if (kept_.front().age_s >= keep_every_s) {
+    std::rotate(kept_.begin(), kept_.end() - 1, kept_.end());
+    kept_.front().filter.set_mean(estimator.filter().mean());
+    kept_.front().filter.set_root(estimator.filter().root());
+    kept_.front().age_s = 0.0;
+  }
   const double all = surprise_of(estimator);
   const double fade = std::exp(-estimator.last_update().elapsed_s / memory_s);
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(filters_.size()); ++s) {
@@ -117,6 +142,16 @@ void LeaveOneOut::widen_offset(const EstimatorCorrection& estimator, Eigen::Inde
   growth_.setZero();
   growth_[estimator.parameters().count() + sensor] = deviation_K * deviation_K;
   for (SquareRootFilter& filter : filters_) filter.pass_time(estimator.prior().mean(), keep_, growth_);
+  for (Kept& kept : kept_) kept.filter.pass_time(estimator.prior().mean(), keep_, growth_);
+}
+
+const SquareRootFilter& LeaveOneOut::before(const EstimatorCorrection& estimator) {
+  const Kept& oldest = kept_.back();
+  before_.set_mean(oldest.filter.mean());
+  before_.set_root(oldest.filter.root());
+  estimator.passing_of_time(oldest.age_s, keep_, growth_);
+  before_.pass_time(estimator.prior().mean(), keep_, growth_);
+  return before_;
 }
 
 const Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
@@ -136,6 +171,7 @@ void LeaveOneOut::settle_on(Eigen::Index sensor) {
     filters_[s].set_root(chosen.root());
   }
   std::fill(misfits_.begin(), misfits_.end(), Misfit{});
+  keep_all(chosen);
 }
 
 }  // namespace spindle_twin::correction

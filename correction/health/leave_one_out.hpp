@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "correction/estimator/estimator_correction.hpp"
@@ -46,6 +47,10 @@ class LeaveOneOut {
   /// The sensor failed and the estimator went over to its filter: all others follow.
   void settle_on(Eigen::Index sensor);
 
+  /// The estimator's filter as it was 10 to 15 minutes ago, at least as of the last follow() or settle_on(), grown
+  /// unsure by the time since: for two sensors that failed together, which no filter has done without.
+  const SquareRootFilter& before(const EstimatorCorrection& estimator);
+
   /// For EstimatorCorrection::set_alternatives: √w (θ_s − θ) per sensor, w from 0 to 1 as the evidence goes from 5 to
   /// 12. As long as it is open whether s has failed, the truth may lie where its filter says (solution separation, the
   /// protection level of satellite navigation: Brown and McBurney, Navigation 35, 1988).
@@ -58,7 +63,15 @@ class LeaveOneOut {
   /// J of the filter without the sensor.
   double update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
 
+  struct Kept {
+    SquareRootFilter filter;
+    double age_s = 0.0;
+  };
+  void keep_all(const SquareRootFilter& filter);
+
   std::vector<SquareRootFilter> filters_;
+  std::array<Kept, 4> kept_;  // the newest first
+  SquareRootFilter before_;
   std::vector<Misfit> misfits_;
   Eigen::VectorXd keep_, growth_, row_, bounded_;
   Eigen::MatrixXd alternatives_;

@@ -53,6 +53,13 @@ void SensorHealth::fail(std::size_t i, HealthFault fault, bool latch) {
   change(i, HealthState::failed);
 }
 
+void SensorHealth::fail_swapped(std::size_t i, std::size_t j) {
+  fail(i, HealthFault::swapped, true);
+  fail(j, HealthFault::swapped, true);
+  records_[i].partner = static_cast<int>(j);
+  records_[j].partner = static_cast<int>(i);
+}
+
 HealthFault SensorHealth::electrical(std::size_t i, double reading_K) const {
   if (reading_K >= limits_.open_above_K) return HealthFault::open;
   if (reading_K <= limits_.short_below_K) return HealthFault::shorted;
@@ -181,10 +188,7 @@ void SensorHealth::find_swapped(const std::vector<HealthSample>& samples, double
       const bool by_movement =
           fits_swapped(left_over_K2(i, i), left_over_K2(j, j), left_over_K2(i, j), left_over_K2(j, i), limits_);
       if (!by_course && !by_movement) continue;
-      fail(i, HealthFault::swapped, true);
-      fail(j, HealthFault::swapped, true);
-      records_[i].partner = static_cast<int>(j);
-      records_[j].partner = static_cast<int>(i);
+      fail_swapped(i, j);
     }
   }
 }
@@ -252,7 +256,9 @@ void SensorHealth::follow_return(std::size_t i, const HealthSample& sample, doub
   // A stuck channel shows nothing but its old value until it moves.
   const bool still = stuck || (record.fault == HealthFault::stuck && channel.standstill.repeats());
   const double off_K = channel.has_old_course ? sample.reading_K - sample.predicted_K - channel.old_course_K : 0.0;
-  if (channel.outlying || still || std::abs(off_K) > limits_.return_within_K) {
+  const double within_K = record.fault == HealthFault::implausible ? std::min(limits_.jump_K, limits_.return_within_K)
+                                                                   : limits_.return_within_K;
+  if (channel.outlying || still || std::abs(off_K) > within_K) {
     channel.quiet_s = 0.0;
     if (channel.outlying) channel.course.restart();
     change(i, HealthState::failed);
@@ -294,24 +300,38 @@ void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s,
   }
 }
 
-int SensorHealth::note_update(const std::vector<HealthUpdate>& updates) {
-  int judged = 0, worst = -1;
+HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates) {
+  int judged = 0, worst = -1, second = -1;
   double most = 0.0, next = 0.0;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (!channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
     ++judged;
-    next = std::max(next, std::min(most, updates[i].evidence));
-    if (updates[i].evidence <= most) continue;
-    most = updates[i].evidence;
-    worst = static_cast<int>(i);
+    const double evidence = updates[i].evidence;
+    if (evidence > most) {
+      next = most;
+      second = worst;
+      most = evidence;
+      worst = static_cast<int>(i);
+    } else if (evidence > next) {
+      next = evidence;
+      second = static_cast<int>(i);
+    }
   }
-  if (judged < 3 || most <= limits_.drift_limit || most - next < limits_.drift_lead) return -1;
-  if (time_s_ < drift_wait_s_) return -1;
-  drift_wait_s_ = time_s_ + limits_.drift_wait_s;
+  if (judged < 3 || most <= limits_.drift_limit || time_s_ < drift_wait_s_) return {};
   const auto w = static_cast<std::size_t>(worst);
+  if (judged > 3 && next > limits_.drift_limit) {
+    const auto s = static_cast<std::size_t>(second);
+    if (fits_exchanged(updates[w].reading_K, updates[w].misfit_K, updates[s].reading_K, updates[s].misfit_K, limits_)) {
+      drift_wait_s_ = time_s_ + limits_.drift_wait_s;
+      fail_swapped(w, s);
+      return {worst, second};
+    }
+  }
+  if (most - next < limits_.drift_lead) return {};
+  drift_wait_s_ = time_s_ + limits_.drift_wait_s;
   const bool drifts = updates[w].rejected_in_a_row < limits_.rejected;
   fail(w, drifts ? HealthFault::drift : HealthFault::implausible, drifts);
-  return worst;
+  return {worst, -1};
 }
 
 void SensorHealth::acknowledge() {

@@ -37,6 +37,14 @@ struct HealthUpdate {
   bool taken = false;         ///< there was a reading, fused or rejected; false: nothing is said
   double evidence = 0.0;      ///< against the channel, leave_one_out.hpp
   int rejected_in_a_row = 0;  ///< by the estimator
+  double reading_K = 0.0;
+  double misfit_K = 0.0;  ///< reading − what all others say of it
+};
+
+/// What came of an update: the channel that failed by it, -1: none, and the one it is swapped with, -1: none.
+struct HealthVerdict {
+  int failed = -1;
+  int partner = -1;
 };
 
 struct HealthRecord {
@@ -57,8 +65,8 @@ struct HealthRecord {
 ///   suspect → good   the next reading is on course (a spike, counted)
 ///   → failed         electrical 2 readings in a row; jump 3 outliers in a row; spikes; stuck; drift; swapped;
 ///                    implausible
-///   failed → returning → good   no sign of a fault for return_after_s; drift, swapped and the third failure wait for
-///                    acknowledge()
+///   failed → returning → good   no sign of a fault for return_after_s, after implausible readings: back on the old
+///                    course; drift, swapped and the third failure wait for acknowledge()
 /// A jump, implausible readings and drift are laid to a channel only while most others are on course: when more than
 /// half of them (and three at least) leave theirs at once it is the spindle or the model, and all are followed.
 /// No allocation after construction; may run in the cycle.
@@ -69,9 +77,9 @@ class SensorHealth {
   /// One sample per channel, h_s after the one before (0 at the first).
   void step(const std::vector<HealthSample>& samples, double time_s, double h_s);
 
-  /// After each update of the estimator, one entry per channel. The channel that failed by it, or -1. At least two
-  /// others must be in use: of two that disagree nobody knows which is right.
-  int note_update(const std::vector<HealthUpdate>& updates);
+  /// After each update of the estimator, one entry per channel. At least two others must be in use: of two that
+  /// disagree nobody knows which is right.
+  HealthVerdict note_update(const std::vector<HealthUpdate>& updates);
 
   /// Latched channels may return, by way of the probation; counters of failures begin anew.
   void acknowledge();
@@ -116,6 +124,7 @@ class SensorHealth {
   void settle(std::size_t i, const HealthSample& sample, double h_s);
   void note_spike(std::size_t i);
   void fail(std::size_t i, HealthFault fault, bool latch);
+  void fail_swapped(std::size_t i, std::size_t j);
   void change(std::size_t i, HealthState state);
   void follow_return(std::size_t i, const HealthSample& sample, double h_s);
   bool in_use(std::size_t i) const;

@@ -126,15 +126,21 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     const auto channel = static_cast<Eigen::Index>(c);
     const correction::SensorRecord& record = estimator.record(channel);
-    watch.updates[corrector.channels[c]] = {record.fused || record.rejected, watch.others->misfit(channel).evidence,
-                                            record.rejected_in_a_row};
+    const correction::Misfit& misfit = watch.others->misfit(channel);
+    watch.updates[corrector.channels[c]] = {record.fused || record.rejected, misfit.evidence, record.rejected_in_a_row,
+                                            record.observation_K, misfit.misfit_K};
   }
-  const int failed = watch.health->note_update(watch.updates);
+  const correction::HealthVerdict verdict = watch.health->note_update(watch.updates);
   estimator.set_alternatives(watch.others->alternatives(estimator));
-  if (failed < 0) return;
-  const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(failed));
-  estimator.adopt(watch.others->without(channel), operating);
-  watch.others->settle_on(channel);
+  if (verdict.failed < 0) return;
+  if (verdict.partner >= 0) {
+    estimator.adopt(watch.others->before(estimator), operating);
+    watch.others->follow(estimator);
+  } else {
+    const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(verdict.failed));
+    estimator.adopt(watch.others->without(channel), operating);
+    watch.others->settle_on(channel);
+  }
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
   with_biases(operating, corrector);
   note_corrected(network, model, watch);

@@ -135,14 +135,21 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       bank.update(estimator);
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
-        judged_updates[s] = {record.fused || record.rejected, bank.misfit(static_cast<Eigen::Index>(s)).evidence,
-                             record.rejected_in_a_row};
+        const correction::Misfit& misfit = bank.misfit(static_cast<Eigen::Index>(s));
+        judged_updates[s] = {record.fused || record.rejected, misfit.evidence, record.rejected_in_a_row,
+                             record.observation_K, misfit.misfit_K};
       }
-      const int failed = options.with_health ? health.note_update(judged_updates) : -1;
+      const correction::HealthVerdict verdict =
+          options.with_health ? health.note_update(judged_updates) : correction::HealthVerdict{};
       if (options.with_health) estimator.set_alternatives(bank.alternatives(estimator));
-      if (failed >= 0) {
-        estimator.adopt(bank.without(failed), operating);
-        bank.settle_on(failed);
+      if (verdict.failed >= 0) {
+        if (verdict.partner >= 0) {
+          estimator.adopt(bank.before(estimator), operating);
+          bank.follow(estimator);
+        } else {
+          estimator.adopt(bank.without(verdict.failed), operating);
+          bank.settle_on(verdict.failed);
+        }
         twin.stepper->set_temperatures(estimator.corrected_nodes_K());
         twin.evaluate();
         corrected_K = twin.outputs.key_points_K;

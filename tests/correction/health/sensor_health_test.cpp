@@ -253,13 +253,13 @@ TEST(Health, drift_fails_the_channel_that_the_others_contradict_most_and_only_wi
     SensorHealth health(std::vector<HealthChannel>(channels, {true, 253.15, 423.15, 0.01}), limits);
     std::vector<HealthUpdate> updates(channels, {true, 3.0, 0});
     updates[1].evidence = limits.drift_limit;
-    EXPECT_EQ(health.note_update(updates), -1);
+    EXPECT_EQ(health.note_update(updates).failed, -1);
     updates[1].evidence = limits.drift_limit + 1.0;
-    EXPECT_EQ(health.note_update(updates), channels == 3 ? 1 : -1);
+    EXPECT_EQ(health.note_update(updates).failed, channels == 3 ? 1 : -1);
     if (channels < 3) continue;
     EXPECT_EQ(health.records()[1].fault, HealthFault::drift);
     updates[2].evidence = 100.0;
-    EXPECT_EQ(health.note_update(updates), -1) << "two are left";
+    EXPECT_EQ(health.note_update(updates).failed, -1) << "two are left";
   }
 }
 
@@ -269,10 +269,10 @@ TEST(Health, drift_waits_while_two_channels_look_alike) {
   for (const auto& [one, other] : {std::pair{1U, 2U}, {2U, 1U}}) {
     updates[one].evidence = 40.0;
     updates[other].evidence = 34.0;
-    for (int update = 0; update < 100; ++update) EXPECT_EQ(health.note_update(updates), -1);
+    for (int update = 0; update < 100; ++update) EXPECT_EQ(health.note_update(updates).failed, -1);
   }
   updates[1].evidence = 49.0;
-  EXPECT_EQ(health.note_update(updates), 1);
+  EXPECT_EQ(health.note_update(updates).failed, 1);
 }
 
 TEST(Health, what_the_estimator_rejects_is_implausible_and_may_return) {
@@ -280,7 +280,7 @@ TEST(Health, what_the_estimator_rejects_is_implausible_and_may_return) {
   drive.run_until(600.0);
   std::vector<HealthUpdate> updates(6, {true, 0.0, 0});
   updates[4] = {true, 30.0, 2};
-  EXPECT_EQ(drive.health.note_update(updates), 4);
+  EXPECT_EQ(drive.health.note_update(updates).failed, 4);
   EXPECT_EQ(drive.health.records()[4].fault, HealthFault::implausible);
   drive.run_until(1200.0);
   EXPECT_EQ(drive.health.records()[4].state, HealthState::good);
