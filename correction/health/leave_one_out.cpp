@@ -7,6 +7,7 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double most_surprise = 9.0;
+constexpr double least_memory_s = 120.0;
 constexpr double memory_s = 3600.0;
 constexpr double keep_every_s = 300.0;
 constexpr double doubt_from = 5.0;  // evidence
@@ -58,6 +59,7 @@ void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
   }
   std::fill(misfits_.begin(), misfits_.end(), Misfit{});
   keep_all(estimator.filter());
+  age_s_ = 0.0;
 }
 
 void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K) {
@@ -83,7 +85,8 @@ void LeaveOneOut::update(const EstimatorCorrection& estimator) {
     kept_.front().age_s = 0.0;
   }
   const double all = surprise_of(estimator);
-  const double fade = std::exp(-estimator.last_update().elapsed_s / memory_s);
+  age_s_ += estimator.last_update().elapsed_s;
+  const double fade = std::exp(-estimator.last_update().elapsed_s / std::clamp(age_s_, least_memory_s, memory_s));
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(filters_.size()); ++s) {
     double& evidence = misfits_[static_cast<std::size_t>(s)].evidence;
     evidence = fade * evidence + all - update_one(estimator, s);

@@ -24,7 +24,8 @@ struct Misfit {
 /// A slow fault of s shows in its own misfit as far as the others can tell what s should read. How sure the fault is,
 /// and whose, is told by the whole history (generalised likelihood ratio: Willsky and Jones, IEEE Trans. AC 21, 1976).
 /// With ν the innovations of a filter, one sensor after the other, and V their variances:
-///   J = Σ min(ν² / V, 9)  of one update,      evidence_s ← e^(−Δt / 1 h) evidence_s + J_all − J_without s
+///   J = Σ min(ν² / V, 9)  of one update,      evidence_s ← e^(−Δt / τ) evidence_s + J_all − J_without s
+/// τ is the time since the start, at most an hour: what the first minutes say against the priors is soon forgotten.
 /// By the chain rule of probabilities that is −2 ln of how likely the readings of s were, given those of all others.
 /// The bound keeps one update from deciding alone. The estimator bends its parameters to a drift, so its innovations
 /// stay small; but they are larger than those of the filter that never saw the sensor, at every update.
@@ -70,7 +71,8 @@ class LeaveOneOut {
   void keep_all(const SquareRootFilter& filter);
 
   std::vector<SquareRootFilter> filters_;
-  std::array<Kept, 4> kept_;  // the newest first
+  std::array<Kept, 3> kept_;  // the newest first
+  double age_s_ = 0.0;        // since follow()
   SquareRootFilter before_;
   std::vector<Misfit> misfits_;
   Eigen::VectorXd keep_, growth_, row_, bounded_;

@@ -46,7 +46,7 @@ struct HealthLimits {
   double stuck_window_s = 120.0;   ///< within this time
 
   // Drift: evidence that a channel contradicts all others (leave_one_out.hpp).
-  double drift_limit = 15.0;
+  double drift_limit = 30.0;
   double drift_lead = 8.0;      ///< and so much more than of the next channel
   double drift_wait_s = 120.0;  ///< between two failures by drift
   int rejected = 2;             ///< updates in a row by then: it went too fast for a drift, and is implausible
@@ -55,7 +55,8 @@ struct HealthLimits {
   double swap_K = 0.3;      ///< rms by which a channel misses its own movement
   double swap_share = 0.1;  ///< its partner's it meets with so little of the square of that
   double swap_window_s = 300.0;
-  double exchange_share = 0.5;  ///< of their misfits is left when two channels that drift together are exchanged
+  double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
+  double exchange_evidence = 7.5;  ///< least of the second
 
   // Return.
   double return_after_s = 300.0;                                     ///< without any sign of a fault

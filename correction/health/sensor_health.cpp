@@ -300,38 +300,45 @@ void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s,
   }
 }
 
+int SensorHealth::exchanged_with(std::size_t w, const std::vector<HealthUpdate>& updates) const {
+  int partner = -1;
+  double least = limits_.exchange_share;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (i == w || !channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
+    if (updates[i].evidence < limits_.exchange_evidence) continue;
+    const double left =
+        left_when_exchanged(updates[w].reading_K, updates[w].misfit_K, updates[i].reading_K, updates[i].misfit_K);
+    if (left >= least) continue;
+    least = left;
+    partner = static_cast<int>(i);
+  }
+  return partner;
+}
+
 HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates) {
-  int judged = 0, worst = -1, second = -1;
+  int judged = 0, worst = -1;
   double most = 0.0, next = 0.0;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (!channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
     ++judged;
     const double evidence = updates[i].evidence;
-    if (evidence > most) {
-      next = most;
-      second = worst;
-      most = evidence;
-      worst = static_cast<int>(i);
-    } else if (evidence > next) {
-      next = evidence;
-      second = static_cast<int>(i);
-    }
+    next = std::max(next, std::min(most, evidence));
+    if (evidence <= most) continue;
+    most = evidence;
+    worst = static_cast<int>(i);
   }
   if (judged < 3 || most <= limits_.drift_limit || time_s_ < drift_wait_s_) return {};
   const auto w = static_cast<std::size_t>(worst);
-  if (judged > 3 && next > limits_.drift_limit) {
-    const auto s = static_cast<std::size_t>(second);
-    if (fits_exchanged(updates[w].reading_K, updates[w].misfit_K, updates[s].reading_K, updates[s].misfit_K, limits_)) {
-      drift_wait_s_ = time_s_ + limits_.drift_wait_s;
-      fail_swapped(w, s);
-      return {worst, second};
-    }
-  }
-  if (most - next < limits_.drift_lead) return {};
+  const int partner = judged > 3 ? exchanged_with(w, updates) : -1;
+  if (partner < 0 && most - next < limits_.drift_lead) return {};
   drift_wait_s_ = time_s_ + limits_.drift_wait_s;
-  const bool drifts = updates[w].rejected_in_a_row < limits_.rejected;
-  fail(w, drifts ? HealthFault::drift : HealthFault::implausible, drifts);
-  return {worst, -1};
+  if (partner >= 0) {
+    fail_swapped(w, static_cast<std::size_t>(partner));
+  } else {
+    const bool drifts = updates[w].rejected_in_a_row < limits_.rejected;
+    fail(w, drifts ? HealthFault::drift : HealthFault::implausible, drifts);
+  }
+  return {worst, partner};
 }
 
 void SensorHealth::acknowledge() {

@@ -121,6 +121,7 @@ class SensorHealth {
   bool moves_without(std::size_t i, const HealthSample& sample);
   double left_over_K2(std::size_t i, std::size_t j) const;
   bool exchanged_courses(std::size_t i, std::size_t j) const;
+  int exchanged_with(std::size_t w, const std::vector<HealthUpdate>& updates) const;
   void settle(std::size_t i, const HealthSample& sample, double h_s);
   void note_spike(std::size_t i);
   void fail(std::size_t i, HealthFault fault, bool latch);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "correction/health/limits.hpp"
 
@@ -38,13 +39,14 @@ inline bool fits_swapped(double own_i_K2, double own_j_K2, double cross_ij_K2, d
          cross_ij_K2 + cross_ji_K2 < limits.swap_share * (own_i_K2 + own_j_K2);
 }
 
-/// The same at one instant, with what the others say of each place, t = reading − misfit:
-///   |y_i − t_j| + |y_j − t_i| < exchange_share (|misfit_i| + |misfit_j|)
-/// For channels that contradict all others together, one of which may as well drift alone.
-inline bool fits_exchanged(double y_i_K, double misfit_i_K, double y_j_K, double misfit_j_K,
-                           const HealthLimits& limits) {
+/// The same at one instant, with what the others say of each place, t = reading − misfit; what is left of the misfits:
+///   (|y_i − t_j| + |y_j − t_i|) / (|misfit_i| + |misfit_j|)
+/// For channels that contradict all others together. A channel that drifts by itself bends what is said of a neighbour;
+/// it fits there only while the two are equally warm.
+inline double left_when_exchanged(double y_i_K, double misfit_i_K, double y_j_K, double misfit_j_K) {
   const double exchanged_K = std::abs(y_i_K - y_j_K + misfit_j_K) + std::abs(y_j_K - y_i_K + misfit_i_K);
-  return exchanged_K < limits.exchange_share * (std::abs(misfit_i_K) + std::abs(misfit_j_K));
+  const double own_K = std::abs(misfit_i_K) + std::abs(misfit_j_K);
+  return own_K > 0.0 ? exchanged_K / own_K : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace spindle_twin::correction

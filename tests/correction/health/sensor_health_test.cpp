@@ -275,11 +275,28 @@ TEST(Health, drift_waits_while_two_channels_look_alike) {
   EXPECT_EQ(health.note_update(updates).failed, 1);
 }
 
+TEST(Health, two_that_contradict_the_others_together_are_exchanged_where_each_fits_the_place_of_the_other) {
+  for (const double place_K : {302.0, 310.0}) {
+    SensorHealth health(std::vector<HealthChannel>(4, {true, 253.15, 423.15, 0.01}), {});
+    std::vector<HealthUpdate> updates(4, {true, 0.0, 0, 300.0, 0.0});
+    updates[0] = {true, 40.0, 0, 302.0, 2.0};           // at its place others expect 300 K
+    updates[2] = {true, 38.0, 0, place_K - 2.0, -2.0};  // at its place place_K
+    const HealthVerdict verdict = health.note_update(updates);
+    const bool exchanged = place_K == 302.0;
+    EXPECT_EQ(verdict.failed, exchanged ? 0 : -1) << "evidence that is as large against another waits";
+    EXPECT_EQ(verdict.partner, exchanged ? 2 : -1);
+    for (const std::size_t channel : {0U, 2U}) {
+      EXPECT_EQ(health.records()[channel].fault, exchanged ? HealthFault::swapped : HealthFault::none);
+    }
+    EXPECT_EQ(health.records()[0].partner, exchanged ? 2 : -1);
+  }
+}
+
 TEST(Health, what_the_estimator_rejects_is_implausible_and_may_return) {
   Drive drive(seed);
   drive.run_until(600.0);
   std::vector<HealthUpdate> updates(6, {true, 0.0, 0});
-  updates[4] = {true, 30.0, 2};
+  updates[4] = {true, 35.0, 2};
   EXPECT_EQ(drive.health.note_update(updates).failed, 4);
   EXPECT_EQ(drive.health.records()[4].fault, HealthFault::implausible);
   drive.run_until(1200.0);
