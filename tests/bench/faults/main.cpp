@@ -16,6 +16,7 @@ constexpr std::array rates_K_per_h{0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 struct Options : CampaignOptions {
   int drift_runs = 4;
   double cycle_s = 1.0;
+  bool healthy_only = false;
   bool verbose = false;
 };
 
@@ -24,6 +25,7 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::vector<Fault> faults{{}};
+  if (options.healthy_only) return faults;
   for (int sensor = 0; sensor < sensors; ++sensor) {
     Fault fault;
     fault.sensor = sensor;
@@ -101,6 +103,7 @@ int main(int argc, char** argv) {
               "one spindle, one sensor, coarse models: a quick look");
   app.get_option("--runs")->check(CLI::Range(1, 96));  // beyond that A would take the seeds of B
   app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
+  app.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
   app.add_option("--cycle-s", options.cycle_s, "period of the daemon")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();
