@@ -56,6 +56,7 @@ struct HealthLimits {
   double swap_share = 0.1;  ///< its partner's it meets with so little of the square of that
   double swap_window_s = 300.0;
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
+  double exchange_alike = 0.65;    ///< the smaller misfit of the larger
   double exchange_evidence = 7.5;  ///< least of the second
 
   // Return.

@@ -306,8 +306,8 @@ int SensorHealth::exchanged_with(std::size_t w, const std::vector<HealthUpdate>&
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (i == w || !channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
     if (updates[i].evidence < limits_.exchange_evidence) continue;
-    const double left =
-        left_when_exchanged(updates[w].reading_K, updates[w].misfit_K, updates[i].reading_K, updates[i].misfit_K);
+    const double left = left_when_exchanged(updates[w].reading_K, updates[w].misfit_K, updates[i].reading_K,
+                                            updates[i].misfit_K, limits_);
     if (left >= least) continue;
     least = left;
     partner = static_cast<int>(i);

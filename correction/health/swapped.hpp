@@ -41,12 +41,15 @@ inline bool fits_swapped(double own_i_K2, double own_j_K2, double cross_ij_K2, d
 
 /// The same at one instant, with what the others say of each place, t = reading − misfit; what is left of the misfits:
 ///   (|y_i − t_j| + |y_j − t_i|) / (|misfit_i| + |misfit_j|)
-/// For channels that contradict all others together. A channel that drifts by itself bends what is said of a neighbour;
-/// it fits there only while the two are equally warm.
-inline double left_when_exchanged(double y_i_K, double misfit_i_K, double y_j_K, double misfit_j_K) {
-  const double exchanged_K = std::abs(y_i_K - y_j_K + misfit_j_K) + std::abs(y_j_K - y_i_K + misfit_i_K);
-  const double own_K = std::abs(misfit_i_K) + std::abs(misfit_j_K);
-  return own_K > 0.0 ? exchanged_K / own_K : std::numeric_limits<double>::infinity();
+/// For channels that contradict all others together. Exchanged ones do so by as much, one up and one down; one that
+/// drifts by itself bends what is said of a neighbour, but less: infinite where the misfits differ by more than
+/// exchange_alike.
+inline double left_when_exchanged(double y_i_K, double misfit_i_K, double y_j_K, double misfit_j_K,
+                                  const HealthLimits& limits) {
+  const double i_K = std::abs(misfit_i_K), j_K = std::abs(misfit_j_K);
+  const bool alike = misfit_i_K * misfit_j_K < 0.0 && std::min(i_K, j_K) > limits.exchange_alike * std::max(i_K, j_K);
+  if (!alike) return std::numeric_limits<double>::infinity();
+  return (std::abs(y_i_K - y_j_K + misfit_j_K) + std::abs(y_j_K - y_i_K + misfit_i_K)) / (i_K + j_K);
 }
 
 }  // namespace spindle_twin::correction
