@@ -57,7 +57,8 @@ struct HealthLimits {
   double swap_window_s = 300.0;
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
   double exchange_alike = 0.65;    ///< the smaller misfit of the larger
-  double exchange_evidence = 7.5;  ///< least of the second
+  double exchange_evidence = 7.5;  ///< least of the second,
+  double exchange_s = 120.0;       ///< and the first has risen from that so fast: a slow drift is no exchange
 
   // Return.
   double return_after_s = 300.0;                                     ///< without any sign of a fault

@@ -303,6 +303,7 @@ void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s,
 int SensorHealth::exchanged_with(std::size_t w, const std::vector<HealthUpdate>& updates) const {
   int partner = -1;
   double least = limits_.exchange_share;
+  if (time_s_ - states_[w].calm_s > limits_.exchange_s) return partner;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (i == w || !channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
     if (updates[i].evidence < limits_.exchange_evidence) continue;
@@ -322,6 +323,7 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
     if (!channels_[i].configured || !in_use(i) || !updates[i].taken) continue;
     ++judged;
     const double evidence = updates[i].evidence;
+    if (evidence <= limits_.exchange_evidence) states_[i].calm_s = time_s_;
     next = std::max(next, std::min(most, evidence));
     if (evidence <= most) continue;
     most = evidence;

@@ -104,6 +104,7 @@ class SensorHealth {
     double elapsed_s = 0.0;  // since the reading before
     double moved_K = 0.0;    // of the model in that time
     double quiet_s = 0.0;
+    double calm_s = 0.0;  // when there was hardly any evidence last
     int electrical = 0;
     int outliers = 0;
     double first_outlier_K = 0.0, first_miss_K = 0.0;
