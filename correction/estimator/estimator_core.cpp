@@ -23,7 +23,7 @@ EstimatorCore::EstimatorCore(const rom::Network& the_network, EstimatorOptions t
       shared(std::make_shared<const rom::NetworkOperator>(the_network)),
       parameters(the_network, options.priors),
       sensitivities(the_network, shared, parameters),
-      outputs(the_network, sensitivities, parameters.count()) {
+      outputs(the_network, sensitivities, parameters, options.curvature > 0.0) {
   const Eigen::Index p = parameters.count();
   const auto m = static_cast<Eigen::Index>(options.sensors.size());
   const auto nodes = shared->nodes();

@@ -9,6 +9,7 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double metres_per_micrometre = 1e-6;
+constexpr double widest_skewness = 2.0;
 
 /// Entry i of a list that older files lack; there the group's own worst error stands for it.
 double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, double group_worst) {
@@ -18,7 +19,7 @@ double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, 
 }  // namespace
 
 DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities,
-                                       Eigen::Index parameters) {
+                                       const ParameterModel& parameters, bool skewed) {
   const rom::Certificate& certificate = network.certificate;
   const auto internal = [&](const Eigen::VectorXd& row) {
     Eigen::VectorXd result(row.size());
@@ -48,7 +49,12 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
     pressures_.internal.push_back(internal(network.contact_pressures[i].row_Pa_per_K));
     pressures_.certificate.push_back(certificate_of(certificate.contact_pressures_Pa, i, 0.0));
   }
-  sensitivity_ = Eigen::VectorXd::Zero(parameters);
+  sensitivity_ = covariance_ = skew_sign_ = Eigen::VectorXd::Zero(parameters.count());
+  for (Eigen::Index i = 0; skewed && i < skew_sign_.size(); ++i) {
+    const ParameterKind kind = parameters.list()[static_cast<std::size_t>(i)].kind;
+    if (kind == ParameterKind::heat) skew_sign_[i] = 1.0;
+    if (kind == ParameterKind::contact || kind == ParameterKind::film) skew_sign_[i] = -1.0;
+  }
   x_ = Eigen::VectorXd::Zero(network.capacity_J_per_K.rows());
   const auto sized = [](std::size_t count) { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count)).eval(); };
   deviations_ = {sized(network.key_points.size()), sized(network.parts.size()), sized(network.parts.size()),
@@ -64,8 +70,12 @@ double DeviationOfOutputs::deviation(const Eigen::Ref<const Eigen::VectorXd>& in
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
     alternative = std::max(alternative, std::abs(alternatives_.col(s).dot(sensitivity_)));
   }
-  return std::sqrt(filter.variance_of_first(sensitivity_) + bent + certificate * certificate +
-                   alternative * alternative);
+  const double variance = filter.variance_of_first(sensitivity_, covariance_) + bent + certificate * certificate +
+                          alternative * alternative;
+  const double deviation = std::sqrt(variance);
+  const double third = 3.0 * (skew_sign_.array() * sensitivity_.array() * covariance_.array().square()).sum();
+  const double skewness = variance > 0.0 ? std::abs(third) / (variance * deviation) : 0.0;
+  return deviation * (1.0 + 0.25 * std::min(skewness, widest_skewness));
 }
 
 void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter,

@@ -20,12 +20,16 @@ struct OutputDeviations {
 
 /// σ² = l S P Sᵀ lᵀ + κ ½ Σ (l S)_i² P_ii² + certificate², with P of the parameters: what state and parameters leave
 /// open (the sum over the ln factors, in which outputs are not linear), and what the network itself leaves out.
+/// An output follows e^θ of a heat and e^−θ of a conductance, so its error is skewed and its long tail lies beyond 2σ.
+/// Published is half the way to the point that a fraction Φ(−2) of a skewed error exceeds (Cornish and Fisher, 1938):
+///   σ (1 + min(|γ|, 2) / 4),   γ σ³ = 3 Σ ±(l S)_i (P Sᵀ lᵀ)_i²,   + heats, − conductances, 0 what is not an ln factor
 /// Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of a part's maximum the row l
 /// is that of its hottest candidate point.
 class DeviationOfOutputs {
  public:
-  /// Allocates; evaluate() does not.
-  DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, Eigen::Index parameters);
+  /// `skewed`: γ counts. Allocates; evaluate() does not.
+  DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, const ParameterModel& parameters,
+                     bool skewed);
 
   /// `bend`: one entry per parameter, √(κ/2) P_ii where it is the ln of a factor, else 0.
   void evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
@@ -49,7 +53,8 @@ class DeviationOfOutputs {
   Rows key_points_, part_means_, deformations_, pressures_;
   std::vector<Eigen::MatrixXd> candidates_;  // per part, one row on x in each column
   std::vector<double> part_maximum_certificate_;
-  Eigen::VectorXd sensitivity_, x_;
+  Eigen::VectorXd skew_sign_;  // of each parameter
+  Eigen::VectorXd sensitivity_, covariance_, x_;
   Eigen::MatrixXd alternatives_;
   OutputDeviations deviations_;
 };

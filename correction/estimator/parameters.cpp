@@ -56,10 +56,12 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   require(priors.bearing_per_K, 0.1, "prior.bearing_per_K");
   require(priors.speed_exponent, 1.0, "prior.speed_exponent");
   require(priors.start_K, 10.0, "prior.start_K");
-  require(priors.walk_per_root_min, 1.0, "prior.walk_per_root_min");
+  require(priors.heat_walk_per_root_min, 1.0, "prior.heat_walk_per_root_min");
+  require(priors.contact_walk_per_root_min, 1.0, "prior.contact_walk_per_root_min");
+  require(priors.film_walk_per_root_min, 1.0, "prior.film_walk_per_root_min");
 
   const rom::Boundaries& boundaries = network.boundaries;
-  const double walk = priors.walk_per_root_min / std::sqrt(seconds_per_minute);
+  const double per_root_s = 1.0 / std::sqrt(seconds_per_minute);
   heat_.assign(boundaries.sources.size(), -1);
   exponent_.assign(boundaries.sources.size(), -1);
   conductance_.assign(boundaries.conductances.size(), -1);
@@ -70,14 +72,15 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
     const double mean = priors.centred ? 0.5 * heat_deviation * heat_deviation : 0.0;
     const rom::SpeedLaw& law = boundaries.sources[i].law;
     friction_.push_back(law.load_squared == 0.0 && !law.speed_terms.empty());
-    add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, heat_deviation, walk,
-         0.0, -largest_heat, largest_heat},
+    add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, heat_deviation,
+         priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat},
         heat_[i]);
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     const bool contact = boundaries.conductances[j].kind == rom::ConductanceKind::contact;
     const double deviation = contact ? priors.contact : priors.film;
     const double largest = contact ? largest_contact : largest_film;
+    const double walk = (contact ? priors.contact_walk_per_root_min : priors.film_walk_per_root_min) * per_root_s;
     add({(contact ? "contact " : "film ") + boundaries.conductances[j].name,
          contact ? ParameterKind::contact : ParameterKind::film, static_cast<int>(j),
          priors.centred ? -0.5 * deviation * deviation : 0.0, deviation, walk, 0.0, -largest, largest},

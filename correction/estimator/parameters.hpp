@@ -48,7 +48,9 @@ struct EstimatorPriors {
   double bearing_per_K = 0.005;
   double speed_exponent = 0.15;
   double start_K = 0.2;
-  double walk_per_root_min = 0.0075;  ///< of every ln factor
+  double heat_walk_per_root_min = 0.003;     ///< of the ln factors, as the next two
+  double contact_walk_per_root_min = 0.005;  ///< joints settle and loosen with load and temperature
+  double film_walk_per_root_min = 0.003;
   /// A nominal value is the median of what machines have: start at the mean of the heats and of the resistances, which
   /// lie σ²/2 above in ln. Starting at the medians biases the nose by micrometres.
   bool centred = true;

@@ -53,6 +53,14 @@ double SquareRootFilter::variance_of_first(const Eigen::VectorXd& h_first) {
   return projected_.squaredNorm();
 }
 
+double SquareRootFilter::variance_of_first(const Eigen::VectorXd& h_first, Eigen::VectorXd& covariance) {
+  const double variance = variance_of_first(h_first);
+  const Eigen::Index n = h_first.size();
+  covariance.noalias() = root_.topRows(n) * projected_;
+  covariance.array() *= scale_.head(n).array();
+  return variance;
+}
+
 bool SquareRootFilter::update(const Eigen::VectorXd& h, double innovation, double noise) {
   const double total = variance_of(h) + noise;
   if (!std::isfinite(total) || !std::isfinite(innovation) || !(noise > 0.0)) return false;

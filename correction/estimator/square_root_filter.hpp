@@ -29,6 +29,8 @@ class SquareRootFilter {
   double variance_of(const Eigen::VectorXd& h);
   /// Same with h only as long as the first entries of z.
   double variance_of_first(const Eigen::VectorXd& h_first);
+  /// The same, and P hᵀ of these entries, as long as h_first.
+  double variance_of_first(const Eigen::VectorXd& h_first, Eigen::VectorXd& covariance);
   /// Takes in `innovation` = y − h z_now of variance `noise` besides h P hᵀ. Returns whether it was finite.
   bool update(const Eigen::VectorXd& h, double innovation, double noise);
 

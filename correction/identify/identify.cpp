@@ -134,7 +134,7 @@ EstimatorPriors constant_priors() {
   priors.bearing_per_K = 0.0;
   priors.speed_exponent = 0.0;
   priors.start_K = 0.0;
-  priors.walk_per_root_min = 0.0;
+  priors.heat_walk_per_root_min = priors.contact_walk_per_root_min = priors.film_walk_per_root_min = 0.0;
   priors.centred = false;
   return priors;
 }

@@ -43,7 +43,12 @@ correction::EstimatorPriors read_priors(const rom::TomlTable& table) {
   priors.bearing_per_K = table.number_or("bearing_per_K", priors.bearing_per_K, rom::between(0.0, 0.1));
   priors.speed_exponent = table.number_or("speed_exponent", priors.speed_exponent, rom::between(0.0, 1.0));
   priors.start_K = table.number_or("start_K", priors.start_K, rom::between(0.0, 10.0));
-  priors.walk_per_root_min = table.number_or("walk_per_root_min", priors.walk_per_root_min, rom::between(0.0, 1.0));
+  priors.heat_walk_per_root_min =
+      table.number_or("heat_walk_per_root_min", priors.heat_walk_per_root_min, rom::between(0.0, 1.0));
+  priors.contact_walk_per_root_min =
+      table.number_or("contact_walk_per_root_min", priors.contact_walk_per_root_min, rom::between(0.0, 1.0));
+  priors.film_walk_per_root_min =
+      table.number_or("film_walk_per_root_min", priors.film_walk_per_root_min, rom::between(0.0, 1.0));
   priors.centred = table.boolean_or("centred", priors.centred);
   return priors;
 }

@@ -26,6 +26,7 @@ struct Conditions {
   double sample_s = bench::sample_s;  ///< between readings; the estimator's period as well
   double lag_s = 0.0;                 ///< of the sensors, first order; the twin is told
   bool standstill = false;            ///< the spindle stands through the third quarter of the run
+  double speed_exponent = 0.0;        ///< 1σ of what the heats' speed exponents are wrong by
 };
 
 /// What one virtual spindle is and what its sensors say, sample by sample.

@@ -12,14 +12,17 @@ namespace {
 
 struct Options : CampaignOptions {
   bool conditions = false;
-  double walk = correction::EstimatorPriors{}.walk_per_root_min;
+  double speed_exponent = 0.0;
+  double walk = 1.0;
   double floor_K = correction::EstimatorOptions{}.floor_K;
 };
 
 correction::EstimatorOptions estimator_options(const Options& options, HeatErrors heats) {
   correction::EstimatorOptions estimator;
   estimator.priors = priors_of(heats);
-  estimator.priors.walk_per_root_min = options.walk;
+  estimator.priors.heat_walk_per_root_min *= options.walk;
+  estimator.priors.contact_walk_per_root_min *= options.walk;
+  estimator.priors.film_walk_per_root_min *= options.walk;
   estimator.floor_K = options.floor_K;
   return estimator;
 }
@@ -27,9 +30,11 @@ correction::EstimatorOptions estimator_options(const Options& options, HeatError
 /// How many limits were missed.
 int run(const Options& options) {
   const rom::Network network = twin_network(options.twin);
-  std::printf("seed %llu, %d runs of 2 h for each of A and B; twin: %zu nodes from a mesh of %g mm; truth: %g mm\n",
-              static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(),
-              options.twin.element_size_mm, options.truth_mm);
+  std::printf(
+      "seed %llu, %d runs of 2 h for each of A and B; twin: %zu nodes from a mesh of %g mm; truth: %g mm, speed "
+      "exponents +-%g\n",
+      static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(), options.twin.element_size_mm,
+      options.truth_mm, options.speed_exponent);
   std::fflush(stdout);
   const fem_offline::FeModel fe = model_of(options.truth_mm);
   if (options.conditions) {
@@ -45,7 +50,7 @@ int run(const Options& options) {
     const correction::EstimatorOptions estimator = estimator_options(options, heats);
     const correction::ParameterModel parameters(network, estimator.priors);
     const std::uint64_t seed = seed_of(options, i < options.runs ? i : i - options.runs, heats);
-    const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
+    const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats, options.speed_exponent);
     RunResult& result = results[static_cast<std::size_t>(i)];
     result.seed = seed;
     result.heats = heats;
@@ -95,7 +100,10 @@ int main(int argc, char** argv) {
   options.runs = 48;
   add_options(app, options, "of 2 h, for each of A and B",
               "one run for each of A and B with coarse models, for a quick look");
-  app.add_option("--walk", options.walk, "random walk of the ln factors per root minute")->capture_default_str();
+  app.add_option("--speed-exponent", options.speed_exponent, "deviation of the true heats' exponents of speed")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  app.add_option("--walk", options.walk, "times the default random walk of the ln factors")->capture_default_str();
   app.add_option("--floor-K", options.floor_K, "model error at a sensor")->capture_default_str();
   app.add_flag("--conditions", options.conditions,
                "instead: lagging sensors, standstill, updates every second and a day, up to 4 runs each");

@@ -46,9 +46,11 @@ rom::Network twin_network(const TwinOptions& options) {
   }
   fem_offline::ReduceOptions reduce;
   reduce.nodes = options.nodes;
-  reduce.full_sets = 16;
-  reduce.rich_states = 240;
-  reduce.rich_sets = 40;
+  if (options.rough) {
+    reduce.full_sets = 16;
+    reduce.rich_states = 240;
+    reduce.rich_sets = 40;
+  }
   reduce.threads = options.threads;
   rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm).affine(), reduce);
   if (!path.empty()) rom::write_network(network, path);
@@ -73,6 +75,7 @@ void settle(CampaignOptions& options) {
   options.runs = 1;
   options.twin.nodes = 80;
   options.twin.element_size_mm = 8.0;
+  options.twin.rough = true;
   options.truth_mm = 10.0;
 }
 

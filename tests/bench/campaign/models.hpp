@@ -20,7 +20,8 @@ struct TwinOptions {
   int nodes = 110;
   int threads = 2;
   double element_size_mm = 4.0;
-  std::string cache;  ///< folder; empty: none
+  bool rough = false;  ///< few snapshots, for a quick look
+  std::string cache;   ///< folder; empty: none
 };
 
 /// The twin's network; kept in the cache.

@@ -195,11 +195,15 @@ int print_limits(const std::vector<RunResult>& results) {
 }
 
 Truth cached_truth(const std::string& cache, const fem_offline::AffineModel& model,
-                   const correction::ParameterModel& parameters, std::uint64_t seed, HeatErrors heats) {
-  if (cache.empty()) return make_truth(model, parameters, seed, heats);
+                   const correction::ParameterModel& parameters, std::uint64_t seed, HeatErrors heats,
+                   double speed_exponent) {
+  Conditions conditions;
+  conditions.speed_exponent = speed_exponent;
+  if (cache.empty()) return make_truth(model, parameters, seed, heats, conditions);
   std::filesystem::create_directories(cache);
   const std::string path = cache + "/truth_" + std::to_string(model.places.size()) + "_" + std::to_string(seed) +
-                           (heats == HeatErrors::independent ? "_A" : "_B");
+                           (heats == HeatErrors::independent ? "_A_" : "_B_") +
+                           std::to_string(std::lround(1000.0 * speed_exponent));
   // Raw numbers for this program on this computer.
   const auto each = [](Truth& truth, const auto& number) {
     for (double& value : truth.theta) number(value);
@@ -217,14 +221,14 @@ Truth cached_truth(const std::string& cache, const fem_offline::AffineModel& mod
   if (std::ifstream file(path, std::ios::binary); file) {
     const auto samples = static_cast<Eigen::Index>(std::lround(run_s / sample_s)) + 1;
     const auto key_points = static_cast<Eigen::Index>(model.key_points.size());
-    Truth truth{seed, heats, {}, Eigen::VectorXd::Zero(parameters.count()), {}, {}, {}, {}, {}, {}};
+    Truth truth{seed, heats, conditions, Eigen::VectorXd::Zero(parameters.count()), {}, {}, {}, {}, {}, {}};
     truth.read.assign(static_cast<std::size_t>(samples), model.boundaries.operating);
     truth.key_points_K = truth.measured_K = Eigen::MatrixXd::Zero(samples, key_points);
     truth.nose_m = truth.touch_off_m = truth.rotor_K = Eigen::VectorXd::Zero(samples);
     each(truth, [&](double& value) { file.read(reinterpret_cast<char*>(&value), sizeof value); });
     if (file) return truth;
   }
-  Truth truth = make_truth(model, parameters, seed, heats);
+  Truth truth = make_truth(model, parameters, seed, heats, conditions);
   std::ofstream file(path + ".part", std::ios::binary);
   each(truth, [&](double& value) { file.write(reinterpret_cast<const char*>(&value), sizeof value); });
   file.close();

@@ -28,9 +28,11 @@ struct RunResult {
   std::array<double, set_ups.size()> bound_um{};
 };
 
-/// make_truth, or the same from an earlier campaign in the folder `cache` (empty: none).
+/// make_truth of a run as usual but for `speed_exponent` (Conditions), or the same from an earlier campaign in the
+/// folder `cache` (empty: none).
 Truth cached_truth(const std::string& cache, const fem_offline::AffineModel& model,
-                   const correction::ParameterModel& parameters, std::uint64_t seed, HeatErrors heats);
+                   const correction::ParameterModel& parameters, std::uint64_t seed, HeatErrors heats,
+                   double speed_exponent = 0.0);
 
 /// Mean and spread of the hidden ln factors of the heats.
 void describe_heats(const correction::ParameterModel& parameters, const Truth& truth, RunResult& result);

@@ -81,6 +81,9 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
         break;
       case correction::ParameterKind::environment:
         break;
+      case correction::ParameterKind::speed_exponent:
+        truth.theta[i] = conditions.speed_exponent * normal(random);
+        break;
       default:
         truth.theta[i] = parameter.deviation * normal(random);
     }

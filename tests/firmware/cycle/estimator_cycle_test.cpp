@@ -64,7 +64,8 @@ TEST(EstimatorCycle, from_the_first_cycle_on_sigma_is_what_the_priors_make_of_th
   plan.estimator->curvature = 0.0;
   correction::EstimatorPriors& priors = plan.estimator->priors;
   priors = {.heat = 0.5, .contact = 0.0, .film = 0.0, .environment_K = 0.0, .bearing_mean_per_K = 0.0};
-  priors.bearing_per_K = priors.speed_exponent = priors.walk_per_root_min = 0.0;
+  priors.bearing_per_K = priors.speed_exponent = priors.heat_walk_per_root_min = priors.contact_walk_per_root_min =
+      priors.film_walk_per_root_min = 0.0;
   priors.start_K = 0.01;
   priors.centred = false;
   constexpr double nudge = 1e-3;
