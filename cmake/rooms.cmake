@@ -25,16 +25,26 @@ set(spindle_twin_common_headers <Eigen/Dense> <algorithm> <array> <cmath> <cstdi
   <functional> <limits> <map> <memory> <numbers> <optional> <random> <set> <span> <sstream> <stdexcept> <string> <utility>
   <vector>)
 
-# spindle_twin_precompile(TARGET GROUP [header...]): the first target of a group makes the group's precompiled header, the
-# others take it; the targets of a group have the same compiler flags.
+# spindle_twin_precompile(TARGET GROUP [header...]): the targets of a group share a precompiled header; they have the same
+# compiler flags. It belongs to a target of its own, because a target waits for the whole of the one whose header it takes.
 function(spindle_twin_precompile target group)
-  get_property(owner GLOBAL PROPERTY spindle_twin_precompiled_${group})
-  if(owner)
-    target_precompile_headers(${target} REUSE_FROM ${owner})
-  else()
-    set_property(GLOBAL PROPERTY spindle_twin_precompiled_${group} ${target})
-    target_precompile_headers(${target} PRIVATE ${spindle_twin_common_headers} ${ARGN})
+  set(owner spindle_twin_precompiled_${group})
+  if(NOT TARGET ${owner})
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${owner}.cpp CONTENT "")
+    add_library(${owner} OBJECT ${PROJECT_BINARY_DIR}/generated/${owner}.cpp)
+    target_link_libraries(${owner} PRIVATE spindle_twin_flags Eigen3::Eigen)
+    if(group STREQUAL "tests")
+      target_link_libraries(${owner} PRIVATE GTest::gtest)
+    endif()
+    foreach(property COMPILE_OPTIONS POSITION_INDEPENDENT_CODE)
+      get_target_property(value ${target} ${property})
+      if(value)
+        set_target_properties(${owner} PROPERTIES ${property} "${value}")
+      endif()
+    endforeach()
+    target_precompile_headers(${owner} PRIVATE ${spindle_twin_common_headers} ${ARGN})
   endif()
+  target_precompile_headers(${target} REUSE_FROM ${owner})
 endfunction()
 
 # spindle_twin_room(NAME [PIC] FOLDERS dir... [LINK lib...]): a static library of all C++ sources below the folders. PIC: it
@@ -86,11 +96,11 @@ function(spindle_twin_tests name folder)
     add_executable(${name} ${sources})
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE SPINDLE_TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    if(SPINDLE_TWIN_PRECOMPILE)
-      spindle_twin_precompile(${name} tests <gtest/gtest.h>)
-    endif()
     if(SPINDLE_TWIN_SANITIZE)
       target_compile_options(${name} PRIVATE -Og)  # compiles faster than -O1, and the tests take no longer
+    endif()
+    if(SPINDLE_TWIN_PRECOMPILE)
+      spindle_twin_precompile(${name} tests <gtest/gtest.h>)
     endif()
     list(TRANSFORM TESTS_TOGETHER APPEND ".*" OUTPUT_VARIABLE together)
     list(JOIN together ":" together)
