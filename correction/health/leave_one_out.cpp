@@ -10,7 +10,7 @@ constexpr double most_surprise = 9.0;
 constexpr double least_memory_s = 120.0;
 constexpr double memory_s = 3600.0;
 constexpr double keep_every_s = 300.0;
-constexpr double doubt_from = 5.0;  // evidence
+constexpr double doubt_from = 4.0;  // evidence
 constexpr double doubt_whole = 12.0;
 
 double surprise(double innovation, double variance) {

@@ -52,7 +52,7 @@ class LeaveOneOut {
   /// unsure by the time since: for two sensors that failed together, which no filter has done without.
   const SquareRootFilter& before(const EstimatorCorrection& estimator);
 
-  /// For EstimatorCorrection::set_alternatives: √w (θ_s − θ) per sensor, w from 0 to 1 as the evidence goes from 5 to
+  /// For EstimatorCorrection::set_alternatives: √w (θ_s − θ) per sensor, w from 0 to 1 as the evidence goes from 4 to
   /// 12. As long as it is open whether s has failed, the truth may lie where its filter says (solution separation, the
   /// protection level of satellite navigation: Brown and McBurney, Navigation 35, 1988).
   const Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
