@@ -105,8 +105,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--walk", options.walk, "times the default random walk of the ln factors")->capture_default_str();
   app.add_option("--floor-K", options.floor_K, "model error at a sensor")->capture_default_str();
-  app.add_flag("--conditions", options.conditions,
-               "instead: lagging sensors, standstill, updates every second and a day, up to 4 runs each");
+  app.add_flag(
+      "--conditions", options.conditions,
+      "instead: lagging sensors, standstill, wrong speed laws, updates every second and a day, up to 4 runs each");
   CLI11_PARSE(app, argc, argv);
   settle(options);
   return run(options) == 0 ? 0 : 1;

@@ -46,8 +46,8 @@ struct ConditionRuns {
   std::uint64_t first_seed = 0;
 };
 
-/// Lagging sensors, standstill, updates every second and a whole day, each with the same virtual spindles. Returns in
-/// how many of them less than 90 % of the truth lies within +-2 sigma.
+/// Lagging sensors, standstill, wrong speed laws, updates every second and a whole day, each with the same virtual
+/// spindles. Returns in how many of them less than 90 % of the truth lies within +-2 sigma.
 int print_conditions(const rom::Network& network, const fem_offline::AffineModel& model,
                      const correction::EstimatorOptions& options, const ConditionRuns& runs);
 
