@@ -78,6 +78,18 @@ TEST(SquareRootFilter, covariance_stays_positive_over_three_days_of_nearly_perfe
   for (Eigen::Index i = 0; i < n; ++i) EXPECT_GT(filter.deviation(i), 0.0);
 }
 
+TEST(SquareRootFilter, an_outputs_covariance_with_the_first_entries_is_that_of_the_whole_covariance) {
+  std::mt19937_64 random(11);
+  SquareRootFilter filter(random_vector(random, 7), random_covariance(random, 7));
+  filter.update(random_vector(random, 7), 0.3, 0.1);
+  const Eigen::VectorXd h = random_vector(random, 4);
+  Eigen::VectorXd covariance(4);
+  const double variance = filter.variance_of_first(h, covariance);
+  const Eigen::MatrixXd all = filter.covariance().topLeftCorner(4, 4);
+  EXPECT_LT((covariance - all * h).norm(), 1e-12 * covariance.norm());
+  EXPECT_NEAR(variance, h.dot(all * h), 1e-12 * variance);
+}
+
 TEST(SquareRootFilter, refuses_what_is_no_covariance_and_what_is_no_measurement) {
   EXPECT_THROW(SquareRootFilter(Eigen::VectorXd::Zero(2), -Eigen::MatrixXd::Identity(2, 2)), std::invalid_argument);
   EXPECT_THROW(SquareRootFilter(Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(3, 3)), std::invalid_argument);
