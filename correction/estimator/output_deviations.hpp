@@ -40,7 +40,7 @@ class DeviationOfOutputs {
   const OutputDeviations& deviations() const { return deviations_; }
 
  private:
-  /// Rows on x and the certificate's variance of each.
+  /// Rows on x and the certificate's 1σ of each.
   struct Rows {
     std::vector<Eigen::VectorXd> internal;
     std::vector<double> certificate;

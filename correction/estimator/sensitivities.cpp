@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -159,9 +160,10 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
       const int slot = parameters.conductance(conductance);
       if (slot < 0 || flow_W_per_K == 0.0) continue;
       const double share = held.values.conductance_W_per_m2K[conductance] * segments.area_m2[s] / flow_W_per_K;
-      // G = W (1 − e^(−NTU)): dG/d ln h = G NTU / (e^NTU − 1)
-      const double transfer_units = -std::log1p(-share);
-      if (transfer_units > 0.0) drive_.col(slot) *= transfer_units / std::expm1(transfer_units);
+      // G = W (1 − e^(−NTU)): dG/d ln h = G NTU / (e^NTU − 1), nothing where a trickle leaves at the wall's temperature
+      const double transfer_units = share < 1.0 ? -std::log1p(-share) : std::numeric_limits<double>::infinity();
+      const double left = std::isinf(transfer_units) ? 0.0 : transfer_units / std::expm1(transfer_units);
+      if (transfer_units > 0.0) drive_.col(slot) *= left;
     }
   }
 }

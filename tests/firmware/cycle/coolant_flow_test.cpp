@@ -18,9 +18,14 @@ namespace {
 constexpr double operating_kg_per_s = 0.02;
 constexpr double heat_capacity_J_per_kgK = 4180.0;
 
-/// The small network with its coolant film as the one segment of a circuit.
+/// The small network with its coolant film as the one segment of a circuit. The root of its area has no rounding, so that
+/// G/A times area over m c is exactly 1 at a trickle.
 rom::Network jacket_network() {
   rom::Network network = tests::small_network();
+  rom::Conductance& film = network.boundaries.conductances[2];
+  film.nominal_W_per_m2K *= film.area_m2 / 0.0625;
+  film.area_m2 = 0.0625;
+  network.factors_m[2](4, 0) = 0.25;
   network.boundaries.circuits = {{"jacket", 0, heat_capacity_J_per_kgK, {2}}};
   network.boundaries.operating.flow_kg_per_s = Eigen::VectorXd::Constant(1, operating_kg_per_s);
   return network;
@@ -86,6 +91,16 @@ TEST(CoolantFlow, steady_rise_is_that_of_the_channel_at_the_flow_of_the_machine)
     EXPECT_NEAR(outer_rise_K(snapshot), outer_rise_K(flow_kg_per_s), 2e-4 * outer_rise_K(flow_kg_per_s));
     EXPECT_EQ(snapshot.state, State::running);
     EXPECT_DOUBLE_EQ(snapshot.signals[first_flow_signal], flow_kg_per_s);
+  }
+}
+
+TEST(CoolantFlow, a_trickle_that_leaves_at_the_walls_temperature_keeps_every_deviation_a_number) {
+  Twin twin("flow.jacket = { source = \"plc\" }\n");
+  for (const double flow_kg_per_s : {0.02, 1e-3, 1e-4, 1e-5, 0.02}) {
+    twin.command.signals[first_flow_signal] = {flow_kg_per_s, at_s(twin.now)};
+    const Snapshot& snapshot = twin.run(20);
+    EXPECT_GT(snapshot.deformation_sd_m[0], 0.0) << flow_kg_per_s;
+    EXPECT_TRUE(std::isfinite(snapshot.deformation_sd_m[0])) << flow_kg_per_s;
   }
 }
 
