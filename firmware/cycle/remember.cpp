@@ -75,8 +75,8 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
     known = corrector_.corrects && from.layout == layout_of(*corrector_.estimator) &&
             corrector_.estimator->restore(from.estimator);
   }
-  const std::size_t tared = watch_.tare.offset_K.size();
-  if (from.sensor_tare.offset_K.size() == tared && from.sensor_tare.deviation_K.size() == tared) {
+  const auto tared = static_cast<Eigen::Index>(watch_.tare.offset_K.size());
+  if (fits(from.sensor_tare.offset_K, tared) && fits(from.sensor_tare.deviation_K, tared)) {
     watch_.tare = from.sensor_tare;
   }
   const Eigen::VectorXd unseen_K = stand_still(gap_s);

@@ -86,7 +86,8 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
       // A reading out of range is the health's business too: it tells a broken wire from a hot place.
       const bool readable =
           judgement.sensors[k] == SensorQuality::good || judgement.sensors[k] == SensorQuality::out_of_range;
-      watch.samples[k] = {readable && reading.time_ns != watch.seen_ns[k], reading.value, predicted_K,
+      // As read: a tare, which moves what is used of all sensors at once, is no jump.
+      watch.samples[k] = {readable && reading.time_ns != watch.seen_ns[k], sensed.raw_K[k], predicted_K,
                           time_s > 0.0 ? predicted_K - watch.corrected_K[k] : 0.0,
                           plan.compare_uncorrected ? uncorrected.outputs.key_points_K[row] : not_a_value};
     }

@@ -158,6 +158,12 @@ TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_withou
   resumed.until(30);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(resumed.last.sensor_tare_K[k], run.last.sensor_tare_K[k]);
   EXPECT_EQ(resumed.last.sensors_failed, 0);
+  remembered.sensor_tare.offset_K[0] = not_a_value;
+  Watched untared(network, plan, 0.0);
+  ASSERT_NE(untared.cycle.resume(remembered, 10.0), Resumed::nothing);
+  untared.until(30);
+  EXPECT_EQ(untared.last.sensor_tare_K[0], 0.0);
+  EXPECT_TRUE(std::isfinite(untared.last.measured_K[0]));
 
   run.command.sensor_order = SensorOrder::clear_tare;
   run.command.sensor_orders = 2;
@@ -189,6 +195,29 @@ TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
       EXPECT_NEAR(run.last.sensor_update[k].observation, run.last.measured_K[k], 1e-9);
       EXPECT_NEAR(run.last.sensor_update[k].innovation, 0.0, 1e-3);
     }
+  }
+}
+
+TEST(WatchSensors, a_tare_larger_than_any_jump_fails_no_sensor) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = at_rest(estimated());
+  plan.estimator->offset_K = 0.2;
+  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  Watched run(network, plan, 0.0);
+  run.offset_K = {0.6, -0.05, 0.0};
+  run.until(1000);
+  for (const SensorOrder order : {SensorOrder::tare, SensorOrder::clear_tare}) {
+    run.command.sensor_order = order;
+    ++run.command.sensor_orders;
+    run.until(run.n + 20);
+    EXPECT_EQ(run.last.sensor_tare_count, run.command.sensor_orders);
+    EXPECT_EQ(std::abs(run.last.sensor_tare_K[0]) > plan.health->jump_K, order == SensorOrder::tare);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(run.last.sensor_health[k].state, SensorState::good) << k;
+      EXPECT_EQ(run.last.sensor_health[k].spikes, 0) << k;
+      EXPECT_EQ(run.last.sensor_quality[k], SensorQuality::good) << k;
+    }
+    EXPECT_FALSE(run.last.model_in_doubt);
   }
 }
 
