@@ -14,7 +14,7 @@ constexpr double doubt_from = 4.0;  // evidence
 constexpr double doubt_whole = 12.0;
 
 double surprise(double innovation, double variance) {
-  return std::min(innovation * innovation / variance, most_surprise);
+  return std::fmin(innovation * innovation / variance, most_surprise);  // no evidence is drawn from what is no number
 }
 
 /// J of the estimator itself.
