@@ -48,6 +48,13 @@ struct Watched {
   long heap_calls = 0;
 };
 
+CyclePlan untared() {
+  CyclePlan plan = estimated();
+  plan.estimator->offset_K = 0.2;
+  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  return plan;
+}
+
 CyclePlan at_rest(CyclePlan plan) {
   plan.signals[0].value = 0.0;
   plan.signals[1].value = 0.0;
@@ -121,9 +128,7 @@ TEST(WatchSensors, a_repaired_sensor_returns_without_a_step_of_the_nose) {
 
 TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_without_a_step) {
   const rom::Network network = tests::small_network();
-  CyclePlan plan = at_rest(estimated());
-  plan.estimator->offset_K = 0.2;
-  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  const CyclePlan plan = at_rest(untared());
   Watched run(network, plan, 0.0);
   run.offset_K = {0.15, -0.2, 0.05};
   run.until(800);
@@ -173,9 +178,7 @@ TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_withou
 
 TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
   const rom::Network network = tests::small_network();
-  CyclePlan plan = at_rest(estimated());
-  plan.estimator->offset_K = 0.2;
-  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  const CyclePlan plan = at_rest(untared());
   Watched run(network, plan, 0.0);
   run.offset_K = {0.15, -0.2, 0.05};
   run.noise_K = 0.0;
@@ -200,9 +203,7 @@ TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
 
 TEST(WatchSensors, a_tare_larger_than_any_jump_fails_no_sensor) {
   const rom::Network network = tests::small_network();
-  CyclePlan plan = at_rest(estimated());
-  plan.estimator->offset_K = 0.2;
-  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  const CyclePlan plan = at_rest(untared());
   Watched run(network, plan, 0.0);
   run.offset_K = {0.6, -0.05, 0.0};
   run.until(1000);
