@@ -10,7 +10,8 @@ import unittest
 
 from pymodbus.client import ModbusTcpClient
 
-from host_tool_case import DAEMON, SPINDLES, TWIN, Case, can_connect, free_port, wait_until
+from host_tool_case import DAEMON, SPINDLES, TWIN, Case
+from ports import can_connect, free_port, wait_until
 
 JACKET = pathlib.Path(SPINDLES) / "jacket_circuit.toml"
 CONFIG = """

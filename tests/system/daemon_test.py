@@ -18,6 +18,8 @@ import unittest
 
 from pymodbus.client import ModbusTcpClient
 
+from ports import can_connect, free_port, wait_until
+
 HERE = pathlib.Path(__file__).resolve().parent
 DAEMON = ""
 MAKE_NETWORK = ""
@@ -48,27 +50,6 @@ parameters = "parameters.csv"
 path = "twin.checkpoint"
 interval_s = 5.0
 """.replace("{sensors}", SENSORS)
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def wait_until(condition, what, seconds=20.0):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f"{what} did not happen within {seconds} s")
-
-
-def can_connect(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def int16(word):

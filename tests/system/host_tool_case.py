@@ -5,11 +5,9 @@ The first three arguments of a test program that imports this are SPINDLE_TWIN S
 import json
 import os
 import pathlib
-import socket
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 TWIN, DAEMON, SPINDLES = map(os.path.abspath, sys.argv[1:4])
@@ -23,27 +21,6 @@ HOUR = "time_s,speed_rpm,load,coolant_degC\n0,6000,1,27\n600,12000,0.5,25\n900,1
 
 def run(*arguments, seconds=600, **options):
     return subprocess.run([TWIN, *map(str, arguments)], capture_output=True, text=True, timeout=seconds, **options)
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-def can_connect(port):
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-def wait_until(condition, what, seconds=60.0):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    raise AssertionError(f"{what} did not happen within {seconds} s")
 
 
 BUILT = {}

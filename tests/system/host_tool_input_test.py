@@ -7,7 +7,8 @@ import re
 import socket
 import unittest
 
-from host_tool_case import REFERENCE, SMALL, Case, free_port
+from host_tool_case import REFERENCE, SMALL, Case
+from ports import free_port
 
 COMMANDS = ["solve", "build", "verify", "inspect", "simulate", "registers", "plant", "report"]
 

@@ -14,7 +14,8 @@ import unittest
 
 from pymodbus.client import ModbusTcpClient
 
-from host_tool_case import BUILT, DAEMON, HOUR, REFERENCE, SMALL, TWIN, Case, can_connect, free_port, reference_network, wait_until
+from host_tool_case import BUILT, DAEMON, HOUR, REFERENCE, SMALL, TWIN, Case, reference_network
+from ports import can_connect, free_port, wait_until
 
 
 class Solve(Case):

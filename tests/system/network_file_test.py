@@ -12,6 +12,7 @@ import unittest
 
 import host_tool_case
 from host_tool_case import DAEMON, TWIN, run
+from ports import free_port
 
 EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "rom" / "by_hand" / "motor_spindle.toml"
 CONFIG = """network = {network}
@@ -39,7 +40,7 @@ class NetworkFiles(host_tool_case.Case):
 
     def check(self, network):
         """spindle-twind --check of a configuration with this network table: exit code and its one line."""
-        config = self.text("twin.toml", CONFIG.format(network=network, port=host_tool_case.free_port()))
+        config = self.text("twin.toml", CONFIG.format(network=network, port=free_port()))
         result = subprocess.run([DAEMON, config, "--check"], capture_output=True, text=True, timeout=30)
         return result.returncode, (result.stdout + result.stderr).strip()
 
