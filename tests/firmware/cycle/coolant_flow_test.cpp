@@ -18,8 +18,8 @@ namespace {
 constexpr double operating_kg_per_s = 0.02;
 constexpr double heat_capacity_J_per_kgK = 4180.0;
 
-/// The small network with its coolant film as the one segment of a circuit. The root of its area has no rounding, so that
-/// G/A times area over m c is exactly 1 at a trickle.
+/// The small network with its coolant film as the one segment of a circuit. The root of its area has no rounding, so
+/// that G/A times area over m c is exactly 1 at a trickle.
 rom::Network jacket_network() {
   rom::Network network = tests::small_network();
   rom::Conductance& film = network.boundaries.conductances[2];
