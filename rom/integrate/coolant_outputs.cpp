@@ -22,7 +22,8 @@ CoolantOutlets coolant_outlets(const NetworkOperator& network, const BoundaryVal
   return outlets;
 }
 
-Eigen::VectorXd steady_temperatures_K(std::shared_ptr<const NetworkOperator> network, const BoundaryValues& values) {
+Eigen::VectorXd steady_temperatures_K(const std::shared_ptr<const NetworkOperator>& network,
+                                      const BoundaryValues& values) {
   const Eigen::Index n = network->nodes();
   RightHandSide rhs(network);
   rhs.hold(values);

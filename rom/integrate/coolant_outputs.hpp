@@ -14,6 +14,7 @@ CoolantOutlets coolant_outlets(const NetworkOperator& network, const BoundaryVal
 /// Node temperatures after an endless time with these inputs held: K̃x − PX̃Pᵀx = u, with physical laws at their own
 /// temperatures by Newton's method. Not finite where nothing leads to an
 /// environment. An LU factorisation: not for the cycle.
-Eigen::VectorXd steady_temperatures_K(std::shared_ptr<const NetworkOperator> network, const BoundaryValues& values);
+Eigen::VectorXd steady_temperatures_K(const std::shared_ptr<const NetworkOperator>& network,
+                                      const BoundaryValues& values);
 
 }  // namespace spindle_twin::rom

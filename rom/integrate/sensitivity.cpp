@@ -6,7 +6,7 @@
 
 namespace spindle_twin::rom {
 
-SteadySensitivities steady_sensitivities(std::shared_ptr<const NetworkOperator> coordinates,
+SteadySensitivities steady_sensitivities(const std::shared_ptr<const NetworkOperator>& coordinates,
                                          const BoundaryValues& inputs, const Eigen::VectorXd& temperatures_K,
                                          const Eigen::VectorXd& row) {
   const Eigen::Index n = coordinates->nodes();

@@ -18,7 +18,7 @@ struct SteadySensitivities {
 };
 
 /// `temperatures_K`: the steady state of `values` (steady_temperatures_K). Not for the cycle.
-SteadySensitivities steady_sensitivities(std::shared_ptr<const NetworkOperator> coordinates,
+SteadySensitivities steady_sensitivities(const std::shared_ptr<const NetworkOperator>& coordinates,
                                          const BoundaryValues& values, const Eigen::VectorXd& temperatures_K,
                                          const Eigen::VectorXd& row);
 

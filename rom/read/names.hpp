@@ -16,7 +16,7 @@ class Names {
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
 
   std::string add(const TomlTable& table) {
-    const std::string name = table.name();
+    std::string name = table.name();
     table.show_as(name);
     const auto [known, fresh] = places_.try_emplace(name, Entry{places_.size(), table.where("name").line});
     if (!fresh) {

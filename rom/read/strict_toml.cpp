@@ -231,7 +231,7 @@ std::optional<std::string> TomlTable::optional_string(const std::string& key) co
 }
 
 std::string TomlTable::choice(const std::string& key, const std::vector<std::string>& words) const {
-  const std::string value = string(key);
+  std::string value = string(key);
   if (std::find(words.begin(), words.end(), value) == words.end()) {
     fail(key, "must be one of " + joined(words) + ", is \"" + value + "\"");
   }
@@ -244,7 +244,7 @@ std::string TomlTable::choice_or(const std::string& key, const std::string& othe
 }
 
 std::string TomlTable::name(const std::string& key) const {
-  const std::string value = string(key);
+  std::string value = string(key);
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const auto inside = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; };
   if (value.empty() || !letter(value.front()) || !std::all_of(value.begin(), value.end(), inside)) {
