@@ -125,6 +125,15 @@ Run run(const rom::Network& network, const ParameterModel& parameters, const Sch
   return result;
 }
 
+rom::InputError unknown_place(const rom::Network& network, const std::vector<SensorPlace>& all, const std::string& name,
+                              const std::string& field) {
+  std::string list;
+  for (std::size_t i = 0; i < network.key_points.size() + network.parts.size(); ++i) {
+    list.append(list.empty() ? "" : ", ").append(all[i].name);
+  }
+  return {{}, field, "'" + name + "' does not exist; allowed: " + list + ", or the name of a node"};
+}
+
 }  // namespace
 
 EstimatorPriors constant_priors() {
@@ -159,13 +168,7 @@ std::vector<SensorPlace> find_places(const rom::Network& network, const std::vec
   std::vector<SensorPlace> found;
   for (const std::string& name : names) {
     const auto place = std::find_if(all.begin(), all.end(), [&](const SensorPlace& one) { return one.name == name; });
-    if (place == all.end()) {
-      std::string list;
-      for (std::size_t i = 0; i < network.key_points.size() + network.parts.size(); ++i) {
-        list.append(list.empty() ? "" : ", ").append(all[i].name);
-      }
-      throw rom::InputError({}, field, "'" + name + "' does not exist; allowed: " + list + ", or the name of a node");
-    }
+    if (place == all.end()) throw unknown_place(network, all, name, field);
     found.push_back(*place);
   }
   return found;
