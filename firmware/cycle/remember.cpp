@@ -100,10 +100,10 @@ Eigen::VectorXd Cycle::stand_still(double gap_s) {
   operating.current_A.reset();
   operating.power_W.reset();
   rom::CorrectionFactors described_heat = corrector_.none;
-  const double steps = std::ceil(gap_s / std::max(longest_step_s, gap_s / most_steps));
+  const int steps = static_cast<int>(std::ceil(gap_s / std::max(longest_step_s, gap_s / most_steps)));
   rom::CorrectionFactors no_heat = corrector_.none;
   no_heat.heat.setZero();
-  for (double step = 0.0; step < steps; ++step) {
+  for (int step = 0; step < steps; ++step) {
     const double advance_s = gap_s / steps;
     const CorrectedInputs inputs =
         correct({}, judgement_, operating_, -gap_s + step * advance_s, advance_s, model_, corrector_);
