@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """clang-tidy on those of the given sources that differ from when it last found them clean.
 
-A source is the same when its preprocessed text, its flags, .clang-tidy and the program are: the digests of clean sources are
-the names of empty files in build/clang-tidy. Needs build/compile_commands.json and the generated headers.
+A source is the same when its preprocessed text (with comments and macros, which checks read too), its flags, .clang-tidy and
+the program are: the digests of clean sources are the names of empty files in build/clang-tidy. Needs build/compile_commands.json and the generated headers.
     tests/clang_tidy_changed.py FILE...
 """
 import concurrent.futures
@@ -27,7 +27,8 @@ def digest(entry, checks):
     words = shlex.split(entry["command"])
     out = words.index("-o")
     words = words[:out] + words[out + 2:]
-    words[words.index("-c")] = "-E"
+    at = words.index("-c")
+    words[at:at + 1] = ["-E", "-C", "-dD"]
     if os.path.basename(words[0]) == "ccache":
         words = words[1:]
     return hashlib.sha256(checks + " ".join(words).encode() + said_by(words, entry["directory"])).hexdigest()
@@ -35,14 +36,17 @@ def digest(entry, checks):
 
 def judge(path, entry, checks):
     """What clang-tidy says against the source; nothing for a clean one. The last: whether it had to be run."""
-    mark = CLEAN / digest(entry, checks)
+    try:
+        mark = CLEAN / digest(entry, checks)
+    except subprocess.CalledProcessError as error:
+        return error.stderr.decode(), False
     if mark.exists():
         return "", False
     result = subprocess.run(["clang-tidy", "-p", BUILD, "--quiet", FOREIGN_FLAGS, path], capture_output=True, text=True)
     if result.returncode == 0:
         mark.touch()
         return "", True
-    return result.stdout or result.stderr, True
+    return result.stdout or result.stderr or f"{path}: clang-tidy ended with {result.returncode}\n", True
 
 
 def main(paths):
@@ -51,10 +55,12 @@ def main(paths):
     entries = {entry["file"]: entry for entry in json.loads((BUILD / "compile_commands.json").read_text())}
     wanted = [(path, entries[os.path.abspath(path)]) for path in paths if os.path.abspath(path) in entries]
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        results = list(pool.map(lambda source: judge(*source, checks), wanted))
-    found = [text for text, _ in results if text]
-    print("".join(found), end="")
-    print(f"clang-tidy: {sum(run for _, run in results)} of {len(wanted)} sources had changed, {len(found)} with findings")
+        changed = found = 0
+        for text, run in pool.map(lambda source: judge(*source, checks), wanted):
+            print(text, end="", flush=True)
+            changed += run
+            found += bool(text)
+    print(f"clang-tidy: {changed} of {len(wanted)} sources had changed, {found} with findings")
     return 1 if found else 0
 
 
