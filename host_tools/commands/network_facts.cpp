@@ -180,9 +180,9 @@ void add_certificate(const rom::Network& network, Facts& facts) {
   facts.add("median_part_max_K", certificate.median.part_max_K);
   for (const CertifiedOutput& output : certified_outputs(network)) {
     facts.start("certificate", output.kind + " " + output.name);
-    facts.add(("worst_" + output.unit).c_str(), output.error.worst);
-    facts.add(("median_" + output.unit).c_str(), output.error.median);
-    facts.add(("mesh_" + output.unit).c_str(), output.error.mesh);
+    facts.add("worst_" + output.unit, output.error.worst);
+    facts.add("median_" + output.unit, output.error.median);
+    facts.add("mesh_" + output.unit, output.error.mesh);
   }
 }
 

@@ -17,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using firmware::Fault;
-using firmware::State;
 
 constexpr double micrometres_per_metre = 1e6;
 
