@@ -7,6 +7,7 @@
 
 #include "host_tools/commands/commands.hpp"
 
+namespace spindle_twin::host_tools {
 namespace {
 
 constexpr int usage_error = 2;
@@ -17,10 +18,7 @@ std::string usage_message(const CLI::App* app, const CLI::Error& error) {
   return command + ": " + error.what() + "; see " + command + " --help\n";
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  using namespace spindle_twin::host_tools;
+int run(int argc, char** argv) {
   CLI::App app{"spindle-twin: thermal digital twin of a CNC spindle, host tool"};
   app.require_subcommand(1);
   app.set_version_flag("--version", SPINDLE_TWIN_VERSION, "print the version and exit");
@@ -53,9 +51,18 @@ int main(int argc, char** argv) {
     return error.get_exit_code();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : usage_error;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace spindle_twin::host_tools
+
+int main(int argc, char** argv) {
+  try {
+    return spindle_twin::host_tools::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twin: %s\n", error.what());
     return 1;
   }
-  return 0;
 }

@@ -209,7 +209,7 @@ void Netlist::driven_conductance(std::size_t conductance, const std::string& env
   source(g, along([&](const rom::BoundaryValues& values) { return values.conductance_W_per_m2K[j]; }), false);
   // Fewest columns that give the same F Fᵀ.
   const Eigen::JacobiSVD<Eigen::MatrixXd> modes(network_.factors_m[conductance], Eigen::ComputeThinU);
-  const Eigen::VectorXd strength = modes.singularValues();
+  const Eigen::VectorXd& strength = modes.singularValues();
   for (Index k = 0; k < strength.size(); ++k) {
     if (strength[k] * strength[k] < smallest_column_share * strength[0] * strength[0]) break;
     const Eigen::VectorXd column = strength[k] * modes.matrixU().col(k);
