@@ -35,6 +35,13 @@ struct Watched {
     }
   }
 
+  /// The PLC orders, and the machine goes on for so long.
+  void give(SensorOrder order, int seconds) {
+    command.sensor_order = order;
+    ++command.sensor_orders;
+    until(n + seconds);
+  }
+
   Cycle cycle;
   Machine machine;
   PlcCommand command;
@@ -184,9 +191,7 @@ TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
   run.noise_K = 0.0;
   run.until(1003);
   for (const SensorOrder order : {SensorOrder::tare, SensorOrder::clear_tare}) {
-    run.command.sensor_order = order;
-    ++run.command.sensor_orders;
-    run.until(run.n + 1);
+    run.give(order, 1);
     EXPECT_EQ(run.last.sensor_tare_count, run.command.sensor_orders);
     const std::uint32_t updates = run.last.updates;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -208,9 +213,7 @@ TEST(WatchSensors, a_tare_larger_than_any_jump_fails_no_sensor) {
   run.offset_K = {0.6, -0.05, 0.0};
   run.until(1000);
   for (const SensorOrder order : {SensorOrder::tare, SensorOrder::clear_tare}) {
-    run.command.sensor_order = order;
-    ++run.command.sensor_orders;
-    run.until(run.n + 20);
+    run.give(order, 20);
     EXPECT_EQ(run.last.sensor_tare_count, run.command.sensor_orders);
     EXPECT_EQ(std::abs(run.last.sensor_tare_K[0]) > plan.health->jump_K, order == SensorOrder::tare);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -229,9 +232,7 @@ TEST(WatchSensors, no_order_calls_the_heap_not_even_the_first_tare) {
   ASSERT_NE(run.last.quality & bits(Quality::sensor_tare_offered), 0);
   run.heap_calls = 0;
   for (const SensorOrder order : {SensorOrder::tare, SensorOrder::tare, SensorOrder::acknowledge}) {
-    run.command.sensor_order = order;
-    ++run.command.sensor_orders;
-    run.until(run.n + 20);
+    run.give(order, 20);
   }
   EXPECT_EQ(run.last.sensor_tare_count, 2);
   EXPECT_EQ(run.heap_calls, 0);
