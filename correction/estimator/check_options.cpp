@@ -21,6 +21,9 @@ EstimatorOptions checked(const rom::Network& network, EstimatorOptions options) 
   if (options.sensors.empty()) throw rom::InputError({}, "sensors", "the estimator needs at least one");
   between(options.period_s, 1.0, 60.0, "period_s");
   between(options.floor_K, 0.0, 10.0, "floor_K");
+  between(options.floor_by_hand_K, 0.0, 10.0, "floor_by_hand_K");
+  between(options.floor_largest_K, 0.0, 100.0, "floor_largest_K");
+  between(options.lag_deviation_s, 0.0, 120.0, "lag_deviation_s");
   between(options.curvature, 0.0, 100.0, "curvature");
   between(options.correlation_s, 0.0, 3600.0, "correlation_s");
   between(options.offset_walk_K_per_root_hour, 0.0, 1.0, "offset_walk_K_per_root_hour");

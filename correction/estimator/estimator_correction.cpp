@@ -1,10 +1,31 @@
 #include "correction/estimator/estimator_correction.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "correction/estimator/estimator_core.hpp"
+#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "correction/estimator/check_options.hpp"
 
 namespace spindle_twin::correction {
+namespace {
+
+constexpr double time_slack_s = 1e-6;
+constexpr double seconds_per_hour = 3600.0;
+/// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
+constexpr double fresh_s = 30.0;
+constexpr double disturbance_width_memory_s = 7200.0;
+constexpr double least_floor_K = 1e-3;
+
+ConsistencyLimits limits_of(const rom::Network& network, const EstimatorOptions& options) {
+  ConsistencyLimits limits;
+  limits.floor_K = std::max(network.hand_written ? std::max(options.floor_K, options.floor_by_hand_K)
+                                                 : options.floor_K, least_floor_K);
+  limits.floor_largest_K = std::max(options.floor_largest_K, limits.floor_K);
+  return limits;
+}
+
+}  // namespace
 
 std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, const EstimatorOptions& options) {
   std::vector<EstimatorSensor> sensors;
@@ -14,78 +35,241 @@ std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, cons
   return sensors;
 }
 
-struct EstimatorCorrection::Impl : EstimatorCore {
-  using EstimatorCore::EstimatorCore;
-};
-
 EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorOptions options)
-    : impl_(std::make_unique<Impl>(network, std::move(options))) {}
-EstimatorCorrection::~EstimatorCorrection() = default;
-EstimatorCorrection::EstimatorCorrection(EstimatorCorrection&&) noexcept = default;
-EstimatorCorrection& EstimatorCorrection::operator=(EstimatorCorrection&&) noexcept = default;
-
-void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating) {
-  impl_->reset(time_s, nodes_K, operating);
+    : network_(&network),
+      options_(checked(network, std::move(options))),
+      coordinates_(std::make_shared<const rom::NetworkOperator>(network)),
+      parameters_(network, options_.priors),
+      sensitivities_(network, coordinates_, parameters_),
+      outputs_(network, sensitivities_, parameters_, options_.curvature > 0.0),
+      period_(network, coordinates_),
+      consistency_(limits_of(network, options_), static_cast<Eigen::Index>(options_.sensors.size())) {
+  const Eigen::Index p = parameters_.count();
+  const auto m = static_cast<Eigen::Index>(options_.sensors.size());
+  const Eigen::Index n = p + m + (has_lags() ? m : 0), nodes = coordinates_->nodes();
+  prior_mean_ = neutral_mean_ = Eigen::VectorXd::Zero(n);
+  prior_mean_.head(p) = parameters_.mean();
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  covariance.topLeftCorner(p, p) = parameters_.covariance();
+  for (Eigen::Index s = 0; s < m; ++s) {
+    const EstimatorSensor& sensor = options_.sensors[static_cast<std::size_t>(s)];
+    covariance(offset_at(s), offset_at(s)) = sensor.offset_K * sensor.offset_K;
+    if (!has_lags()) continue;
+    prior_mean_[lag_at(s)] = neutral_mean_[lag_at(s)] = sensor.lag_s;
+    covariance(lag_at(s), lag_at(s)) = options_.lag_deviation_s * options_.lag_deviation_s;
+  }
+  filter_ = prior_ = SquareRootFilter(prior_mean_, covariance);
+  made_.unknowns = made_.displacement_row = Eigen::VectorXd::Zero(n);
+  made_.rows = Eigen::MatrixXd::Zero(n, m);
+  made_.innovation_K = made_.noise_K2 = Eigen::VectorXd::Zero(m);
+  keep_ = Eigen::VectorXd::Ones(n);
+  growth_ = row_ = gain_ = Eigen::VectorXd::Zero(n);
+  theta_ = theta_step_ = place_ = curvature_ = Eigen::VectorXd::Zero(p);
+  outputs_.set_alternatives(Eigen::MatrixXd::Zero(p, m));
+  factors_ = parameters_.make_factors(network);
+  bias_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
+  rises_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.sources.size()));
+  corrected_K_ = nodes_K_ = Eigen::VectorXd::Zero(nodes);
+  tare_deviation_K_ = Eigen::VectorXd::Zero(m);
+  Eigen::VectorXd internal = Eigen::VectorXd::Zero(nodes);
+  for (const EstimatorSensor& sensor : options_.sensors) {
+    sensitivities_.internal_row(sensor.row, internal);
+    channels_.emplace_back(internal, p);
+  }
+  records_.resize(channels_.size());
+  for (const rom::DeformationOutput& output : network.deformations) {
+    sensitivities_.internal_row(output.row_m_per_K, internal);
+    displacement_.rows.push_back(internal);
+  }
 }
 
-EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) { return impl_->step(sample); }
-
-void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating,
-                                   double) {
-  impl_->stand_by(time_s, nodes_K, operating);
+Eigen::Index EstimatorCorrection::lag_at(Eigen::Index sensor) const {
+  return offset_at(sensor) + static_cast<Eigen::Index>(options_.sensors.size());
 }
 
-void EstimatorCorrection::note_displacement(int index, double value_m, double deviation_m) {
-  impl_->note_displacement(index, value_m, deviation_m);
+double EstimatorCorrection::lag_s(Eigen::Index sensor) const {
+  return has_lags() ? filter_.mean()[lag_at(sensor)] : options_.sensors[static_cast<std::size_t>(sensor)].lag_s;
 }
 
-void EstimatorCorrection::widen_offset(Eigen::Index sensor, double deviation_K) {
-  impl_->widen_offset(sensor, deviation_K);
-}
-
-void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& nodes_K, const Eigen::VectorXd& rise_K) {
-  impl_->widen_start(time_s, nodes_K, rise_K);
-}
-
-void EstimatorCorrection::note_tare(Eigen::Index sensor, double shift_K, double deviation_K) {
-  impl_->note_tare(sensor, shift_K, deviation_K);
-}
-
-const EstimatorUpdate& EstimatorCorrection::last_update() const { return impl_->last_update; }
-double EstimatorCorrection::gate() const { return impl_->options.gate; }
-const SquareRootFilter& EstimatorCorrection::filter() const { return impl_->filter; }
-const SquareRootFilter& EstimatorCorrection::prior() const { return impl_->prior; }
-void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const {
-  impl_->passing_of_time(elapsed_s, keep, growth);
-}
-void EstimatorCorrection::set_alternatives(const Eigen::MatrixXd& steps) { impl_->outputs.set_alternatives(steps); }
-void EstimatorCorrection::adopt(const SquareRootFilter& other, const rom::OperatingState& operating) {
-  impl_->adopt(other, operating);
+ParameterEstimate EstimatorCorrection::estimate(Eigen::Index parameter) const {
+  return {theta_[parameter], filter_.deviation(parameter), filter_.scale()[parameter]};
 }
 
 void EstimatorCorrection::set_parameters(const Eigen::VectorXd& theta) {
-  impl_->filter.set_first(theta);
-  impl_->theta = theta;
+  filter_.set_first(theta);
+  theta_ = theta;
 }
 
-const rom::CorrectionFactors& EstimatorCorrection::factors() const { return impl_->factors; }
-const Eigen::VectorXd& EstimatorCorrection::environment_bias_K() const { return impl_->bias_K; }
-const Eigen::VectorXd& EstimatorCorrection::corrected_nodes_K() const { return impl_->corrected_K; }
-const ParameterModel& EstimatorCorrection::parameters() const { return impl_->parameters; }
-ParameterEstimate EstimatorCorrection::estimate(Eigen::Index parameter) const {
-  return {impl_->theta[parameter], impl_->filter.deviation(parameter), impl_->filter.scale()[parameter]};
+void EstimatorCorrection::forget() {
+  outputs_.clear_alternatives();
+  filter_.set_mean(prior_mean_);
+  filter_.set_root(prior_.root());
+  theta_ = prior_mean_.head(parameters_.count());
+  for (std::size_t s = 0; s < records_.size(); ++s) {
+    records_[s] = {};
+    records_[s].offset_deviation_K = options_.sensors[s].offset_K;
+  }
+  consistency_.restart();
+  disturbance_width_ = 1.0;
+  note_curvature();
+  displacement_.pending = false;
+  tare_deviation_K_.setZero();
 }
-const std::vector<EstimatorSensor>& EstimatorCorrection::sensors() const { return impl_->options.sensors; }
-const SensorRecord& EstimatorCorrection::record(Eigen::Index sensor) const {
-  return impl_->windows.at(static_cast<std::size_t>(sensor)).record;
+
+void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
+  start_memory_s_ = start_shape_ = 0.0;
+  forget();
+  sensitivities_.start(parameters_);
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    channels_[s].start(options_.sensors[s].row.dot(nodes));
+    sensitivities_.of_row(channels_[s].internal(), place_);
+    channels_[s].set_sensitivity(place_);
+  }
+  started_ = start_unseen_ = true;
+  period_.drop();
+  fused_s_ = seen_s_ = time_s;
+  due_s_ = time_s + options_.period_s;
+  fresh_until_s_ = time_s + fresh_s;
+  nodes_K_ = corrected_K_ = nodes;
+  publish_factors(operating);
+  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
 }
-const SensorRecord& EstimatorCorrection::displacement_record() const { return impl_->displacement_record; }
-const OutputDeviations& EstimatorCorrection::deviations() const { return impl_->outputs.deviations(); }
-Eigen::MatrixXd EstimatorCorrection::covariance() const { return impl_->filter.covariance(); }
-Eigen::MatrixXd EstimatorCorrection::sensitivities_K() const { return impl_->sensitivities.in_kelvin(); }
-void EstimatorCorrection::save(EstimatorState& state) const { impl_->save(state); }
-bool EstimatorCorrection::restore(const EstimatorState& state) { return impl_->restore(state); }
-long EstimatorCorrection::updates() const { return impl_->updates; }
-long EstimatorCorrection::failures() const { return impl_->failures; }
+
+void EstimatorCorrection::publish_factors(const rom::OperatingState& operating) {
+  sensitivities_.source_rises(nodes_K_, rises_K_);
+  parameters_.apply(theta_, operating.speed_rpm, rises_K_, factors_, bias_K_);
+}
+
+void EstimatorCorrection::open_period(double time_s, const rom::OperatingState& operating) {
+  period_.open(time_s, nodes_K_, operating, factors_, bias_K_);
+  for (SensorChannel& channel : channels_) {
+    sensitivities_.of_row(channel.internal(), place_);
+    channel.begin_period(place_);
+  }
+}
+
+void EstimatorCorrection::close_period(double time_s) {
+  if (!period_.is_open()) return;
+  const double period_s = period_.close(time_s, nodes_K_, theta_, parameters_, sensitivities_);
+  if (period_s < 0.0) ++failures_;
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    sensitivities_.of_row(channels_[s].internal(), place_);
+    channels_[s].end_period(place_, std::abs(period_s), lag_s(static_cast<Eigen::Index>(s)));
+  }
+}
+
+void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const {
+  keep.setOnes();
+  growth.setZero();
+  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
+    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
+    const double memory_s = i == parameters_.start() ? start_memory_s_ : parameter.memory_s;
+    if (memory_s > 0.0) {
+      const double width = parameter.kind == ParameterKind::disturbance ? disturbance_width_ : 1.0;
+      keep[i] = std::exp(-elapsed_s / memory_s);
+      growth[i] = std::pow(width * parameter.deviation, 2.0) * (1.0 - keep[i] * keep[i]);
+    } else {
+      growth[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
+    }
+  }
+  const double offset_walk = options_.offset_walk_K_per_root_hour * options_.offset_walk_K_per_root_hour;
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    growth[offset_at(static_cast<Eigen::Index>(s))] = offset_walk * elapsed_s / seconds_per_hour;
+  }
+}
+
+void EstimatorCorrection::pass_time(double elapsed_s) {
+  passing_of_time(elapsed_s, keep_, growth_);
+  disturbance_width_ = std::max(1.0, disturbance_width_ * std::exp(-elapsed_s / disturbance_width_memory_s));
+  filter_.pass_time(prior_mean_, keep_, growth_);
+  note_curvature();
+}
+
+void EstimatorCorrection::note_curvature() {
+  const double share = std::sqrt(0.5 * options_.curvature);
+  for (Eigen::Index i = 0; i < curvature_.size(); ++i) {
+    const ParameterKind kind = parameters_.list()[static_cast<std::size_t>(i)].kind;
+    const bool is_ln = kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film ||
+                       kind == ParameterKind::capacity;
+    curvature_[i] = is_ln ? share * filter_.deviation(i) * filter_.deviation(i) : 0.0;
+  }
+  if (start_memory_s_ > 0.0) {
+    curvature_[parameters_.start()] =
+        start_shape_ * std::exp(-std::max(0.0, seen_s_ - widened_s_) / start_memory_s_);
+  }
+}
+
+EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
+  if (!started_) reset(sample.time_s, sample.nodes_K, sample.operating);
+  if (standing_by_) {
+    standing_by_ = false;
+    fused_s_ = sample.time_s;
+    due_s_ = sample.time_s + options_.period_s;
+    for (SensorChannel& channel : channels_) channel.clear();
+  }
+  nodes_K_ = sample.nodes_K;
+  const double elapsed_s = sample.time_s - seen_s_;
+  seen_s_ = sample.time_s;
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    const auto index = static_cast<Eigen::Index>(s);
+    channels_[s].predict(options_.sensors[s].row.dot(nodes_K_), elapsed_s, lag_s(index));
+    if (sample.valid[index]) channels_[s].observe(sample.measured_K[index]);
+  }
+  const bool due = sample.time_s >= due_s_ - time_slack_s;
+  const bool fresh = sample.time_s < fresh_until_s_;
+  if (due || fresh || period_.differs(sample.operating)) close_period(sample.time_s);
+  if (start_unseen_) look_at_the_start();
+  EstimatorStep result;
+  if (due) {
+    result.corrected = result.state_corrected = update(sample.time_s);
+    due_s_ += options_.period_s;
+    if (due_s_ <= sample.time_s) due_s_ = sample.time_s + options_.period_s;
+  } else if (fresh) {
+    outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  }
+  publish_factors(sample.operating);
+  if (!period_.is_open()) open_period(sample.time_s, sample.operating);
+  return result;
+}
+
+void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating,
+                                   double) {
+  if (!started_) reset(time_s, nodes, operating);
+  if (!standing_by_) {
+    forget();
+    filter_.set_mean(neutral_mean_);
+    theta_.setZero();
+    standing_by_ = true;
+  }
+  nodes_K_ = nodes;
+  const double elapsed_s = time_s - seen_s_;
+  seen_s_ = time_s;
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    channels_[s].predict(options_.sensors[s].row.dot(nodes_K_), elapsed_s, lag_s(static_cast<Eigen::Index>(s)));
+  }
+  factors_.heat.setOnes();
+  factors_.conductance.setOnes();
+  factors_.node_heat_W.setZero();
+  factors_.capacity_factor.setOnes();
+  bias_K_.setZero();
+  if (time_s >= period_.opened_s() + options_.period_s - time_slack_s || time_s < fresh_until_s_ ||
+      period_.differs(operating)) {
+    close_period(time_s);
+    outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  }
+  if (!period_.is_open()) open_period(time_s, operating);
+}
+
+void EstimatorCorrection::adopt(const SquareRootFilter& other, const rom::OperatingState& operating) {
+  made_.unknowns = filter_.mean();
+  filter_.set_mean(other.mean());
+  filter_.set_root(other.root());
+  outputs_.clear_alternatives();
+  follow_filter();
+  publish_factors(operating);
+  // What is held so far belongs to the old parameters; the period that begins here, to the new ones.
+  period_.drop();
+  open_period(seen_s_, operating);
+}
 
 }  // namespace spindle_twin::correction

@@ -5,21 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "correction/estimator/consistency.hpp"
+#include "correction/estimator/held_period.hpp"
+#include "correction/estimator/measurement.hpp"
 #include "correction/estimator/output_deviations.hpp"
 #include "correction/estimator/parameters.hpp"
+#include "correction/estimator/sensitivities.hpp"
+#include "correction/estimator/sensor_channel.hpp"
 #include "correction/estimator/square_root_filter.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::correction {
-
-/// A temperature sensor as the estimator sees it.
-struct EstimatorSensor {
-  std::string name;
-  Eigen::VectorXd row;     ///< N; temperature_K = row · T, entries sum to 1
-  double noise_K = 0.03;   ///< 1σ of one reading
-  double offset_K = 0.02;  ///< 1σ of its constant error: 0.02 after a tare, 0.2 for a class A PT100 without one
-  double lag_s = 0.0;      ///< first-order lag or delay between the temperature and the reading
-};
 
 struct EstimatorOptions {
   EstimatorPriors priors;
@@ -27,7 +23,10 @@ struct EstimatorOptions {
   double noise_K = 0.03;   ///< of the sensors that are made from key points
   double offset_K = 0.02;
   double lag_s = 0.0;
-  double floor_K = 0.03;   ///< 1σ of what the network itself is wrong at a sensor
+  double lag_deviation_s = 10.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
+  double floor_K = 0.03;          ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
+  double floor_by_hand_K = 0.3;   ///< the same of a hand-written network, which nobody could measure
+  double floor_largest_K = 1.0;   ///< the estimated one ends here
   double curvature = 0.5;  ///< κ, share of what a straight line leaves out of the ln factors that counts; 0: linear
   double correlation_s = 60.0;  ///< errors closer than this in time count as one
   double offset_walk_K_per_root_hour = 0.002;
@@ -37,19 +36,6 @@ struct EstimatorOptions {
 
 /// One sensor per key point, with the options' noise, offset and lag.
 std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, const EstimatorOptions& options);
-
-/// What the last update made of a channel.
-struct SensorRecord {
-  double observation_K = 0.0;  ///< mean of the valid readings since the update before; NaN without one
-  double innovation_K = 0.0;   ///< observation − prediction − offset, before this channel was fused
-  double variance_K2 = 0.0;    ///< expected of the innovation
-  double test_ratio = 0.0;     ///< innovation² / (gate² variance): above 1 it is rejected
-  bool rejected = false;
-  bool fused = false;
-  double offset_K = 0.0;
-  double offset_deviation_K = 0.0;
-  int rejected_in_a_row = 0;
-};
 
 /// Readings and model at time_s; measured_K and valid have one entry per sensor of the estimator.
 struct EstimatorSample {
@@ -73,29 +59,22 @@ struct ParameterEstimate {
   bool undetermined() const { return deviation > 0.9 * prior_deviation; }
 };
 
-/// What an update was made from, for other filters over the same (θ, b) that see the same readings.
-struct EstimatorUpdate {
-  double elapsed_s = 0.0;       ///< since the update before
-  Eigen::VectorXd theta;        ///< before it; residuals and rows hold there
-  Eigen::MatrixXd rows;         ///< p x sensors: sensitivity of each prediction
-  Eigen::VectorXd residual_K;   ///< mean of reading − prediction, offset included; NaN without a valid reading
-  Eigen::VectorXd noise_K2;     ///< variance of the residual besides that of (θ, b)
-  double displacement_m = 0.0;  ///< reading − prediction of a touch-off; NaN without one
-  double displacement_variance_m2 = 0.0;
-  Eigen::VectorXd displacement_row;  ///< p
-};
-
 /// All that the estimator remembers; plain numbers, for a checkpoint. Its sizes depend on network and options.
 struct EstimatorState {
   std::vector<double> mean, root, sensitivities, lagged;
+  std::vector<double> channels;  ///< per sensor: slope of what it shows by its lag, floor
+  std::vector<double> start;     ///< of the start's widening after a pause, and of the unexplained heats
 };
 
-/// The estimator: a filter over parameters θ (ln factors of heats, contacts and films, environment biases, bearing
-/// temperature coefficient, speed exponents) and sensor offsets b, that corrects state and parameters together.
-/// With S = dx/dθ carried along (sensitivities.hpp) and P the covariance of (θ, b) (square_root_filter.hpp):
-///   every period       P += walk,  H = [L_s S, 1_s],  v = y − L_s T − b
+/// The estimator: a filter over the unknowns z = (θ, b, τ): parameters θ (ln factors of heats, contacts and films,
+/// environment biases, bearing temperature coefficient, speed exponents, heats that no source explains, the start),
+/// offsets b and lags τ of the sensors. It corrects state and parameters together.
+/// With S = dx/dθ carried along (sensitivities.hpp) and P the covariance of z (square_root_filter.hpp):
+///   every period       P += walk,  h = [l S, 1, dy/dτ],  v = y − l T − b
 ///   per sensor         r = (noise²/n + floor² + curvature ½ Σ (h_i P_ii)²) max(1, 60 s / interval)
-///                      (θ, b) += K v,  P ← P − K h P          if v² <= gate² (h P hᵀ + r)
+///   all sensors        consistency: where v² / (h P hᵀ + r) says for a minute that the estimate contradicts its
+///                      readings, it is loosened: P to the prior around the present z, the start anew (loosen)
+///   per sensor         z += K v,  P ← P − K h P           if v² <= gate² (h P hᵀ + r)
 ///   then               x += S Δθ: what the wrong parameters have done to the state is taken back with them
 ///   every cycle        heat factors = e^θ (|n|/n_ref)^δ e^(−β rise), conductance factors = e^θ
 /// The model itself is the caller's: it integrates with factors() and with environment_bias_K() added to what the
@@ -105,11 +84,10 @@ class EstimatorCorrection {
  public:
   /// `network` must outlive this. Throws rom::InputError naming the option for one out of range.
   EstimatorCorrection(const rom::Network& network, EstimatorOptions options);
-  ~EstimatorCorrection();
-  EstimatorCorrection(EstimatorCorrection&&) noexcept;
-  EstimatorCorrection& operator=(EstimatorCorrection&&) noexcept;
 
-  /// Starts anew at time_s from these nodes, which count as known: no sensitivities, priors, offsets zero.
+  /// Starts anew at time_s from these nodes: priors, no sensitivities but those of the start. Where the first readings
+  /// say that the spindle does not stand at these temperatures, the start is opened as far as they do
+  /// (open_start()); the start parameters are narrow otherwise.
   void reset(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating);
 
   /// Takes the sample at time_s, updates if a period has passed, and sets the factors for the coming advance_s.
@@ -135,16 +113,16 @@ class EstimatorCorrection {
   /// and went in another way has another shape. Nothing happens without a start parameter. Allocates.
   void widen_start(double time_s, const Eigen::VectorXd& nodes_K, const Eigen::VectorXd& rise_K);
 
-  const EstimatorUpdate& last_update() const;
-  double gate() const;
+  const EstimatorUpdate& last_update() const { return made_; }
+  double gate() const { return options_.gate; }
   /// The filter over (θ, b), its prior and its passing of time: z ← centre + keep (z − centre), P ← keep P keep +
   /// growth.
-  const SquareRootFilter& filter() const;
-  const SquareRootFilter& prior() const;
+  const SquareRootFilter& filter() const { return filter_; }
+  const SquareRootFilter& prior() const { return prior_; }
   void passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const;
   /// Steps in θ (p x any number, as many in every call) of which one may be true besides: from the next update on
   /// deviations() has room for each.
-  void set_alternatives(const Eigen::MatrixXd& steps);
+  void set_alternatives(const Eigen::MatrixXd& steps) { outputs_.set_alternatives(steps); }
   /// Goes over to another filter of the same (θ, b), the state with it; after step(). The caller then sets its stepper
   /// to corrected_nodes_K().
   void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
@@ -156,25 +134,30 @@ class EstimatorCorrection {
   /// Starts θ at `theta` instead of the priors' mean, everything else as it is.
   void set_parameters(const Eigen::VectorXd& theta);
 
-  const rom::CorrectionFactors& factors() const;
-  const Eigen::VectorXd& environment_bias_K() const;
-  const Eigen::VectorXd& corrected_nodes_K() const;
+  const rom::CorrectionFactors& factors() const { return factors_; }
+  const Eigen::VectorXd& environment_bias_K() const { return bias_K_; }
+  const Eigen::VectorXd& corrected_nodes_K() const { return corrected_K_; }
 
-  const ParameterModel& parameters() const;
+  const ParameterModel& parameters() const { return parameters_; }
   ParameterEstimate estimate(Eigen::Index parameter) const;
-  const std::vector<EstimatorSensor>& sensors() const;
-  const SensorRecord& record(Eigen::Index sensor) const;
+  const std::vector<EstimatorSensor>& sensors() const { return options_.sensors; }
+  const SensorRecord& record(Eigen::Index sensor) const { return records_.at(static_cast<std::size_t>(sensor)); }
+  /// Estimated lag of a sensor, and whether the readings fit the estimate.
+  double lag_s(Eigen::Index sensor) const;
+  const Consistency& consistency() const { return consistency_; }
+  /// How often the estimate was loosened; a bank of filters around it then begins anew.
+  long loosened() const { return loosened_; }
   /// Of the last displacement, in m.
-  const SensorRecord& displacement_record() const;
+  const SensorRecord& displacement_record() const { return displacement_.record; }
   /// 1σ of all outputs at the last update; in the first 30 s after reset() at the last step.
-  const OutputDeviations& deviations() const;
-  /// Covariance of (θ, b). Allocates.
-  Eigen::MatrixXd covariance() const;
+  const OutputDeviations& deviations() const { return outputs_.deviations(); }
+  /// Covariance of z. Allocates.
+  Eigen::MatrixXd covariance() const { return filter_.covariance(); }
   /// dT/dθ, N x p. Allocates.
-  Eigen::MatrixXd sensitivities_K() const;
-  long updates() const;
+  Eigen::MatrixXd sensitivities_K() const { return sensitivities_.in_kelvin(); }
+  long updates() const { return updates_; }
   /// Periods whose sensitivities could not be carried on; 0 in good health.
-  long failures() const;
+  long failures() const { return failures_; }
 
   /// Sizes `state` on the first call, then cycle-safe.
   void save(EstimatorState& state) const;
@@ -183,8 +166,71 @@ class EstimatorCorrection {
   bool restore(const EstimatorState& state);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  /// A length that waits for the next update.
+  struct DisplacementChannel {
+    std::vector<Eigen::VectorXd> rows;  ///< on x, one per deformation
+    SensorRecord record;
+    int index = 0;
+    double value_m = 0.0, variance_m2 = 1.0;
+    bool pending = false;
+  };
+
+  Eigen::Index offset_at(Eigen::Index sensor) const { return parameters_.count() + sensor; }
+  Eigen::Index lag_at(Eigen::Index sensor) const;
+  bool has_lags() const { return options_.lag_deviation_s > 0.0; }
+  void forget();
+  void publish_factors(const rom::OperatingState& operating);
+  void open_period(double time_s, const rom::OperatingState& operating);
+  void close_period(double time_s);
+  void pass_time(double elapsed_s);
+  void note_curvature();
+  double curvature_variance(const Eigen::Ref<const Eigen::VectorXd>& sensitivity) const;
+
+  /// Row, innovation and noise of every sensor that has readings.
+  void measure(double time_s);
+  void measure_displacement();
+  /// The same with the filter's mean as it is now.
+  void fuse(SensorRecord& to, const Eigen::Ref<const Eigen::VectorXd>& row, double innovation, double noise);
+  void fuse_sensors(double time_s);
+  void fuse_displacement();
+  void fuse_tares();
+  /// Whether the readings contradict the estimate. Notes what the innovations say.
+  bool contradicted(double time_s);
+  /// Deviations of all parameters back to those of the prior, around the present means; the start is now, as open as
+  /// the largest innovation says; heats that no source explains become wider.
+  void loosen(double widest_K);
+  void open_start(double widest_K, double shapes_share, double groups_share);
+  void look_at_the_start();
+  void widen_disturbances();
+  bool update(double time_s);
+  /// z from the filter, within its limits, and the state with it. Whether θ moved.
+  bool follow_filter();
+
+  const rom::Network* network_;
+  EstimatorOptions options_;
+  std::shared_ptr<const rom::NetworkOperator> coordinates_;
+  ParameterModel parameters_;
+  Sensitivities sensitivities_;
+  DeviationOfOutputs outputs_;
+  HeldPeriod period_;
+  Consistency consistency_;
+  SquareRootFilter filter_, prior_;
+  EstimatorUpdate made_;
+  std::vector<SensorChannel> channels_;
+  std::vector<SensorRecord> records_;
+  DisplacementChannel displacement_;
+  Eigen::VectorXd prior_mean_, neutral_mean_, keep_, growth_, row_, gain_;
+  Eigen::VectorXd theta_, theta_step_, place_;
+  Eigen::VectorXd curvature_;  ///< √(κ/2) P_ii of the ln factors, of the start what its effect may miss, else 0
+  Eigen::VectorXd tare_deviation_K_;  ///< of the sensors that wait for fuse_tares(); 0: none
+  Eigen::VectorXd bias_K_, rises_K_, nodes_K_, corrected_K_;
+  rom::CorrectionFactors factors_;
+  double fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
+  /// Of a start after a pause: > 0, its parameter forgets; what its effect may miss; when it was widened.
+  double start_memory_s_ = 0.0, start_shape_ = 0.0, widened_s_ = 0.0;
+  double disturbance_width_ = 1.0;  ///< of the unexplained heats, times their prior's
+  bool started_ = false, standing_by_ = false, start_unseen_ = false;
+  long updates_ = 0, failures_ = 0, loosened_ = 0;
 };
 
 }  // namespace spindle_twin::correction

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "correction/estimator/estimator_core.hpp"
+#include "correction/estimator/estimator_correction.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -11,87 +11,99 @@ namespace {
 constexpr double unseen_share = 0.5;
 constexpr double unseen_shape = 0.2;
 constexpr double unseen_memory_s = 600.0;
+constexpr double fresh_s = 30.0;
 
-/// Calls visit(numbers, their place in the state) for everything that is remembered.
-template <class Visit>
-void remembered(const EstimatorCore& core, EstimatorState& state, const Visit& visit) {
-  const Eigen::Index p = core.parameters.count();
-  visit(core.filter.mean(), state.mean, Eigen::Index{0});
-  visit(core.filter.root().reshaped(), state.root, Eigen::Index{0});
-  visit(core.sensitivities.transposed().reshaped(), state.sensitivities, Eigen::Index{0});
-  for (std::size_t s = 0; s < core.windows.size(); ++s) {
-    visit(core.windows[s].lagged_sensitivity, state.lagged, static_cast<Eigen::Index>(s) * p);
-  }
-}
+constexpr std::size_t per_channel = 2;  // lag slope, floor
+constexpr std::size_t of_start = 4;
 
 }  // namespace
 
-void EstimatorCore::save(EstimatorState& state) const {
-  const auto n = static_cast<std::size_t>(filter.size());
+void EstimatorCorrection::save(EstimatorState& state) const {
+  const auto n = static_cast<std::size_t>(filter_.size());
+  const auto p = static_cast<std::size_t>(parameters_.count());
+  const auto copy = [](const auto& numbers, std::vector<double>& to, std::size_t at) {
+    for (Eigen::Index i = 0; i < numbers.size(); ++i) to[at + static_cast<std::size_t>(i)] = numbers[i];
+  };
   state.mean.resize(n);
   state.root.resize(n * n);
-  state.sensitivities.resize(static_cast<std::size_t>(sensitivities.transposed().size()));
-  state.lagged.resize(windows.size() * static_cast<std::size_t>(parameters.count()));
-  remembered(*this, state, [](const auto& numbers, std::vector<double>& to, Eigen::Index at) {
-    for (Eigen::Index i = 0; i < numbers.size(); ++i) to[static_cast<std::size_t>(at + i)] = numbers[i];
-  });
+  state.sensitivities.resize(static_cast<std::size_t>(sensitivities_.transposed().size()));
+  state.lagged.resize(channels_.size() * p);
+  state.channels.resize(channels_.size() * per_channel);
+  state.start.resize(of_start);
+  copy(filter_.mean(), state.mean, 0);
+  copy(filter_.root().reshaped(), state.root, 0);
+  copy(sensitivities_.transposed().reshaped(), state.sensitivities, 0);
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    copy(channels_[s].sensitivity(), state.lagged, s * p);
+    state.channels[s * per_channel] = channels_[s].lag_slope_K_per_s();
+    state.channels[s * per_channel + 1] = consistency_.floor_K(static_cast<Eigen::Index>(s));
+  }
+  state.start = {start_memory_s_, start_shape_, widened_s_ - seen_s_, disturbance_width_};
 }
 
-bool EstimatorCore::restore(const EstimatorState& state) {
-  const auto n = static_cast<std::size_t>(filter.size());
-  const auto p = static_cast<std::size_t>(parameters.count());
+bool EstimatorCorrection::restore(const EstimatorState& state) {
+  const auto n = static_cast<std::size_t>(filter_.size());
+  const auto p = static_cast<std::size_t>(parameters_.count());
   const auto fits = [](const std::vector<double>& numbers, std::size_t count) {
     return numbers.size() == count &&
            std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
   };
-  if (!started || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, windows.size() * p) ||
-      !fits(state.sensitivities, static_cast<std::size_t>(sensitivities.transposed().size()))) {
+  if (!started_ || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, channels_.size() * p) ||
+      !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
+      !fits(state.channels, channels_.size() * per_channel) || !fits(state.start, of_start)) {
     return false;
   }
   const auto size = static_cast<Eigen::Index>(n);
-  filter.set_mean(Eigen::Map<const Eigen::VectorXd>(state.mean.data(), size));
-  filter.set_root(Eigen::Map<const Eigen::MatrixXd>(state.root.data(), size, size));
-  sensitivities.set_transposed(Eigen::Map<const Eigen::MatrixXd>(state.sensitivities.data(),
-                                                                 sensitivities.transposed().rows(), shared->nodes()));
-  theta = filter.mean().head(parameters.count());
-  for (std::size_t s = 0; s < windows.size(); ++s) {
-    sensitivities.of_row(windows[s].internal, windows[s].sensitivity);
-    windows[s].lagged_sensitivity = Eigen::Map<const Eigen::VectorXd>(state.lagged.data() + s * p, parameters.count());
-    const auto b = parameters.count() + static_cast<Eigen::Index>(s);
-    windows[s].record.offset_K = filter.mean()[b];
-    windows[s].record.offset_deviation_K = filter.deviation(b);
+  filter_.set_mean(Eigen::Map<const Eigen::VectorXd>(state.mean.data(), size));
+  filter_.set_root(Eigen::Map<const Eigen::MatrixXd>(state.root.data(), size, size));
+  sensitivities_.set_transposed(Eigen::Map<const Eigen::MatrixXd>(
+      state.sensitivities.data(), sensitivities_.transposed().rows(), coordinates_->nodes()));
+  theta_ = filter_.mean().head(parameters_.count());
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    const Eigen::VectorXd shown =
+        Eigen::Map<const Eigen::VectorXd>(state.lagged.data() + s * p, parameters_.count());
+    channels_[s].restore(shown, state.channels[s * per_channel]);
+    consistency_.set_floor(static_cast<Eigen::Index>(s), state.channels[s * per_channel + 1]);
+    const Eigen::Index b = offset_at(static_cast<Eigen::Index>(s));
+    records_[s].offset_K = filter_.mean()[b];
+    records_[s].offset_deviation_K = filter_.deviation(b);
   }
-  note_bend();
-  outputs.evaluate(sensitivities, filter, bend, nodes_K);
+  start_memory_s_ = state.start[0];
+  start_shape_ = state.start[1];
+  widened_s_ = seen_s_ + state.start[2];
+  disturbance_width_ = state.start[3];
+  start_unseen_ = false;
+  note_curvature();
+  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
   return true;
 }
 
-void EstimatorCore::widen_start(double time_s, const Eigen::VectorXd& nodes, const Eigen::VectorXd& rise_K) {
-  const Eigen::Index start = parameters.start();
+void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& nodes, const Eigen::VectorXd& rise_K) {
+  const Eigen::Index start = parameters_.start();
   if (start < 0) return;
-  nodes_K = nodes;
+  nodes_K_ = nodes;
   close_period(time_s);
-  const double deviation = parameters.list()[static_cast<std::size_t>(start)].deviation;
+  const double deviation = parameters_.list()[static_cast<std::size_t>(start)].deviation;
   // What was open of the start before adds to it, node by node.
-  const Eigen::ArrayXd before_K = filter.deviation(start) * sensitivities.in_kelvin().col(start).array();
+  const Eigen::ArrayXd before_K = filter_.deviation(start) * sensitivities_.in_kelvin().col(start).array();
   const Eigen::ArrayXd heated_K = unseen_share * rise_K.array();
-  sensitivities.set_start((heated_K.square() + before_K.square()).sqrt().matrix() / deviation, parameters);
-  keep.setOnes();
-  growth.setZero();
-  keep[start] = 0.0;
-  growth[start] = deviation * deviation;
-  filter.pass_time(prior_mean, keep, growth);
-  theta = filter.mean().head(parameters.count());
-  start_memory_s = unseen_memory_s;
-  start_shape = unseen_shape * deviation;
-  widened_s = time_s;
-  fresh_until_s = time_s + fresh_s;
-  for (SensorWindow& window : windows) {
-    sensitivities.of_row(window.internal, window.sensitivity);
-    window.lagged_sensitivity[start] = window.sensitivity[start];
+  sensitivities_.set_start((heated_K.square() + before_K.square()).sqrt().matrix() / deviation, parameters_);
+  keep_.setOnes();
+  growth_.setZero();
+  keep_[start] = 0.0;
+  growth_[start] = deviation * deviation;
+  filter_.pass_time(prior_mean_, keep_, growth_);
+  theta_ = filter_.mean().head(parameters_.count());
+  start_memory_s_ = unseen_memory_s;
+  start_shape_ = unseen_shape * deviation;
+  widened_s_ = time_s;
+  fresh_until_s_ = time_s + fresh_s;
+  for (SensorChannel& channel : channels_) {
+    sensitivities_.of_row(channel.internal(), place_);
+    channel.set_sensitivity_at(start, place_[start]);
   }
-  note_bend();
-  outputs.evaluate(sensitivities, filter, bend, nodes_K);
+  note_curvature();
+  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
 }
 
 }  // namespace spindle_twin::correction

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::correction {
@@ -16,6 +17,10 @@ constexpr double largest_film = 1.6094379124341003;
 constexpr double largest_heat = 1.6094379124341003;
 constexpr double widest = 4.0;  // deviations, for everything else
 constexpr double slowest_speed = 0.05;
+constexpr double largest_start_K = 500.0;
+constexpr double largest_capacity = 1.6094379124341003;
+constexpr double most_disturbance = 1.0;  // of all nominal heats together
+constexpr std::size_t most_groups = 8;
 
 void require(double value, double highest, const char* field) {
   if (std::isfinite(value) && value >= 0.0 && value <= highest) return;
@@ -38,6 +43,10 @@ const char* name_of(ParameterKind kind) {
       return "bearing temperature";
     case ParameterKind::speed_exponent:
       return "speed exponent";
+    case ParameterKind::capacity:
+      return "capacity";
+    case ParameterKind::disturbance:
+      return "unexplained heat";
     case ParameterKind::start:
       return "start";
   }
@@ -55,7 +64,12 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   require(priors.bearing_mean_per_K, 0.1, "prior.bearing_mean_per_K");
   require(priors.bearing_per_K, 0.1, "prior.bearing_per_K");
   require(priors.speed_exponent, 1.0, "prior.speed_exponent");
-  require(priors.start_K, 10.0, "prior.start_K");
+  require(priors.start_K, 100.0, "prior.start_K");
+  require(priors.start_shape_K, 100.0, "prior.start_shape_K");
+  require(priors.disturbance, 1.0, "prior.disturbance");
+  require(priors.disturbance_by_hand, 1.0, "prior.disturbance_by_hand");
+  require(priors.disturbance_memory_s, 1e9, "prior.disturbance_memory_s");
+  require(priors.capacity, 1.0, "prior.capacity");
   require(priors.heat_walk_per_root_min, 1.0, "prior.heat_walk_per_root_min");
   require(priors.contact_walk_per_root_min, 1.0, "prior.contact_walk_per_root_min");
   require(priors.film_walk_per_root_min, 1.0, "prior.film_walk_per_root_min");
@@ -103,11 +117,61 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
          priors.speed_exponent, 0.0, 0.0, -widest * priors.speed_exponent, widest * priors.speed_exponent},
         exponent_[i]);
   }
-  add({"start", ParameterKind::start, 0, 0.0, priors.start_K, 0.0, 0.0, -widest * priors.start_K,
-       widest * priors.start_K},
-      start_);
+  add_capacities(network, priors);
+  add_disturbances(network, priors);
+  add_starts(network, priors);
   mean_.resize(count());
   for (Eigen::Index i = 0; i < count(); ++i) mean_[i] = list_[static_cast<std::size_t>(i)].mean;
+}
+
+void ParameterModel::add_capacities(const rom::Network& network, const EstimatorPriors& priors) {
+  const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
+  const bool lumped = (capacity - Eigen::MatrixXd(capacity.diagonal().asDiagonal())).isZero(0.0);
+  if (!network.hand_written || !lumped) return;
+  capacity_.assign(network.nodes.size(), -1);
+  for (std::size_t i = 0; i < network.nodes.size(); ++i) {
+    add({"capacity " + network.nodes[i].name, ParameterKind::capacity, static_cast<int>(i), 0.0, priors.capacity, 0.0,
+         0.0, -largest_capacity, largest_capacity},
+        capacity_[i]);
+  }
+}
+
+void ParameterModel::add_disturbances(const rom::Network& network, const EstimatorPriors& priors) {
+  double heat_W = 0.0;
+  for (const rom::HeatSource& source : network.boundaries.sources) heat_W += std::abs(source.nominal_W);
+  const double deviation_W = heat_W * (network.hand_written ? priors.disturbance_by_hand : priors.disturbance);
+  if (deviation_W > 0.0 || priors.start_K > 0.0) groups_ = thermal_groups(network, most_groups);
+  if (!(deviation_W > 0.0)) return;
+  disturbance_.assign(groups_.size(), -1);
+  node_heat_.resize(network.capacity_J_per_K.rows(), static_cast<Eigen::Index>(groups_.size()));
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    node_heat_.col(static_cast<Eigen::Index>(g)) =
+        network.capacity_J_per_K * groups_[g].indicator / groups_[g].capacity_J_per_K;
+    add({"unexplained heat " + groups_[g].name, ParameterKind::disturbance, static_cast<int>(g), 0.0, deviation_W, 0.0,
+         priors.disturbance_memory_s, -most_disturbance * heat_W, most_disturbance * heat_W},
+        disturbance_[g]);
+  }
+}
+
+void ParameterModel::add_starts(const rom::Network& network, const EstimatorPriors& priors) {
+  if (!(priors.start_K > 0.0)) return;
+  shapes_ = start_shapes(network, rom::NetworkOperator(network), groups_);
+  if (!(priors.start_shape_K > 0.0)) shapes_.resize(1);
+  for (std::size_t k = 0; k < shapes_.size(); ++k) {
+    int slot = -1;
+    add({"start " + shapes_[k].name, ParameterKind::start, static_cast<int>(k), 0.0,
+         k == 0 ? priors.start_K : priors.start_shape_K, 0.0, 0.0, -largest_start_K, largest_start_K},
+        slot);
+    if (k == 0) start_ = slot;
+  }
+}
+
+rom::CorrectionFactors ParameterModel::make_factors(const rom::Network& network) const {
+  rom::CorrectionFactors factors = no_correction(network.boundaries);
+  const Eigen::Index nodes = network.capacity_J_per_K.rows();
+  if (has_disturbances()) factors.node_heat_W = Eigen::VectorXd::Zero(nodes);
+  if (has_capacities()) factors.capacity_factor = Eigen::VectorXd::Ones(nodes);
+  return factors;
 }
 
 void ParameterModel::add(Parameter parameter, int& slot) {
@@ -148,6 +212,14 @@ void ParameterModel::apply(const Eigen::VectorXd& theta, double speed_rpm, const
     factors.conductance[j] = std::exp(value(conductance(j)));
   }
   for (Eigen::Index e = 0; e < environment_bias_K.size(); ++e) environment_bias_K[e] = value(environment(e));
+  if (has_disturbances() && factors.node_heat_W.size() > 0) {
+    factors.node_heat_W.noalias() =
+        node_heat_ * theta.segment(disturbance_.front(), static_cast<Eigen::Index>(disturbance_.size()));
+  }
+  if (!has_capacities()) return;
+  for (Eigen::Index i = 0; i < factors.capacity_factor.size(); ++i) {
+    factors.capacity_factor[i] = std::exp(theta[capacity(i)]);
+  }
 }
 
 }  // namespace spindle_twin::correction

@@ -63,6 +63,18 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   coupling_ = Eigen::MatrixXd::Zero(segments, segments);
   wall_sensitivity_ = fed_sensitivity_ = Eigen::MatrixXd::Zero(p, segments);
   wall_rises_K_ = Eigen::VectorXd::Zero(segments);
+  starts_.resize(parameters.starts(), n);
+  for (Eigen::Index k = 0; k < starts_.rows(); ++k) {
+    starts_.row(k) = parameters.shapes()[static_cast<std::size_t>(k)].rise_K.transpose() * capacity_root_;
+  }
+  if (parameters.has_disturbances()) {
+    group_heats_.resize(n, static_cast<Eigen::Index>(parameters.groups().size()));
+    for (Eigen::Index g = 0; g < group_heats_.cols(); ++g) {
+      const ThermalGroup& group = parameters.groups()[static_cast<std::size_t>(g)];
+      group_heats_.col(g) = capacity_root_.transpose() * group.indicator / group.capacity_J_per_K;
+    }
+  }
+  if (parameters.has_capacities()) inertia_ = Eigen::VectorXd::Ones(n);
   law_values_ = make_boundary_values(network.boundaries);
   law_inputs_ = Eigen::VectorXd::Zero(operator_->laws().rows().cols());
   law_slopes_ = Eigen::MatrixXd::Zero(operator_->laws().count(), static_cast<Eigen::Index>(rom::law_readings));
@@ -70,7 +82,11 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
 
 void Sensitivities::start(const ParameterModel& parameters) {
   transposed_.setZero();
-  if (parameters.start() >= 0) transposed_.row(parameters.start()) = capacity_root_.colwise().sum();  // Lᵀ 1
+  restart(parameters);
+}
+
+void Sensitivities::restart(const ParameterModel& parameters) {
+  if (parameters.start() >= 0) transposed_.middleRows(parameters.start(), starts_.rows()) = starts_;
 }
 
 void Sensitivities::set_start(const Eigen::VectorXd& column_K, const ParameterModel& parameters) {
@@ -101,7 +117,7 @@ Eigen::MatrixXd Sensitivities::in_kelvin() const {
   return result;
 }
 
-void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& parameters) {
+void Sensitivities::drive(const HeldInterval& held, const ParameterModel& parameters) {
   mean_K_ = 0.5 * (held.start_K + held.end_K);
   operator_->to_internal(mean_K_, x_);
   source_rises(mean_K_, rises_K_);
@@ -136,6 +152,11 @@ void Sensitivities::drive(const HeldPeriod& held, const ParameterModel& paramete
       const auto factor = factors_.col(column);
       effect -= conductance * (factor.dot(x_) - rise_K * column_sums_[column]) * factor;
     }
+  }
+  for (Eigen::Index g = 0; g < group_heats_.cols(); ++g) drive_.col(parameters.disturbance(g)) = group_heats_.col(g);
+  for (Eigen::Index i = 0; i < inertia_.size(); ++i) {
+    const double rate_K_per_s = (held.end_K[i] - held.start_K[i]) / held.period_s;
+    drive_(i, parameters.capacity(i)) = -inertia_[i] * capacity_root_(i, i) * rate_K_per_s;
   }
   // What the liquid has taken up before a segment lowers that segment's flow, and d(G/A)/d ln h is below G/A.
   const rom::CoolantSegments& segments = operator_->segments();
@@ -195,7 +216,7 @@ void Sensitivities::substitute(Eigen::MatrixXd& right_side) const {
 
 /// A heat that follows its parts' temperatures acts back on the source's own rise by its slope; the difference between
 /// the parts that it reads and the places where it acts is left out, which keeps the matrix symmetric.
-void Sensitivities::add_law_slopes(const HeldPeriod& held) {
+void Sensitivities::add_law_slopes(const HeldInterval& held) {
   const rom::LawTerms& laws = operator_->laws();
   if (laws.empty()) return;
   law_values_ = held.values;
@@ -211,7 +232,7 @@ void Sensitivities::add_law_slopes(const HeldPeriod& held) {
   }
 }
 
-bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parameters) {
+bool Sensitivities::advance(const HeldInterval& held, const ParameterModel& parameters) {
   if (!(held.period_s > 0.0)) return true;
   const double step = gamma * held.period_s;
   operator_->assemble(held.values.conductance_W_per_m2K, packed_, lower_);
@@ -223,7 +244,12 @@ bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parame
   }
   add_law_slopes(held);
   lower_ *= step;
-  lower_.diagonal().array() += 1.0;
+  for (Eigen::Index i = 0; i < inertia_.size(); ++i) inertia_[i] = std::exp(held.theta[parameters.capacity(i)]);
+  if (inertia_.size() > 0) {
+    lower_.diagonal() += inertia_;
+  } else {
+    lower_.diagonal().array() += 1.0;
+  }
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> cholesky(lower_);  // in place
   if (cholesky.info() != Eigen::Success) return false;
 
@@ -238,9 +264,16 @@ bool Sensitivities::advance(const HeldPeriod& held, const ParameterModel& parame
     }
   }
   impulse_ = step * drive_.transpose();
-  stage_ = transposed_ + impulse_;
+  const auto weigh = [&](Eigen::MatrixXd& matrix) {
+    for (Eigen::Index i = 0; i < inertia_.size(); ++i) matrix.col(i) *= inertia_[i];
+  };
+  stage_ = transposed_;
+  weigh(stage_);
+  stage_ += impulse_;
   substitute(stage_);
-  transposed_ += ((1.0 - gamma) / gamma) * (stage_ - transposed_) + impulse_;
+  transposed_ += ((1.0 - gamma) / gamma) * (stage_ - transposed_);
+  weigh(transposed_);
+  transposed_ += impulse_;
   substitute(transposed_);
   return true;
 }

@@ -10,7 +10,7 @@
 namespace spindle_twin::correction {
 
 /// What the sensitivities need to know of a period in which the inputs were held.
-struct HeldPeriod {
+struct HeldInterval {
   double period_s = 0.0;
   double speed_rpm = 0.0;
   const Eigen::VectorXd& start_K;  ///< node temperatures at the start of the period
@@ -28,8 +28,11 @@ struct HeldPeriod {
 ///      environment e   Σ_j g_j F̃_j F_jᵀ1
 ///      β               −Σ_f q_f rise_f b_f
 ///      exponent i      ln(|n|/n_ref) q_i b_i
+///      group g         Lᵀ 1_g / C_g, of a heat in W that no source explains
+///      capacity i      −dx_i/dt, the mean over the period; of factors c on the capacities every row of the equation
+///                      above is divided by its c
 /// by SDIRK2 (γ = 1 − 1/√2, L-stable, stiffly accurate), one factor and two pairs of triangular solves a period:
-///   (1 + γhA) Y₁ = S + γhD,   (1 + γhA) S' = S + (1 − γ)/γ (Y₁ − S) + γhD
+///   (c + γhA) Y₁ = c S + γhD,   (c + γhA) S' = c (S + (1 − γ)/γ (Y₁ − S)) + γhD,   c = 1 without such factors
 /// D is taken in the middle of the period. S is stored as Sᵀ (p x N): a state's sensitivities lie together, and
 /// a block of states, which substitution works on, is one piece of memory. With
 /// coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a film's derivative
@@ -40,12 +43,14 @@ class Sensitivities {
   Sensitivities(const rom::Network& network, std::shared_ptr<const rom::NetworkOperator> the_operator,
                 const ParameterModel& parameters);
 
-  /// At the start: nothing but the start itself has had an effect.
+  /// At the start: nothing but the start itself has had an effect. May run in the cycle.
   void start(const ParameterModel& parameters);
-  /// From now on the start has had this effect at the nodes. [K per unit of its parameter]
+  /// The start is now, whatever has been: the effects of all start parameters begin anew. May run in the cycle.
+  void restart(const ParameterModel& parameters);
+  /// From now on the first start parameter has had this effect at the nodes. [K per unit of it]
   void set_start(const Eigen::VectorXd& column_K, const ParameterModel& parameters);
   /// Forgets nothing on failure: returns false and leaves S when the factor is not positive definite.
-  bool advance(const HeldPeriod& held, const ParameterModel& parameters);
+  bool advance(const HeldInterval& held, const ParameterModel& parameters);
 
   /// Per kelvin of a row on node temperatures, the row on x: row·(T − T_ref) = internal·x.
   void internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const;
@@ -68,8 +73,8 @@ class Sensitivities {
   void set_transposed(const Eigen::MatrixXd& transposed) { transposed_ = transposed; }
 
  private:
-  void add_law_slopes(const HeldPeriod& held);
-  void drive(const HeldPeriod& held, const ParameterModel& parameters);
+  void add_law_slopes(const HeldInterval& held);
+  void drive(const HeldInterval& held, const ParameterModel& parameters);
   void substitute(Eigen::MatrixXd& right_side) const;
 
   std::shared_ptr<const rom::NetworkOperator> operator_;
@@ -81,6 +86,9 @@ class Sensitivities {
   Eigen::MatrixXd films_;            // L⁻¹F_j F_jᵀ1, 0 for a conductance without environment
   Eigen::MatrixXd sources_;          // L⁻¹B
   Eigen::MatrixXd source_rows_;      // Bᵀ, sources x N
+  Eigen::MatrixXd starts_;           // start shapes in x, shapes x N
+  Eigen::MatrixXd group_heats_;      // L⁻¹C1_g/C_g = Lᵀ1_g/C_g, N x groups
+  Eigen::VectorXd inertia_;          // c, empty without capacity parameters
   Eigen::Index count_ = 0;           // p
   Eigen::VectorXd padded_;
   Eigen::MatrixXd transposed_;       // Sᵀ

@@ -21,12 +21,21 @@ SquareRootFilter::SquareRootFilter(const Eigen::VectorXd& mean, const Eigen::Mat
 
 void SquareRootFilter::pass_time(const Eigen::VectorXd& centre, const Eigen::VectorXd& keep,
                                  const Eigen::VectorXd& variance) {
-  const Eigen::Index n = size();
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < size(); ++i) {
     if (keep[i] == 1.0) continue;
     mean_[i] = centre[i] + keep[i] * (mean_[i] - centre[i]);
     root_.row(i) *= keep[i];
   }
+  add_variance(variance);
+}
+
+void SquareRootFilter::widen(const Eigen::VectorXd& factor, const Eigen::VectorXd& variance) {
+  for (Eigen::Index i = 0; i < size(); ++i) root_.row(i) *= factor[i];
+  add_variance(variance);
+}
+
+void SquareRootFilter::add_variance(const Eigen::VectorXd& variance) {
+  const Eigen::Index n = size();
   // Column by column: Eigen's product of whole matrices may take its buffers from the heap.
   for (Eigen::Index column = 0; column < n; ++column) {
     square_.col(column).tail(n - column).noalias() = root_.bottomRows(n - column) * root_.row(column).transpose();
@@ -44,6 +53,13 @@ double SquareRootFilter::variance_of(const Eigen::VectorXd& h) {
   scaled_ = h.cwiseProduct(scale_);
   projected_.noalias() = root_.transpose() * scaled_;
   return projected_.squaredNorm();
+}
+
+double SquareRootFilter::variance_of(const Eigen::VectorXd& h, Eigen::VectorXd& covariance) {
+  const double variance = variance_of(h);
+  covariance.noalias() = root_ * projected_;
+  covariance.array() *= scale_.array();
+  return variance;
 }
 
 double SquareRootFilter::variance_of_first(const Eigen::VectorXd& h_first) {

@@ -13,7 +13,7 @@ namespace spindle_twin::correction {
 class SquareRootFilter {
  public:
   SquareRootFilter() = default;
-  /// `deviation` scales z; positive. Throws std::invalid_argument if the covariance is not positive definite.
+  /// Throws std::invalid_argument if the covariance is not positive definite. Allocates.
   SquareRootFilter(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
 
   Eigen::Index size() const { return mean_.size(); }
@@ -25,8 +25,14 @@ class SquareRootFilter {
   /// z ← centre + keep (z − centre), P ← diag(keep) P diag(keep) + diag(variance). keep in (0, 1], variance >= 0.
   void pass_time(const Eigen::VectorXd& centre, const Eigen::VectorXd& keep, const Eigen::VectorXd& variance);
 
+  /// Entry i gets factor_i times its deviation, its correlations stay; then P ← P + diag(variance). A factor of 0 cuts
+  /// entry i off from all others. The mean stays. factor >= 0, factor² P_ii + variance > 0.
+  void widen(const Eigen::VectorXd& factor, const Eigen::VectorXd& variance);
+
   /// h P hᵀ.
   double variance_of(const Eigen::VectorXd& h);
+  /// h P hᵀ, and P hᵀ in `covariance` (n).
+  double variance_of(const Eigen::VectorXd& h, Eigen::VectorXd& covariance);
   /// Same with h only as long as the first entries of z.
   double variance_of_first(const Eigen::VectorXd& h_first);
   /// The same, and P hᵀ of these entries, as long as h_first.
@@ -43,6 +49,9 @@ class SquareRootFilter {
   void set_root(const Eigen::MatrixXd& root) { root_ = root; }
 
  private:
+  /// W W^T + diag(variance) / D², factored anew.
+  void add_variance(const Eigen::VectorXd& variance);
+
   Eigen::VectorXd mean_;
   Eigen::VectorXd scale_;  // D
   Eigen::MatrixXd root_;   // W

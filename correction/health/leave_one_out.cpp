@@ -21,9 +21,9 @@ double surprise(double innovation, double variance) {
 double surprise_of(const EstimatorCorrection& estimator) {
   const EstimatorUpdate& made = estimator.last_update();
   double sum = 0.0;
-  for (Eigen::Index s = 0; s < made.residual_K.size(); ++s) {
+  for (Eigen::Index s = 0; s < made.innovation_K.size(); ++s) {
     const SensorRecord& record = estimator.record(s);
-    if (std::isfinite(made.residual_K[s])) sum += surprise(record.innovation_K, record.variance_K2);
+    if (std::isfinite(made.innovation_K[s])) sum += surprise(record.innovation_K, record.variance_K2);
   }
   if (!std::isfinite(made.displacement_m)) return sum;
   const SensorRecord& record = estimator.displacement_record();
@@ -97,14 +97,11 @@ double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Inde
   const EstimatorUpdate& made = estimator.last_update();
   SquareRootFilter& filter = filters_[static_cast<std::size_t>(sensor)];
   Misfit& misfit = misfits_[static_cast<std::size_t>(sensor)];
-  const Eigen::Index p = made.theta.size();
   const auto sensors = static_cast<Eigen::Index>(filters_.size());
   filter.pass_time(estimator.prior().mean(), keep_, growth_);
   const auto innovation_K = [&](Eigen::Index j) {
-    row_.setZero();
-    row_.head(p) = made.rows.col(j);
-    row_[p + j] = 1.0;
-    return made.residual_K[j] - row_.head(p).dot(filter.mean().head(p) - made.theta) - filter.mean()[p + j];
+    row_ = made.rows.col(j);
+    return made.innovation_at(j, filter.mean());
   };
   const double missed_K = innovation_K(sensor);
   misfit.judged = std::isfinite(missed_K);
@@ -115,7 +112,7 @@ double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Inde
   const double gate = estimator.gate();
   double surprised = 0.0;
   for (Eigen::Index j = 0; j < sensors; ++j) {
-    if (j == sensor || !std::isfinite(made.residual_K[j])) continue;
+    if (j == sensor || !std::isfinite(made.innovation_K[j])) continue;
     const double innovation = innovation_K(j);
     const double variance_K2 = filter.variance_of(row_) + made.noise_K2[j];
     surprised += surprise(innovation, variance_K2);
@@ -123,16 +120,15 @@ double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Inde
     filter.update(row_, innovation, made.noise_K2[j]);
   }
   if (std::isfinite(made.displacement_m)) {
-    row_.setZero();
-    row_.head(p) = made.displacement_row;
-    const double innovation = made.displacement_m - row_.head(p).dot(filter.mean().head(p) - made.theta);
+    row_ = made.displacement_row;
+    const double innovation = made.displacement_at(filter.mean());
     const double variance_m2 = filter.variance_of(row_) + made.displacement_variance_m2;
     surprised += surprise(innovation, variance_m2);
     if (innovation * innovation <= gate * gate * variance_m2) {
       filter.update(row_, innovation, made.displacement_variance_m2);
     }
   }
-  for (Eigen::Index i = 0; i < p; ++i) {
+  for (Eigen::Index i = 0; i < bounded_.size(); ++i) {
     const Parameter& parameter = estimator.parameters().list()[static_cast<std::size_t>(i)];
     bounded_[i] = std::clamp(filter.mean()[i], parameter.minimum, parameter.maximum);
   }

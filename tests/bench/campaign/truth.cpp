@@ -4,7 +4,7 @@
 #include <random>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/estimator/sensor_window.hpp"
+#include "correction/estimator/sensor_channel.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "tests/bench/campaign/campaign.hpp"
 
@@ -48,7 +48,6 @@ double drift(const Conditions& conditions, double time_s) {
 
 correction::EstimatorPriors priors_of(HeatErrors heats) {
   correction::EstimatorPriors priors;
-  priors.start_K = 0.0;  // truth and twin start at the reference temperature
   if (heats == HeatErrors::common) {
     priors.heat = 0.15;
     priors.heat_common = 0.5;
@@ -80,6 +79,8 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
         truth.theta[i] = friction_per_K;
         break;
       case correction::ParameterKind::environment:
+      case correction::ParameterKind::disturbance:
+      case correction::ParameterKind::start:
         break;
       case correction::ParameterKind::speed_exponent:
         truth.theta[i] = conditions.speed_exponent * normal(random);

@@ -174,6 +174,8 @@ double bound_um(const rom::Network& network, const Truth& truth, int sensors, bo
                 const correction::EstimatorOptions& options) {
   correction::EstimatorOptions linear = with_sensors(network, options, sensors, truth.conditions);
   linear.curvature = 0.0;
+  // The bound knows what the truth lacks: no unexplained heat, no lag, a start at the reference temperature.
+  linear.priors.disturbance = linear.priors.start_K = linear.lag_deviation_s = 0.0;
   correction::EstimatorCorrection estimator(network, linear);
   estimator.reset(
       0.0, Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), network.boundaries.reference_temperature_K),
@@ -184,7 +186,7 @@ double bound_um(const rom::Network& network, const Truth& truth, int sensors, bo
   follow(
       network, truth, estimator, touch_off,
       [&](Eigen::Index k, const Twin& twin) {
-        Eigen::VectorXd theta = truth.theta;
+        Eigen::VectorXd theta = truth.theta.head(estimator.parameters().count());
         for (Eigen::Index i = 0; i < theta.size(); ++i) {
           const auto& parameter = estimator.parameters().list()[static_cast<std::size_t>(i)];
           if (parameter.kind == correction::ParameterKind::contact)
