@@ -122,6 +122,11 @@ struct Boundaries {
 struct CorrectionFactors {
   Eigen::VectorXd heat;         ///< one per source
   Eigen::VectorXd conductance;  ///< one per conductance
+  /// Heat put in at each node besides the sources, W: one per node, or empty for none.
+  Eigen::VectorXd node_heat_W = {};
+  /// Times each node's capacity, > 0: one per node, or empty where all are 1. Only of a network whose capacity matrix
+  /// is diagonal (NetworkOperator::diagonal_capacity): a hand-written one.
+  Eigen::VectorXd capacity_factor = {};
 };
 
 /// What physical laws read besides temperatures, and the corrections that multiply their values.
@@ -145,6 +150,8 @@ struct BoundaryValues {
   Eigen::VectorXd environment_K;
   Eigen::VectorXd coolant_W_per_K = {};  ///< ṁ c, one per circuit, with the sign of the flow
   LawDrive laws = {};                    ///< of a network with physical laws
+  Eigen::VectorXd node_heat_W = {};      ///< as in CorrectionFactors: one per node, or empty for none
+  Eigen::VectorXd capacity_factor = {};  ///< as in CorrectionFactors: one per node, or empty where all are 1
 };
 
 }  // namespace spindle_twin::rom

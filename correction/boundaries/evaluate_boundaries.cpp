@@ -24,6 +24,15 @@ void apply_channel_law(const rom::Boundaries& boundaries, const rom::OperatingSt
   }
 }
 
+/// Empty means `neutral` for every node; what is sized once stays so, as the cycle may not call the heap.
+void take_per_node(const Eigen::VectorXd& from, double neutral, Eigen::VectorXd& to) {
+  if (from.size() > 0) {
+    to = from;
+  } else {
+    to.setConstant(neutral);
+  }
+}
+
 }  // namespace
 
 rom::CorrectionFactors no_correction(const rom::Boundaries& boundaries) {
@@ -63,6 +72,8 @@ void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::Operating
                                         values.laws, values.environment_K);
   }
   apply_channel_law(boundaries, state, values);
+  take_per_node(factors.node_heat_W, 0.0, values.node_heat_W);
+  take_per_node(factors.capacity_factor, 1.0, values.capacity_factor);
 }
 
 }  // namespace spindle_twin::correction

@@ -14,8 +14,9 @@ rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries);
 /// A physical law is taken at its nominal temperatures and so held; whoever integrates a network lets it follow its own
 /// (rom::LawDrive, which is filled in and says so).
 /// For the segments of a coolant circuit g becomes the effective G/A of the channel law (rom::CoolantCircuit), 0
-/// without flow; the circuits' ṁ c are filled in. Cycle-safe: no allocation when `values` came from
-/// make_boundary_values.
+/// without flow; the circuits' ṁ c are filled in. Node heats and capacity factors are copied; where `factors` has none
+/// they stay as long as they were and become 0 and 1. Cycle-safe: no allocation when `values` came from
+/// make_boundary_values, after the first call with node heats or capacity factors.
 void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::OperatingState& state,
                          const rom::CorrectionFactors& factors, rom::BoundaryValues& values);
 

@@ -22,6 +22,8 @@ struct Problem {
   NewtonSolver* newton;
   /// Conductances of the K̃ that the solver has, none before the first.
   Eigen::VectorXd taken_W_per_m2K;
+  /// 1 / capacity factor that it has, all 1 where there are none.
+  Eigen::VectorXd taken_inverse_capacity;
   bool restarted;
 };
 
@@ -41,19 +43,45 @@ bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now, double sh
   return false;
 }
 
+bool same_as(const Eigen::VectorXd& taken, const Eigen::VectorXd& wanted) {
+  return wanted.size() == 0 ? (taken.array() == 1.0).all() : taken == wanted;
+}
+
+/// Empty stands for all `neutral`. `to` keeps its size.
+void copy_or_fill(const Eigen::VectorXd& from, double neutral, Eigen::VectorXd& to) {
+  if (from.size() > 0) {
+    to = from;
+  } else {
+    to.setConstant(neutral);
+  }
+}
+
+/// The same with `now` empty for all `neutral`.
+bool jumped_from(const Eigen::VectorXd& before, const Eigen::VectorXd& now, double neutral, double share) {
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    const double value = now.size() > 0 ? now[i] : neutral;
+    if (std::abs(value - before[i]) > share * std::max(std::abs(value), std::abs(before[i]))) return true;
+  }
+  return false;
+}
+
 /// I − γ ∂f/∂x. Its K̃ may be one of some cycles ago.
 int newton_matrix(realtype, N_Vector x, N_Vector, SUNMatrix, booleantype serves, booleantype* fresh, realtype gamma,
                   void* user_data, N_Vector, N_Vector, N_Vector) {
   Problem& problem = *static_cast<Problem*>(user_data);
   const Eigen::VectorXd& wanted_W_per_m2K = problem.rhs->conductance_W_per_m2K();
+  const Eigen::VectorXd& inverse_capacity = problem.rhs->inverse_capacity();
   const bool taken = problem.newton->decompositions() > 0;
-  const bool near = problem.restarted && !jumped(problem.taken_W_per_m2K, wanted_W_per_m2K, tolerated_share);
+  const bool near = problem.restarted && !jumped(problem.taken_W_per_m2K, wanted_W_per_m2K, tolerated_share) &&
+                    !jumped_from(problem.taken_inverse_capacity, inverse_capacity, 1.0, tolerated_share);
   problem.restarted = false;
-  const bool same = taken && problem.taken_W_per_m2K == wanted_W_per_m2K;
+  const bool same =
+      taken && problem.taken_W_per_m2K == wanted_W_per_m2K && same_as(problem.taken_inverse_capacity, inverse_capacity);
   const bool take = !taken || !(serves || near || same);
   if (take) {
-    problem.newton->take_matrix(problem.rhs->lower(), problem.rhs->network().feedback_columns());
+    problem.newton->take_matrix(problem.rhs->lower(), problem.rhs->network().feedback_columns(), inverse_capacity);
     problem.taken_W_per_m2K = wanted_W_per_m2K;
+    copy_or_fill(inverse_capacity, 1.0, problem.taken_inverse_capacity);
   }
   *fresh = take || same ? SUNTRUE : SUNFALSE;
   // A positive value tells CVODE to retry with a smaller step before it gives up.
@@ -98,6 +126,7 @@ struct CvodeStepper::Impl {
   }
   bool restart();
   bool inputs_jumped(const BoundaryValues& values) const;
+  bool node_heats_jumped(const BoundaryValues& values) const;
   StepStatus fail(StepStatus status);
 
   CvodeSettings settings;
@@ -135,12 +164,14 @@ CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const C
   last.heat_W = Eigen::VectorXd::Zero(op.sources());
   last.environment_K = Eigen::VectorXd::Zero(op.environments());
   last.coolant_W_per_K = Eigen::VectorXd::Zero(op.circuits());
+  last.node_heat_W = Eigen::VectorXd::Zero(n);
   rhs.hold(last);
+  last.capacity_factor = Eigen::VectorXd::Ones(n);
 
   context = make_context();
   state = own(N_VMake_Serial(n, x.data(), context.get()));
   newton.emplace(n, op.feedback_columns().cols(), context.get());
-  problem = {&rhs, &*newton, Eigen::VectorXd::Zero(op.conductances()), true};
+  problem = {&rhs, &*newton, Eigen::VectorXd::Zero(op.conductances()), Eigen::VectorXd::Ones(n), true};
   matrix = own(SUNMatNewEmpty(context.get()));
   solver = own(view_for_sundials(*newton, context.get()));
   cvode = own(CVodeCreate(CV_BDF, context.get()));
@@ -180,9 +211,26 @@ bool CvodeStepper::Impl::restart() {
 bool CvodeStepper::Impl::inputs_jumped(const BoundaryValues& values) const {
   return !has_last || jumped(last.heat_W, values.heat_W, settings.jump_share) ||
          jumped(last.conductance_W_per_m2K, values.conductance_W_per_m2K, settings.jump_share) ||
-         jumped(last.coolant_W_per_K, values.coolant_W_per_K, settings.jump_share) ||
+         jumped(last.coolant_W_per_K, values.coolant_W_per_K, settings.jump_share) || node_heats_jumped(values) ||
+         jumped_from(last.capacity_factor, values.capacity_factor, 1.0, settings.jump_share) ||
          (values.environment_K.size() > 0 &&
           (values.environment_K - last.environment_K).lpNorm<Eigen::Infinity>() > settings.jump_K);
+}
+
+/// By more than jump_share of the largest heat there is.
+bool CvodeStepper::Impl::node_heats_jumped(const BoundaryValues& values) const {
+  const auto largest = [](const Eigen::VectorXd& heat_W) {
+    return heat_W.size() > 0 ? heat_W.lpNorm<Eigen::Infinity>() : 0.0;
+  };
+  double change_W = 0.0;
+  for (Eigen::Index i = 0; i < last.node_heat_W.size(); ++i) {
+    const double now_W = values.node_heat_W.size() > 0 ? values.node_heat_W[i] : 0.0;
+    change_W = std::max(change_W, std::abs(now_W - last.node_heat_W[i]));
+  }
+  if (change_W == 0.0) return false;
+  const double scale_W =
+      std::max({largest(last.heat_W), largest(values.heat_W), largest(last.node_heat_W), largest(values.node_heat_W)});
+  return change_W > settings.jump_share * scale_W;
 }
 
 StepStatus CvodeStepper::Impl::fail(StepStatus status) {
@@ -207,6 +255,7 @@ StepStatus CvodeStepper::advance(double period_s, const BoundaryValues& values) 
   Impl& m = *impl_;
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return StepStatus::integrator_failed;
   if (!all_finite(values) || !m.x.allFinite()) return StepStatus::not_finite;
+  if (!accepts(m.rhs.network(), values)) return StepStatus::refused;
 
   if (m.inputs_jumped(values)) m.must_restart = true;
   m.rhs.follow(values, m.x.data());
@@ -214,6 +263,8 @@ StepStatus CvodeStepper::advance(double period_s, const BoundaryValues& values) 
   m.last.heat_W = values.heat_W;
   m.last.environment_K = values.environment_K;
   m.last.coolant_W_per_K = values.coolant_W_per_K;
+  copy_or_fill(values.node_heat_W, 0.0, m.last.node_heat_W);
+  copy_or_fill(values.capacity_factor, 1.0, m.last.capacity_factor);
   m.has_last = true;
 
   if (m.must_restart && !m.restart()) return m.fail(StepStatus::integrator_failed);

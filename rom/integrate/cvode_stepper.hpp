@@ -12,7 +12,8 @@ namespace spindle_twin::rom {
 struct CvodeSettings {
   /// Local error per internal step, capacity-weighted root mean square over the network. > 0.
   double tolerance_K = 2e-6;
-  /// A heat or conductance that changes by more than this share of its larger value between two cycles is a jump.
+  /// A heat, conductance or capacity that changes by more than this share of its larger value between two cycles is a
+  /// jump; of a node heat, which may be about 0, the share is of the largest heat of any source or node in the two.
   /// Above it a new start costs fewer steps than carrying the history over the kink; below it the history is worth
   /// more.
   double jump_share = 2e-3;
@@ -45,8 +46,9 @@ class CvodeStepper final : public Stepper {
 
   void set_temperatures(const Eigen::VectorXd& temperatures_K) override;
 
-  /// period_s > 0 and finite, else integrator_failed. Values sized as the network's boundaries. Cycle-safe: no heap
-  /// call after the first, whatever the inputs do.
+  /// period_s > 0 and finite, else integrator_failed. Values sized as the network's boundaries; node heats and capacity
+  /// factors as accepts() says, else refused. Cycle-safe: no heap call after the first, whatever the inputs do, as long
+  /// as none of them changes its size.
   StepStatus advance(double period_s, const BoundaryValues& values) override;
   const Eigen::VectorXd& temperatures_K() const override;
 

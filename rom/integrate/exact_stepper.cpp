@@ -21,6 +21,7 @@ void ExactStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
 StepStatus ExactStepper::advance(double period_s, const BoundaryValues& values) {
   if (!(period_s > 0.0) || !std::isfinite(period_s)) return StepStatus::integrator_failed;
   if (!all_finite(values) || !x_.allFinite()) return StepStatus::not_finite;
+  if (!accepts(rhs_.network(), values)) return StepStatus::refused;
   held_ = values;
   if (values.laws.follow) rhs_.network().laws().at_temperatures(temperatures_K_, held_);
   if (!all_finite(held_)) return StepStatus::not_finite;
@@ -35,27 +36,45 @@ StepStatus ExactStepper::advance(double period_s, const BoundaryValues& values) 
 }
 
 bool ExactStepper::advance_symmetric(double period_s, const BoundaryValues& values) {
-  if (rhs_.hold(values) || !decomposed_) {
-    modes_.compute(rhs_.lower());
+  const bool changed = rhs_.hold(values);
+  const Eigen::VectorXd& inverse_capacity = rhs_.inverse_capacity();
+  const bool scaled = inverse_capacity.size() > 0;
+  const Eigen::VectorXd scale = inverse_capacity.cwiseSqrt();
+  if (changed || !decomposed_) {
+    if (scaled) {
+      modes_.compute(scale.asDiagonal() * rhs_.lower() * scale.asDiagonal());
+    } else {
+      modes_.compute(rhs_.lower());
+    }
     decomposed_ = modes_.info() == Eigen::Success;
     if (!decomposed_) return false;
   }
-  modal_.noalias() = modes_.eigenvectors().transpose() * x_;
-  modal_drive_.noalias() = modes_.eigenvectors().transpose() * rhs_.drive();
+  if (scaled) {
+    modal_.noalias() = modes_.eigenvectors().transpose() * x_.cwiseQuotient(scale);
+    modal_drive_.noalias() = modes_.eigenvectors().transpose() * rhs_.drive().cwiseProduct(scale);
+  } else {
+    modal_.noalias() = modes_.eigenvectors().transpose() * x_;
+    modal_drive_.noalias() = modes_.eigenvectors().transpose() * rhs_.drive();
+  }
   for (Eigen::Index i = 0; i < modal_.size(); ++i) {
     const double z = modes_.eigenvalues()[i] * period_s;
     const double phi = z == 0.0 ? 1.0 : -std::expm1(-z) / z;
     modal_[i] = std::exp(-z) * modal_[i] + phi * period_s * modal_drive_[i];
   }
   x_new_.noalias() = modes_.eigenvectors() * modal_;
+  if (scaled) x_new_.array() *= scale.array();
   return true;
 }
 
 bool ExactStepper::advance_coupled(double period_s, const BoundaryValues& values) {
-  if (rhs_.hold(values) || exponential_for_s_ != period_s) {
+  const bool changed = rhs_.hold(values);
+  const Eigen::VectorXd& inverse_capacity = rhs_.inverse_capacity();
+  const bool scaled = inverse_capacity.size() > 0;
+  if (changed || exponential_for_s_ != period_s) {
     const Eigen::Index n = rhs_.network().nodes();
     Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(2 * n, 2 * n);
     rhs_.full(generator.topLeftCorner(n, n));
+    if (scaled) generator.topLeftCorner(n, n) = inverse_capacity.asDiagonal() * generator.topLeftCorner(n, n);
     generator.topLeftCorner(n, n) *= -period_s;
     generator.topRightCorner(n, n).diagonal().setConstant(period_s);
     const Eigen::MatrixXd flow = generator.exp();
@@ -63,7 +82,11 @@ bool ExactStepper::advance_coupled(double period_s, const BoundaryValues& values
     integral_ = flow.topRightCorner(n, n);
     exponential_for_s_ = period_s;
   }
-  x_new_.noalias() = exponential_ * x_ + integral_ * rhs_.drive();
+  if (scaled) {
+    x_new_.noalias() = exponential_ * x_ + integral_ * rhs_.drive().cwiseProduct(inverse_capacity);
+  } else {
+    x_new_.noalias() = exponential_ * x_ + integral_ * rhs_.drive();
+  }
   return true;
 }
 

@@ -14,6 +14,7 @@ namespace spindle_twin::rom {
 /// With coolant circuits the matrix A = K̃ − PX̃Pᵀ has no orthogonal eigenvectors, and segments in a row bring it near to
 /// having too few; there, by the exponential of a matrix of order 2N,
 ///   [E Φ; 0 1] = exp([−A 1; 0 0] h),   x(t+h) = E x(t) + Φ u
+/// Factors on the capacities, S = diag(c)^(−1/2): the same of S K̃ S, S⁻¹ x and S u; with circuits of S² A and S² u.
 /// Physical laws are held at what they are at the start of the period, so with them it is of first order in h only.
 /// No step-size error for any h: oracle of the tests and fallback of the daemon. An eigendecomposition (about 9 N³
 /// multiply-adds, may allocate) whenever a conductance changes, the exponential also when flow or period do; otherwise

@@ -83,7 +83,10 @@ HeatFlows heat_flows(const Network& network, const std::vector<Body>& bodies, co
   for (Eigen::Index i = 0; i < network.source_distribution.cols(); ++i) {
     flows.source_W.col(i) = gathered(values.heat_W[i] * network.source_distribution.col(i));
   }
-  flows.stored_W = flows.source_W.rowwise().sum() - flows.conduction_W - flows.exchange_W.rowwise().sum();
+  flows.node_W = Eigen::VectorXd::Zero(count);
+  if (values.node_heat_W.size() > 0) flows.node_W = gathered(values.node_heat_W);
+  flows.stored_W =
+      flows.source_W.rowwise().sum() + flows.node_W - flows.conduction_W - flows.exchange_W.rowwise().sum();
   return flows;
 }
 

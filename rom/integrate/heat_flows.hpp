@@ -21,7 +21,8 @@ std::vector<Body> network_bodies(const Network& network);
 ///   exchange(A, j) = gⱼ 1_Aᵀ Fⱼ Fⱼᵀ (T − 1 T_env(j))      what A loses by contact or film j
 ///   conduction(A)  = 1_Aᵀ K₀ T                            what A loses to other bodies without a contact
 ///   source(A, i)   = 1_Aᵀ B qᵢ
-///   stored(A)      = 1_Aᵀ C dT/dt = Σᵢ source − conduction − Σⱼ exchange
+///   node(A)        = 1_Aᵀ node heat
+///   stored(A)      = 1_Aᵀ C dT/dt = Σᵢ source + node − conduction − Σⱼ exchange, C with its capacity factors
 /// for a segment of a coolant circuit T_env is the temperature of the liquid that enters it. The columns of `exchange`
 /// between bodies sum to zero, and conduction does. Built networks have a function per body in their basis: there
 /// conduction is rounding, and a contact between two bodies leaves nothing with any other.
@@ -29,6 +30,7 @@ struct HeatFlows {
   Eigen::MatrixXd exchange_W;    ///< bodies x conductances
   Eigen::VectorXd conduction_W;  ///< bodies
   Eigen::MatrixXd source_W;      ///< bodies x sources
+  Eigen::VectorXd node_W;        ///< bodies; BoundaryValues::node_heat_W, 0 where there is none
   Eigen::VectorXd stored_W;      ///< bodies
 };
 

@@ -42,6 +42,7 @@ NetworkOperator::NetworkOperator(const Network& network)
   require(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
   capacity_root_ = cholesky.matrixL();
   const auto root = capacity_root_.triangularView<Eigen::Lower>();
+  diagonal_capacity_ = capacity == Eigen::MatrixXd(capacity.diagonal().asDiagonal());
   internal_per_kelvin_ = std::sqrt(capacity.sum() / static_cast<double>(n));
 
   Eigen::MatrixXd conduction = network.conduction_W_per_K;
@@ -145,7 +146,27 @@ void NetworkOperator::unpack(const Eigen::VectorXd& packed, Eigen::MatrixXd& low
 }
 
 void NetworkOperator::drive(const BoundaryValues& values, Eigen::VectorXd& u) const {
-  u.noalias() = sources_ * values.heat_W;
+  drive_of_nodes(values, u);
+  add_sources(values, u);
+}
+
+void NetworkOperator::drive_of_sources(const BoundaryValues& values, Eigen::VectorXd& u) const {
+  u.setZero();
+  add_sources(values, u);
+}
+
+void NetworkOperator::drive_of_nodes(const BoundaryValues& values, Eigen::VectorXd& u) const {
+  if (values.node_heat_W.size() == 0) {
+    u.setZero();
+    return;
+  }
+  u = values.node_heat_W;
+  capacity_root_.triangularView<Eigen::Lower>().solveInPlace(u);
+}
+
+/// u += what sources and films give.
+void NetworkOperator::add_sources(const BoundaryValues& values, Eigen::VectorXd& u) const {
+  u.noalias() += sources_ * values.heat_W;
   for (std::size_t film = 0; film < film_environment_.size(); ++film) {
     const double weight = values.conductance_W_per_m2K[film_conductance_[film]] *
                           (values.environment_K[film_environment_[film]] - reference_K_);

@@ -12,7 +12,7 @@ namespace spindle_twin::rom {
 /// The network in coordinates where its capacity matrix is the identity. With C = L Lᵀ (Cholesky):
 ///   x = Lᵀ (T − T_ref),   dx/dt = −K̃(g) x + u
 ///   K̃(g) = L⁻¹ (K₀ + Σⱼ gⱼ Fⱼ Fⱼᵀ) L⁻ᵀ                                     [1/s], symmetric, positive semidefinite
-///   u     = Σⱼ gⱼ L⁻¹ Fⱼ Fⱼᵀ 1 (T_env(j) − T_ref) + L⁻¹ B q
+///   u     = Σⱼ gⱼ L⁻¹ Fⱼ Fⱼᵀ 1 (T_env(j) − T_ref) + L⁻¹ (B q + node heat)
 /// With coolant circuits the liquid brings every segment what those upstream gave it (integrate/coolant.hpp):
 ///   dx/dt = −K̃ x + u + P X̃(Pᵀ x),   P = [L⁻¹ F_s F_sᵀ 1] (N x M),   X̃ = diag(g_s) U diag(1/A_s) (M x M, not symmetric)
 /// With physical laws (integrate/law_terms.hpp) heats and conductances are functions of x besides.
@@ -31,6 +31,8 @@ class NetworkOperator {
   const CoolantSegments& segments() const { return segments_; }
   const LawTerms& laws() const { return laws_; }
   double reference_K() const { return reference_K_; }
+  /// Whether C has no entry beside its diagonal: then node i may have capacity_factorᵢ times its capacity.
+  bool diagonal_capacity() const { return diagonal_capacity_; }
   /// L, lower triangle valid.
   const Eigen::MatrixXd& capacity_root() const { return capacity_root_; }
 
@@ -53,8 +55,11 @@ class NetworkOperator {
                      const Eigen::VectorXd& conductance_W_per_m2K, Eigen::VectorXd& packed,
                      Eigen::MatrixXd& lower) const;
 
-  /// u for inputs that are held, without what the circuits' coupling adds.
+  /// u for inputs that are held, without what the circuits' coupling adds. Node heats cost N²/2 multiply-adds.
   void drive(const BoundaryValues& values, Eigen::VectorXd& u) const;
+  /// The same without the node heats, and L⁻¹ node heat alone, 0 where there is none.
+  void drive_of_sources(const BoundaryValues& values, Eigen::VectorXd& u) const;
+  void drive_of_nodes(const BoundaryValues& values, Eigen::VectorXd& u) const;
 
   /// W: P, then L⁻¹B of every heat that follows a law, then the rows that laws read. P alone where there are none.
   const Eigen::MatrixXd& feedback_columns() const { return laws_.empty() ? walls_ : feedback_columns_; }
@@ -67,6 +72,7 @@ class NetworkOperator {
  private:
   template <typename Weights>
   void add_terms(const Eigen::MatrixBase<Weights>& weights, Eigen::VectorXd& packed) const;
+  void add_sources(const BoundaryValues& values, Eigen::VectorXd& u) const;
   static void unpack(const Eigen::VectorXd& packed, Eigen::MatrixXd& lower);
 
   Eigen::MatrixXd capacity_root_;      // L
@@ -85,6 +91,7 @@ class NetworkOperator {
   Eigen::Index environments_ = 0;
   double reference_K_ = 0.0;
   double internal_per_kelvin_ = 0.0;
+  bool diagonal_capacity_ = false;
   LawTerms laws_;
   Eigen::MatrixXd feedback_columns_;  // W, empty without laws
 };

@@ -32,7 +32,9 @@ int release(SUNLinearSolver view) {
 void NewtonSolver::Release::operator()(_generic_SUNMatrix* matrix) const { SUNMatDestroy(matrix); }
 
 NewtonSolver::NewtonSolver(Eigen::Index nodes, Eigen::Index segments, SUNContext context)
-    : rotation_(nodes, nodes),
+    : scale_(nodes),
+      scratch_(nodes),
+      rotation_(nodes, nodes),
       reflectors_(nodes - 1),
       workspace_(nodes),
       diagonal_(nodes),
@@ -52,11 +54,19 @@ NewtonSolver::NewtonSolver(Eigen::Index nodes, Eigen::Index segments, SUNContext
   if (!band_) throw std::runtime_error("no memory for Newton's matrix");
 }
 
-void NewtonSolver::take_matrix(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& walls) {
+void NewtonSolver::take_matrix(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& walls,
+                               const Eigen::VectorXd& inverse_capacity) {
   ++decompositions_;
   // Eigen's class for this takes a vector from the heap whenever it is asked for Q, and so do the reflectors unless
   // they are multiplied out in place.
   rotation_ = lower;
+  scaled_ = inverse_capacity.size() > 0;
+  if (scaled_) {
+    scale_ = inverse_capacity.cwiseSqrt();
+    for (Eigen::Index column = 0; column < scale_.size(); ++column) {
+      rotation_.col(column).array() *= scale_[column] * scale_.array();
+    }
+  }
   Eigen::internal::tridiagonalization_inplace(rotation_, reflectors_);
   diagonal_ = rotation_.diagonal();
   below_ = rotation_.diagonal<-1>();
@@ -64,7 +74,11 @@ void NewtonSolver::take_matrix(const Eigen::MatrixXd& lower, const Eigen::Matrix
       .setLength(rotation_.rows() - 1)
       .setShift(1)
       .evalTo(rotation_, workspace_);
-  for (Eigen::Index s = 0; s < walls.cols(); ++s) walls_.col(s).noalias() = rotation_.transpose() * walls.col(s);
+  for (Eigen::Index s = 0; s < walls.cols(); ++s) {
+    scratch_ = walls.col(s);
+    if (scaled_) scratch_.array() *= scale_.array();
+    walls_.col(s).noalias() = rotation_.transpose() * scratch_;
+  }
 }
 
 bool NewtonSolver::take_step(double gamma, const Eigen::MatrixXd& coupling) {
@@ -95,7 +109,9 @@ bool NewtonSolver::take_step(double gamma, const Eigen::MatrixXd& coupling) {
 
 void NewtonSolver::solve(const double* b, double* x) {
   const Eigen::Index n = diagonal_.size();
-  rotated_.noalias() = rotation_.transpose() * Eigen::Map<const Eigen::VectorXd>(b, n);
+  scratch_ = Eigen::Map<const Eigen::VectorXd>(b, n);
+  if (scaled_) scratch_.array() /= scale_.array();
+  rotated_.noalias() = rotation_.transpose() * scratch_;
   SUNDlsMat_bandGBTRS(SUNBandMatrix_Cols(band_.get()), n, SUNBandMatrix_StoredUpperBandwidth(band_.get()), 1,
                       pivots_.data(), rotated_.data());
   if (walls_.cols() > 0) {
@@ -104,7 +120,9 @@ void NewtonSolver::solve(const double* b, double* x) {
     circuit_ = lu_.solve(fed_);
     rotated_.noalias() += responses_ * circuit_;
   }
-  Eigen::Map<Eigen::VectorXd>(x, n).noalias() = rotation_ * rotated_;
+  Eigen::Map<Eigen::VectorXd> solution(x, n);
+  solution.noalias() = rotation_ * rotated_;
+  if (scaled_) solution.array() *= scale_.array();
 }
 
 SUNLinearSolver view_for_sundials(NewtonSolver& solver, SUNContext context) {

@@ -14,7 +14,10 @@ RightHandSide::RightHandSide(std::shared_ptr<const NetworkOperator> network)
       packed_(base_packed_),
       lower_(Eigen::MatrixXd::Zero(network_->nodes(), network_->nodes())),
       drive_(Eigen::VectorXd::Zero(network_->nodes())),
-      held_coolant_W_per_K_(Eigen::VectorXd::Zero(network_->circuits())) {
+      held_coolant_W_per_K_(Eigen::VectorXd::Zero(network_->circuits())),
+      node_drive_(drive_),
+      capacity_factor_(Eigen::VectorXd::Ones(network_->nodes())),
+      inverse_capacity_(capacity_factor_) {
   const Eigen::Index segments = network_->segments().count();
   coupling_ = Eigen::MatrixXd::Zero(segments, segments);
   walls_ = fed_ = Eigen::VectorXd::Zero(segments);
@@ -59,17 +62,32 @@ bool RightHandSide::follow(const BoundaryValues& values, const double* x) {
 
 bool RightHandSide::hold(const BoundaryValues& values) {
   following_ = false;
-  network_->drive(values, drive_);
-  bool new_flow = false;
+  network_->drive_of_sources(values, drive_);
+  has_node_heat_ = values.node_heat_W.size() > 0;
+  if (has_node_heat_) {
+    network_->drive_of_nodes(values, node_drive_);
+    drive_ += node_drive_;
+  }
+  bool changed = take_capacities(values.capacity_factor);
   if (coupled()) {
     network_->couple(values, coupling_, walls_, drive_);
-    new_flow = held_coolant_W_per_K_ != values.coolant_W_per_K;
+    changed = changed || held_coolant_W_per_K_ != values.coolant_W_per_K;
     held_coolant_W_per_K_ = values.coolant_W_per_K;
   }
-  if (assembled_ && assembled_for_W_per_m2K_ == values.conductance_W_per_m2K) return new_flow;
+  if (assembled_ && assembled_for_W_per_m2K_ == values.conductance_W_per_m2K) return changed;
   assemble(values.conductance_W_per_m2K);
   assembled_for_W_per_m2K_ = values.conductance_W_per_m2K;
   assembled_ = true;
+  return true;
+}
+
+/// Whether they differ from the ones before.
+bool RightHandSide::take_capacities(const Eigen::VectorXd& capacity_factor) {
+  if (capacity_factor.size() == 0) return std::exchange(scaled_, false);
+  if (scaled_ && capacity_factor_ == capacity_factor) return false;
+  scaled_ = true;
+  capacity_factor_ = capacity_factor;
+  inverse_capacity_ = capacity_factor.cwiseInverse();
   return true;
 }
 
@@ -99,10 +117,12 @@ void RightHandSide::evaluate(const double* x, double* dx) const {
       rate.noalias() -= term.direction * through;
     }
   }
-  if (!coupled()) return;
-  walls_.noalias() = network_->walls().transpose() * state;
-  fed_.noalias() = coupling_ * walls_;
-  rate.noalias() += network_->walls() * fed_;
+  if (coupled()) {
+    walls_.noalias() = network_->walls().transpose() * state;
+    fed_.noalias() = coupling_ * walls_;
+    rate.noalias() += network_->walls() * fed_;
+  }
+  if (scaled_) rate.array() *= inverse_capacity_.array();
 }
 
 void RightHandSide::full(Eigen::Ref<Eigen::MatrixXd> target) const {
@@ -125,7 +145,8 @@ void RightHandSide::follow_to(const Eigen::Ref<const Eigen::VectorXd>& x) const 
   readings_ = laws.offset();
   readings_.noalias() += laws.rows().transpose() * x;
   laws.evaluate(readings_, now_, slopes_);
-  network_->drive(now_, now_drive_);
+  network_->drive_of_sources(now_, now_drive_);
+  if (has_node_heat_) now_drive_ += node_drive_;
   if (coupled()) network_->couple(now_, coupling_, walls_, now_drive_);
 }
 
@@ -171,10 +192,18 @@ const Eigen::MatrixXd& RightHandSide::feedback(const double* x) const {
 }
 
 void RightHandSide::linearise(const double* x, Eigen::Ref<Eigen::MatrixXd> target) const {
-  if (!following_) return full(target);
-  const Eigen::Map<const Eigen::VectorXd> state(x, drive_.size());
-  follow_to(state);
+  if (following_) follow_to(Eigen::Map<const Eigen::VectorXd>(x, drive_.size()));
   full(target);
+  if (following_) add_law_slopes(Eigen::Map<const Eigen::VectorXd>(x, drive_.size()), target);
+  if (!scaled_) return;
+  for (Eigen::Index column = 0; column < target.cols(); ++column) {
+    target.col(column).array() *= inverse_capacity_.array();
+  }
+}
+
+/// To −∂f/∂x of held laws what they add by following the state x, at which now_ and slopes_ are.
+void RightHandSide::add_law_slopes(const Eigen::Ref<const Eigen::VectorXd>& state,
+                                   Eigen::Ref<Eigen::MatrixXd> target) const {
   const LawTerms& laws = network_->laws();
   for (Eigen::Index t = 0; t < laws.count(); ++t) {
     const LawTerm& term = laws.list()[static_cast<std::size_t>(t)];
@@ -202,7 +231,15 @@ bool all_finite(const BoundaryValues& values) {
          values.coolant_W_per_K.allFinite() && std::isfinite(values.laws.speed_rpm) &&
          std::isfinite(values.laws.load) && std::isfinite(values.laws.current_A.value_or(0.0)) &&
          std::isfinite(values.laws.power_W.value_or(0.0)) && values.laws.flow_kg_per_s.allFinite() &&
-         values.laws.heat_factor.allFinite() && values.laws.conductance_factor.allFinite();
+         values.laws.heat_factor.allFinite() && values.laws.conductance_factor.allFinite() &&
+         values.node_heat_W.allFinite() && values.capacity_factor.allFinite();
+}
+
+bool accepts(const NetworkOperator& network, const BoundaryValues& values) {
+  const Eigen::Index heats = values.node_heat_W.size(), factors = values.capacity_factor.size();
+  if (heats != 0 && heats != network.nodes()) return false;
+  if (factors == 0) return true;
+  return factors == network.nodes() && network.diagonal_capacity() && (values.capacity_factor.array() > 0.0).all();
 }
 
 }  // namespace spindle_twin::rom

@@ -13,6 +13,9 @@ namespace spindle_twin::rom {
 ///
 /// Physical laws either stay at what the inputs say (hold), or follow the state inside the step (follow):
 ///   f(x) = −K̃x − Σⱼ (gⱼ(z) − gⱼ) F̃ⱼ F̃ⱼᵀ x + u(q(z), g(z)) + P X̃(g(z)) Pᵀ x,   z = rowsᵀ x + offset, F̃ = L⁻¹F
+/// Factors cᵢ on the nodes' capacities (diagonal C only) divide row i: evaluate() gives f(x)ᵢ / cᵢ and linearise() its
+/// rows over cᵢ; full(), lower(), feedback() and drive() are those of the capacities as written, and
+/// inverse_capacity() brings the rest.
 /// gⱼ of a law is that of an earlier period as long as gⱼ(z) is within a fiftieth of it: K̃ need not be assembled for
 /// less.
 ///   ∂f/∂x = −K̃ − Σⱼ (gⱼ(z) − gⱼ) F̃ⱼF̃ⱼᵀ + PX̃Pᵀ + Σᵢ L⁻¹Bᵢ (∂qᵢ/∂z rowsᵀ) + Σⱼ ∂f/∂gⱼ (∂gⱼ/∂z rowsᵀ)
@@ -22,9 +25,12 @@ class RightHandSide {
 
   const NetworkOperator& network() const { return *network_; }
 
-  /// Takes over the inputs of the next period; assembles K̃ only if a conductance differs from the last ones.
-  /// Returns whether the Jacobian changed. Cycle-safe.
+  /// Takes over the inputs of the next period, which accepts() must have found good; assembles K̃ only if a conductance
+  /// differs from the last ones. Returns whether the Jacobian changed. Cycle-safe.
   bool hold(const BoundaryValues& values);
+
+  /// 1 / cᵢ of the capacity factors held; empty where the inputs give none.
+  const Eigen::VectorXd& inverse_capacity() const { return scaled_ ? inverse_capacity_ : no_factors_; }
 
   /// Those in K̃.
   const Eigen::VectorXd& conductance_W_per_m2K() const { return assembled_for_W_per_m2K_; }
@@ -55,7 +61,9 @@ class RightHandSide {
 
  private:
   void assemble(const Eigen::VectorXd& conductance_W_per_m2K);
+  bool take_capacities(const Eigen::VectorXd& capacity_factor);
   void follow_to(const Eigen::Ref<const Eigen::VectorXd>& x) const;
+  void add_law_slopes(const Eigen::Ref<const Eigen::VectorXd>& state, Eigen::Ref<Eigen::MatrixXd> target) const;
   void take_conductance_slope(const LawTerm& term, const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
   std::shared_ptr<const NetworkOperator> network_;
@@ -67,6 +75,11 @@ class RightHandSide {
   Eigen::MatrixXd lower_;
   Eigen::VectorXd drive_;
   Eigen::VectorXd held_coolant_W_per_K_;
+  bool has_node_heat_ = false;
+  Eigen::VectorXd node_drive_;  // L⁻¹ node heat
+  bool scaled_ = false;
+  Eigen::VectorXd capacity_factor_, inverse_capacity_;
+  Eigen::VectorXd no_factors_;                 // empty
   mutable Eigen::MatrixXd coupling_;           // X̃
   mutable Eigen::VectorXd walls_;              // Pᵀ x; scratch
   mutable Eigen::VectorXd fed_;                // X̃ Pᵀ x; scratch
@@ -87,5 +100,9 @@ class RightHandSide {
 
 /// Whether every input is a finite number. Cycle-safe.
 bool all_finite(const BoundaryValues& values);
+
+/// Whether node heats and capacity factors are none or one per node, and capacity factors above 0 and only given where
+/// the capacity matrix is diagonal. Cycle-safe.
+bool accepts(const NetworkOperator& network, const BoundaryValues& values);
 
 }  // namespace spindle_twin::rom

@@ -7,8 +7,10 @@
 namespace spindle_twin::rom {
 
 SteadySensitivities steady_sensitivities(const std::shared_ptr<const NetworkOperator>& coordinates,
-                                         const BoundaryValues& inputs, const Eigen::VectorXd& temperatures_K,
+                                         const BoundaryValues& given, const Eigen::VectorXd& temperatures_K,
                                          const Eigen::VectorXd& row) {
+  BoundaryValues inputs = given;
+  inputs.capacity_factor.resize(0);  // of no effect on a steady state
   const Eigen::Index n = coordinates->nodes();
   RightHandSide rhs(coordinates);
   Eigen::MatrixXd matrix(n, n);

@@ -69,6 +69,26 @@ TEST(NewtonSolver, solves_as_the_matrix_written_out_for_every_step_length) {
   }
 }
 
+TEST(NewtonSolver, solves_with_capacity_factors_as_the_matrix_written_out) {
+  const Context context;
+  for (const auto& [nodes, segments] : {std::pair{1, 0}, {60, 0}, {60, 9}}) {
+    const Problem problem(nodes, segments, 11);
+    const Eigen::VectorXd inverse_capacity = Eigen::VectorXd::LinSpaced(nodes, 0.3, 3.0);
+    NewtonSolver solver(nodes, segments, context);
+    solver.take_matrix(problem.lower, problem.walls, inverse_capacity);
+    for (const double gamma : {1e-3, 0.3, 400.0}) {
+      ASSERT_TRUE(solver.take_step(gamma, problem.coupling));
+      Eigen::VectorXd solution(nodes);
+      solver.solve(problem.load.data(), solution.data());
+      const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(nodes, nodes);
+      const Eigen::MatrixXd matrix =
+          identity + inverse_capacity.asDiagonal() * (problem.newton_matrix(gamma) - identity);
+      EXPECT_LT((matrix * solution - problem.load).norm(), 1e-13 * matrix.norm() * solution.norm())
+          << nodes << " nodes, " << segments << " segments, " << gamma;
+    }
+  }
+}
+
 TEST(NewtonSolver, reads_the_lower_triangle_alone) {
   const Context context;
   const Problem problem(40, 0, 3);
