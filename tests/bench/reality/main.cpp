@@ -4,8 +4,8 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "tests/bench/campaign/models.hpp"
 #include "tests/bench/reality/tables.hpp"
+#include "tests/bench/reality/twin.hpp"
 
 namespace spindle_twin::bench {
 namespace {
@@ -66,7 +66,7 @@ std::vector<Task> make_tasks(const std::vector<Family>& families, const Options&
 
 int run(const Options& options) {
   const std::vector<Family> families = chosen_families(options);
-  const rom::Network network = twin_network(options.twin);
+  const rom::Network network = certified_twin(options.twin);
   const TruthStore truths(options.twin.cache, options.truth_mm);
   const Scores present = options.is_short ? Scores{} : read_scores(options.present);
   std::printf(
