@@ -32,7 +32,8 @@ struct Task {
 
 std::vector<Family> chosen_families(const Options& options) {
   std::vector<std::string> names = options.families;
-  if (options.is_short && names.empty()) names = {"nominal", "warm_restart", "flow_halved", "lag_30s", "exchanged"};
+  if (options.is_short && names.empty())
+    names = {"nominal", "warm_restart", "flow_halved", "lag_30s", "gaps_held", "exchanged"};
   if (names.empty()) return all_families();
   std::vector<Family> chosen;
   for (const Family& family : all_families()) {
@@ -70,11 +71,12 @@ int run(const Options& options) {
   const TruthStore truths(options.twin.cache, options.truth_mm);
   const Scores present = options.is_short ? Scores{} : read_scores(options.present);
   std::printf(
-      "reality_campaign --seed %llu: seeds from %llu on, %d runs a family, the nominal one twice as many; daemon's "
+      "reality_campaign --seed %llu: seeds from %llu on, %d runs a family%s; daemon's "
       "cycle of %g s, default options, six sensors; twin: %zu nodes from %g mm; truth: %g mm\n",
       static_cast<unsigned long long>(options.seed),
       static_cast<unsigned long long>(seeds_apart * options.seed + static_cast<std::uint64_t>(options.first)),
-      options.runs, options.cycle_s, network.nodes.size(), options.twin.element_size_mm, options.truth_mm);
+      options.runs, runs_of(nominal_family(), options) > options.runs ? ", the nominal one twice as many" : "",
+      options.cycle_s, network.nodes.size(), options.twin.element_size_mm, options.truth_mm);
   for (const bool inside : {true, false}) {
     std::printf("%s the filter's priors:", inside ? "Inside" : "Outside");
     for (const Family& family : families) {

@@ -74,6 +74,11 @@ struct Hidden {
   Eigen::VectorXd heat, conductance;
 };
 
+double conductance_W_per_K(const rom::Boundaries& boundaries, Eigen::Index j) {
+  const rom::Conductance& conductance = boundaries.conductances[static_cast<std::size_t>(j)];
+  return conductance.nominal_W_per_m2K * conductance.area_m2;
+}
+
 Hidden draw_hidden(const rom::Boundaries& boundaries, TruthKind kind, std::uint64_t seed) {
   std::mt19937_64 random = random_of(seed, factors_of);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -86,8 +91,12 @@ Hidden draw_hidden(const rom::Boundaries& boundaries, TruthKind kind, std::uint6
     if (contact) contacts.push_back(j);
   }
   if (kind == TruthKind::contact) {
+    // One that matters: of the larger half.
+    std::sort(contacts.begin(), contacts.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return conductance_W_per_K(boundaries, a) > conductance_W_per_K(boundaries, b);
+    });
     std::mt19937_64 chosen = random_of(seed, contact_of);
-    hidden.conductance[contacts[chosen() % contacts.size()]] = std::log(missing_contact);
+    hidden.conductance[contacts[chosen() % (contacts.size() / 2)]] = std::log(missing_contact);
   }
   return hidden;
 }
