@@ -1,0 +1,45 @@
+#pragma once
+
+#include "firmware/cycle/snapshot.hpp"
+#include "tests/bench/reality/families.hpp"
+
+namespace spindle_twin::bench {
+
+/// What data-acquisition device and PLC say of a truth: noise, offsets, lag, gaps, exchanged wires.
+class MachineSide {
+ public:
+  MachineSide(const RealityTruth& truth, const Family& family);
+
+  /// Goes on to time_s, which must not fall.
+  void tell(double time_s);
+  const firmware::DeviceFrame& frame() const { return frame_; }
+  const firmware::PlcCommand& command() const { return command_; }
+  static std::int64_t clock_ns(double time_s);
+
+ private:
+  struct Gap {
+    double from_s = 0.0;
+    double until_s = 0.0;
+  };
+  void draw_gaps();
+  bool in_gap(double time_s) const;
+  void read_sensors(double time_s);
+  void read_signals(double time_s);
+  void touch_off(double time_s);
+
+  const RealityTruth& truth_;
+  const Family& family_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_{0.0, 1.0};
+  std::array<double, sensor_count> offset_K_{};
+  std::array<std::size_t, sensor_count> place_{};
+  std::array<double, sensor_count> lagged_K_{};
+  double drift_sign_ = 1.0;
+  std::vector<Gap> gaps_;
+  double read_s_ = -1.0;
+  double touched_s_ = 0.0;
+  firmware::DeviceFrame frame_;
+  firmware::PlcCommand command_;
+};
+
+}  // namespace spindle_twin::bench
