@@ -5,12 +5,11 @@
 #include <cstdio>
 #include <deque>
 #include <memory>
-#include <sstream>
 
-#include "firmware/config/config.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "tests/bench/motors/two_nodes.hpp"
+#include "tests/firmware/support/daemon_plan.hpp"
 
 namespace spindle_twin::bench {
 namespace {
@@ -26,19 +25,17 @@ constexpr double ns_per_s = 1e9;
 
 firmware::CyclePlan plan_of(const rom::Network& network, const MotorRun& run, const std::array<bool, 2>& fed,
                             const FollowOptions& options) {
-  std::ostringstream text;
-  text << "network = { file = \"motor.rom\", allow_uncertified = true }\n[cycle]\nperiod_s = " << run.period_s
-       << "\n[serve]\nport = 1502\n[device]\naddress = \"127.0.0.1\"\nport = 1503\n";
+  firmware::DaemonLines lines;
+  lines.period_s = run.period_s;
   for (std::size_t k = 0; k < fed.size(); ++k) {
-    if (!fed[k]) continue;
-    text << "[[sensor]]\nkey_point = \"" << place_names[k] << "\"\nregister = " << 2 * k
-         << "\ntype = \"float32\"\nmax_degC = 250.0\nnoise_K = " << noise_K << "\noffset_K = " << offset_K << "\n";
+    if (fed[k]) lines.sensors.emplace_back(place_names[k]);
   }
-  text << "[signals]\nspeed = { source = \"device\", register = 4 }\nload = { source = \"device\", register = 5 }\n"
-          "ambient = { source = \"device\", register = 6 }\ncoolant = { source = \"constant\", value = 20.0 }\n";
-  if (!options.correction.empty()) text << "[correction]\n" << options.correction << "\n";
-  if (!options.health.empty()) text << "[health]\n" << options.health << "\n";
-  return firmware::bind_config(firmware::parse_config(text.str(), "motor_campaign.toml"), network).cycle;
+  lines.noise_K = noise_K;
+  lines.offset_K = offset_K;
+  lines.max_degC = 250.0;
+  lines.correction = options.correction;
+  lines.health = options.health;
+  return firmware::daemon_plan(network, lines);
 }
 
 firmware::DeviceFrame frame_of(const MotorRun& run, Eigen::Index i, std::int64_t now_ns) {
@@ -53,7 +50,7 @@ firmware::DeviceFrame frame_of(const MotorRun& run, Eigen::Index i, std::int64_t
   };
   set(firmware::Signal::speed, rated_speed_rpm * inputs.speed_share);
   set(firmware::Signal::load, inputs.load);
-  set(firmware::Signal::ambient, inputs.ambient_K);
+  for (const firmware::Signal air : {firmware::Signal::ambient, firmware::Signal::coolant}) set(air, inputs.ambient_K);
   return frame;
 }
 
