@@ -140,8 +140,7 @@ void expect_back(const rom::Network& network, std::uint64_t seed, const Wrong& w
   EXPECT_EQ(trial.unsaid(), 0) << "most sensors rejected for minutes and nothing said of it";
 }
 
-/// 0, so that every run of the tests is the same. With --gtest_random_seed=7 other seeds, and with --gtest_repeat=20
-/// besides others each time.
+/// 0, so that every run of the tests is the same; with --gtest_random_seed=7 other seeds.
 std::uint64_t first_seed() {
   if (GTEST_FLAG_GET(random_seed) == 0) return 0;
   return 1000 * static_cast<std::uint64_t>(::testing::UnitTest::GetInstance()->random_seed());
