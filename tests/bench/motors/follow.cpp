@@ -19,7 +19,7 @@ using firmware::Snapshot;
 
 constexpr double noise_K = 0.05;
 constexpr double offset_K = 0.2;
-constexpr double settled_s = 60.0;
+constexpr double settled_s = 120.0;
 constexpr double rejection_window_s = 600.0;
 constexpr double ns_per_s = 1e9;
 

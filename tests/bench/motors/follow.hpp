@@ -39,7 +39,7 @@ MotorRun run_motor_at_rated_duty(Motor motor, std::uint64_t seed);
 struct PlaceScore {
   double rms_K = 0.0;  ///< of the prediction against the true temperature, as all of these from judged_from_s on
   double worst_K = 0.0;
-  double worst_early_K = 0.0;  ///< from the second minute on until then
+  double worst_early_K = 0.0;  ///< from two minutes on until then
   double within_1_K = 0.0;     ///< share
   double inside = 0.0;         ///< share of the truth within two published deviations
   double deviation_K = 0.0;    ///< published, rms
