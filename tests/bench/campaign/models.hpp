@@ -1,15 +1,13 @@
 #pragma once
 
 #include <CLI/App.hpp>
-#include <atomic>
 #include <cstdint>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include "fem_offline/model/build_model.hpp"
 #include "rom/network.hpp"
 #include "tests/bench/campaign/campaign.hpp"
+#include "tests/bench/in_parallel.hpp"
 
 namespace spindle_twin::bench {
 
@@ -43,17 +41,5 @@ void settle(CampaignOptions& options);
 
 /// Seed of the number-th virtual spindle: the same ones whatever the number of runs, and others for A than for B.
 std::uint64_t seed_of(const CampaignOptions& options, int number, HeatErrors heats);
-
-/// Calls work(i) for i in [0, count) from several threads.
-template <class Work>
-void in_parallel(int threads, int count, const Work& work) {
-  std::atomic<int> next = 0;
-  std::vector<std::jthread> pool;
-  for (int t = 0; t < threads; ++t) {
-    pool.emplace_back([&] {
-      for (int i = next++; i < count; i = next++) work(i);
-    });
-  }
-}
 
 }  // namespace spindle_twin::bench
