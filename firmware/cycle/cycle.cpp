@@ -32,15 +32,16 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
     watch_update(network_, operating_, model_, watch_, corrector_);
     note(integrate(network_, inputs.operating, inputs.factors, advance_s, model_));
     predict(network_, model_);
+    if (plan_.compare_uncorrected) {
+      integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
+      predict(network_, uncorrected_);
+      guard_prediction();
+      publish_uncorrected(uncorrected_, snapshot_);
+    }
     publish_corrected(model_, plan_.slew_m_per_s * advance_s, snapshot_);
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
     publish_health(watch_, corrector_, snapshot_);
-    if (plan_.compare_uncorrected) {
-      integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
-      predict(network_, uncorrected_);
-      publish_uncorrected(uncorrected_, snapshot_);
-    }
     snapshot_.model_time_s += advance_s;
   } else {
     waited_s_ += advance_s;

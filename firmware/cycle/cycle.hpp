@@ -45,6 +45,9 @@ class Cycle {
   Eigen::VectorXd stand_still(double gap_s);
   void take_orders(const PlcCommand& command);
   void note(Integrated integrated);
+  /// A prediction beyond all plausibility (plausible.hpp) is given up for that of the uncorrected model, and the
+  /// estimate begins anew from there.
+  void guard_prediction();
   void label(std::int64_t missed);
 
   const rom::Network& network_;
@@ -63,6 +66,7 @@ class Cycle {
   std::uint32_t displacements_ = 0;
   bool started_ = false;
   double waited_s_ = 0.0;
+  double implausible_until_s_ = 0.0;  ///< model time
 };
 
 inline constexpr std::size_t history_room = 256;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/cycle/plausible.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -69,6 +70,21 @@ void Cycle::take_orders(const PlcCommand& command) {
   }
   ++snapshot_.tare_count;
   tare_orders_ = command.tare_orders;
+}
+
+void Cycle::guard_prediction() {
+  constexpr double shown_for_s = 600.0;
+  const double now_s = snapshot_.model_time_s;
+  const bool implausible = outside_K(network_, judgement_, sensed_, model_, uncorrected_) > plausible_K;
+  if (implausible) {
+    implausible_until_s_ = now_s + shown_for_s;
+    model_.stepper->set_temperatures(uncorrected_.stepper->temperatures_K());
+    predict(network_, model_);
+    if (corrector_.estimator) corrector_.estimator->reset(now_s, model_.stepper->temperatures_K(), operating_);
+    if (watch_.others) watch_.others->follow(*corrector_.estimator);
+  }
+  snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::implausible_prediction));
+  if (now_s < implausible_until_s_) snapshot_.fault |= bits(Fault::implausible_prediction);
 }
 
 void Cycle::note(Integrated integrated) {

@@ -107,6 +107,7 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
                                               snapshot.deformation_raw_m[i] - snapshot.deformation_m[i]);
   }
   if (!corrector.corrects) return;
+  if (corrector.enabled && estimator.consistency().in_doubt()) snapshot.quality |= bits(Quality::estimate_in_doubt);
   snapshot.updates = static_cast<std::uint32_t>(estimator.updates());
   const Eigen::Index parameters = estimator.parameters().count();
   snapshot.parameters = static_cast<std::uint16_t>(parameters);

@@ -122,6 +122,12 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   watch.was_enabled = corrector.enabled;
   if (!corrector.enabled || estimator.updates() == watch.seen_updates) return;
   watch.seen_updates = estimator.updates();
+  if (estimator.loosened() != watch.seen_loosened) {
+    // What the filters without a sensor were sure of goes with what the estimator was sure of.
+    watch.seen_loosened = estimator.loosened();
+    watch.others->follow(estimator);
+    return;
+  }
   watch.others->update(estimator);
   std::fill(watch.updates.begin(), watch.updates.end(), correction::HealthUpdate{});
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
@@ -200,6 +206,9 @@ void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapsh
     const bool out =
         record.state == correction::HealthState::failed || record.state == correction::HealthState::returning;
     if (out) ++snapshot.sensors_failed;
+  }
+  if (corrector.estimator && corrector.enabled) {
+    snapshot.model_in_doubt = snapshot.model_in_doubt || corrector.estimator->consistency().in_doubt();
   }
   if (snapshot.sensors_failed > 0) snapshot.quality |= bits(Quality::sensor_failed);
 }

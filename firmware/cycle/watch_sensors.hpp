@@ -26,6 +26,7 @@ struct SensorWatch {
   std::array<std::int64_t, slots::key_points> seen_ns{};  ///< time of the reading judged last
   std::array<bool, slots::key_points> believed{};         ///< what was made of it
   long seen_updates = 0;
+  long seen_loosened = 0;
   bool was_enabled = false;
   std::uint32_t orders = 0;
 };
