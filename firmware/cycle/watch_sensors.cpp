@@ -93,7 +93,7 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
     }
     watch.health->step(watch.samples, time_s, time_s > 0.0 ? advance_s : 0.0);
     for (std::size_t k = 0; k < watch.samples.size(); ++k) {
-      const correction::HealthRecord& record = watch.health->records()[k];
+      const correction::HealthRecord& record = watch.health->record(k);
       if (watch.samples[k].present) {
         watch.seen_ns[k] = sensed.sensors[k].time_ns;
         watch.believed[k] = record.usable;
@@ -188,7 +188,7 @@ void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapsh
   snapshot.model_in_doubt = watch.health->model_in_doubt();
   for (std::size_t k = 0; k < watch.samples.size(); ++k) {
     if (snapshot.sensor_quality[k] == SensorQuality::not_configured) continue;
-    const correction::HealthRecord& record = watch.health->records()[k];
+    const correction::HealthRecord& record = watch.health->record(k);
     SensorHealthState& to = snapshot.sensor_health[k];
     to.state = static_cast<SensorState>(record.state);
     to.fault = static_cast<SensorFault>(record.fault);

@@ -114,7 +114,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     }
     health.step(samples, time_s, cycle == 0 ? 0.0 : options.cycle_s);
     for (std::size_t s = 0; s < count; ++s) {
-      const correction::HealthRecord& record = health.records()[s];
+      const correction::HealthRecord& record = health.record(s);
       const auto i = static_cast<Eigen::Index>(s);
       const bool withdrawn = fault.is_reference() && fault.concerns(static_cast<int>(s)) && fault.at(time_s);
       valid[i] = !withdrawn && (record.usable || !options.with_health);
@@ -158,7 +158,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     if (options.each) options.each(time_s, estimator, health, bank);
 
     for (std::size_t s = 0; s < count; ++s) {
-      const correction::HealthRecord& record = health.records()[s];
+      const correction::HealthRecord& record = health.record(s);
       const int sensor = static_cast<int>(s);
       const bool faulty = !fault.is_reference() && fault.concerns(sensor);
       const bool active = faulty && time_s >= fault.from_s;
