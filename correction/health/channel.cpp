@@ -23,9 +23,12 @@ void Channel::meet(ChannelEvent event, HealthFault cause) {
       ++record_.failures;
       [[fallthrough]];
     case ChannelAction::fail_again:
+      // Another fault in the meantime does not take a verdict of drift back.
+      latched_ = latched_ || (record_.fault == HealthFault::drift && review_.will_latch());
       record_.fault = cause;
       record_.usable = false;
       latched_ = latched_ || record_.failures >= limits_.failures;
+      review_.dismiss();
       jump_.end_row();
       course_.restart();
       model_.interrupt();
@@ -46,6 +49,11 @@ void Channel::fail(HealthFault fault, bool latched) {
   meet(ChannelEvent::fault, fault);
 }
 
+void Channel::fail_by_evidence(HealthFault fault, double misfit_K, double deviation_K, bool model_in_doubt) {
+  fail(fault, false);
+  review_.begin(time_s_, misfit_K, deviation_K, model_in_doubt);
+}
+
 void Channel::fail_swapped(int partner) {
   fail(HealthFault::swapped, true);
   record_.partner = partner;
@@ -53,6 +61,7 @@ void Channel::fail_swapped(int partner) {
 
 void Channel::acknowledge() {
   latched_ = false;
+  review_.dismiss();
   record_.failures = 0;
 }
 
@@ -166,15 +175,23 @@ void Channel::judge_in_use(double elapsed_s) {
   }
 }
 
-void Channel::judge_return(double elapsed_s) {
+bool Channel::shows_fault(double elapsed_s) {
   // A stuck channel shows nothing but its old value until it moves.
   const bool still = is_stuck() || (record_.fault == HealthFault::stuck && stuck_.repeats());
-  const double departure_K = usual_.departure_K(sample_.reading_K - sample_.predicted_K);
-  const double within_K = record_.fault == HealthFault::implausible ? std::min(limits_.jump_K, limits_.return_within_K)
-                                                                    : limits_.return_within_K;
-  if (off_course_ || still || std::abs(departure_K) > within_K) {
+  const double departure_K = std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
+  review_.note(sample_.reading_K - sample_.offset_K - sample_.predicted_K, elapsed_s);
+  if (off_course_ || still) return true;
+  const bool misfit_has_gone = review_.is_active() && review_.has_gone(limits_);
+  if (record_.fault == HealthFault::drift && review_.is_active()) return !misfit_has_gone;
+  if (record_.fault != HealthFault::implausible) return departure_K > limits_.return_within_K;
+  return departure_K > std::min(limits_.jump_K, limits_.return_within_K) && !misfit_has_gone;
+}
+
+void Channel::judge_return(double elapsed_s) {
+  if (shows_fault(elapsed_s)) {
     if (off_course_) course_.restart();
     meet(ChannelEvent::sign_of_fault);
+    if (record_.fault == HealthFault::drift && review_.is_over(time_s_, limits_)) latched_ = true;
   } else {
     without_sign_s_ += elapsed_s;
   }
@@ -184,8 +201,12 @@ void Channel::judge_return(double elapsed_s) {
     meet(ChannelEvent::calm);
     return;
   }
-  record_.return_offset_K = limits_.return_offset_K + std::abs(departure_K);
+  // A verdict that was taken back was no failure.
+  if (review_.is_active() && record_.fault == HealthFault::drift) --record_.failures;
+  record_.return_offset_K =
+      limits_.return_offset_K + std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
   usual_.forget();
+  review_.dismiss();
   meet(ChannelEvent::probation_over);
 }
 

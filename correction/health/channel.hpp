@@ -7,6 +7,7 @@
 #include "correction/health/electrical_detector.hpp"
 #include "correction/health/jump_detector.hpp"
 #include "correction/health/limits.hpp"
+#include "correction/health/misfit_review.hpp"
 #include "correction/health/model_movement.hpp"
 #include "correction/health/record.hpp"
 #include "correction/health/spike_counter.hpp"
@@ -34,6 +35,7 @@ struct HealthSample {
   /// The same place in a model that is never corrected; NaN where none runs: channels that were swapped from the start
   /// are not found then.
   double uncorrected_K = std::numeric_limits<double>::quiet_NaN();
+  double offset_K = 0.0;  ///< what is known of the reading's: tare, and what the estimator has learnt
 };
 
 /// One channel: its detectors, its state (channel_states.hpp) and its record. A sample is judged in two steps, because
@@ -53,6 +55,9 @@ class Channel {
   void follow_reading();
   /// Fails by what others found out; latched: it returns only after acknowledge().
   void fail(HealthFault fault, bool latched);
+  /// Fails because its readings do not fit those of all others, by misfit_K with 1σ deviation_K > 0. Drift latches, but
+  /// only after its review (misfit_review.hpp), and never where the model was in doubt.
+  void fail_by_evidence(HealthFault fault, double misfit_K, double deviation_K, bool model_in_doubt);
   /// Fails because it shows the temperature of `partner`, the other one's index. Latched.
   void fail_swapped(int partner);
   /// A latched channel may return by way of the probation; failures are counted anew.
@@ -79,6 +84,8 @@ class Channel {
   void note_spike();
   void restart_course(double elapsed_s);
   bool is_stuck();
+  /// Whether the reading of a channel that is out shows that its fault is still there.
+  bool shows_fault(double elapsed_s);
   bool fits_course_of(const Channel& other) const;
   /// Takes the event through the table.
   void meet(ChannelEvent event, HealthFault cause = HealthFault::none);
@@ -93,6 +100,7 @@ class Channel {
   StuckDetector stuck_;
   ModelMovement model_;
   UsualOffset usual_;
+  MisfitReview review_;
 
   HealthSample sample_;  ///< the last one taken
   double time_s_ = 0.0;

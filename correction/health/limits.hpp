@@ -38,10 +38,23 @@ struct HealthLimits {
   double drift_wait_s = 120.0;  ///< between two such failures: twelve updates, in which the others' evidence settles
   int rejected = 2;             ///< updates in a row by then: it went too fast for a drift, and is implausible
 
-  // Exchange by movement (exchange.hpp).
-  double swap_K = 0.3;           ///< rms by which a channel misses its own movement: ten times its noise
-  double swap_share = 0.1;       ///< its partner's it meets with so little of the square of that
-  double swap_window_s = 300.0;  ///< of the running means: the time constants of seats and jackets
+  // What keeps a wrong model from being laid to a sensor.
+  double settle_s = 900.0;       ///< after the start or a restart of the estimator drift is no verdict: it begins with
+                                 ///< priors that the first 15 minutes contradict, whatever the sensors do
+  double drift_least_s = 120.0;  ///< evidence that rose faster is no drift: of 10 K/h that is 0.3 K, a jump
+  double doubt_share = 0.25;     ///< of drift_limit: if half of the channels are above it the model is in doubt
+  double review_s = 600.0;       ///< so young a verdict of drift is looked at again,
+  double review_deviations = 3.0;  ///< and taken back where the misfit is within so many σ,
+  double review_share = 0.5;       ///< and no more than this share of what it was, for return_after_s
+
+  // Exchange by movement (exchange_detector.hpp), measured on 32 virtual spindles.
+  double swap_limit = 30.0;       ///< −2 ln of the ratio of likelihoods, as drift_limit
+  double swap_K = 0.1;            ///< rms movement at which a gain is known to its own size: three times the noise
+  double swap_fit = 0.3;          ///< each explains the partner's movement up to this share of its rms,
+  double swap_floor = 0.07;       ///< and none better than this: own places are met to 0.04 to 0.16
+  double swap_gain = 0.35;        ///< 1σ of ln of a gain: heats and films are unknown by a third
+  double swap_memory_s = 3600.0;  ///< of what has been seen
+  double swap_least_s = 180.0;    ///< three of the shortest scale
   // Exchange by evidence (isolation.hpp), measured.
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
   double exchange_alike = 0.65;    ///< the smaller misfit of the larger

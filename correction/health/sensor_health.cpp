@@ -3,9 +3,23 @@
 #include <cmath>
 
 namespace spindle_twin::correction {
+namespace {
+
+std::vector<double> noise_of(const std::vector<HealthChannel>& channels) {
+  std::vector<double> noise_K;
+  noise_K.reserve(channels.size());
+  for (const HealthChannel& channel : channels) noise_K.push_back(channel.noise_K);
+  return noise_K;
+}
+
+}  // namespace
 
 SensorHealth::SensorHealth(const std::vector<HealthChannel>& channels, const HealthLimits& limits)
-    : limits_(limits), exchange_(channels.size()), isolation_(channels.size()), considered_(channels.size()) {
+    : limits_(limits),
+      exchange_(noise_of(channels)),
+      isolation_(channels.size()),
+      considered_(channels.size()),
+      in_use_(channels.size()) {
   channels_.reserve(channels.size());
   for (const HealthChannel& channel : channels) channels_.emplace_back(channel, limits);
 }
@@ -13,62 +27,78 @@ SensorHealth::SensorHealth(const std::vector<HealthChannel>& channels, const Hea
 void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s, double h_s) {
   time_s_ = time_s;
   for (std::size_t i = 0; i < channels_.size(); ++i) channels_[i].take(samples[i], time_s, h_s);
-  doubt_the_model();
+  follow_what_most_do();
   find_exchanged(samples, h_s);
   for (Channel& channel : channels_) channel.judge();
 }
 
 /// When more than half of the channels, and three at least, leave their course with one sample, it is the spindle or
 /// the model: all are followed.
-void SensorHealth::doubt_the_model() {
+void SensorHealth::follow_what_most_do() {
   int judged = 0, off_course = 0;
   for (const Channel& channel : channels_) {
     if (!channel.in_use() || !channel.reads()) continue;
     ++judged;
     off_course += channel.off_course() ? 1 : 0;
   }
-  model_in_doubt_ = off_course >= 3 && 2 * off_course > judged;
-  if (!model_in_doubt_) return;
+  left_course_together_ = off_course >= 3 && 2 * off_course > judged;
+  if (!left_course_together_) return;
   for (Channel& channel : channels_) {
     if (channel.in_use() && channel.off_course()) channel.follow_reading();
   }
 }
 
-void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, double h_s) {
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    const Channel& channel = channels_[i];
-    if (std::isfinite(samples[i].uncorrected_K)) exchange_.note_model(i, samples[i].uncorrected_K, h_s, limits_);
-    if (channel.reads() && !channel.off_course()) {
-      exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), limits_);
-    }
-  }
-  exchange_.accumulate(h_s, limits_);
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    for (std::size_t j = i + 1; j < channels_.size(); ++j) {
-      if (!channels_[i].in_use() || !channels_[j].in_use()) continue;
-      if (!channels_[i].exchanged_courses_with(channels_[j]) && !exchange_.move_exchanged(i, j, limits_)) continue;
-      channels_[i].fail_swapped(static_cast<int>(j));
-      channels_[j].fail_swapped(static_cast<int>(i));
-    }
-  }
+void SensorHealth::fail_pair(std::size_t one, std::size_t other) {
+  channels_[one].fail_swapped(static_cast<int>(other));
+  channels_[other].fail_swapped(static_cast<int>(one));
 }
 
-HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates) {
+void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, double h_s) {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (std::isfinite(samples[i].uncorrected_K)) exchange_.note_model(i, samples[i].uncorrected_K, h_s);
+  }
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const Channel& channel = channels_[i];
+    in_use_[i] = channel.in_use();
+    if (!channel.reads() || channel.off_course()) continue;
+    exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), in_use_[i], limits_);
+  }
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    for (std::size_t j = i + 1; j < channels_.size(); ++j) {
+      if (!in_use_[i] || !in_use_[j] || !channels_[i].exchanged_courses_with(channels_[j])) continue;
+      fail_pair(i, j);
+      in_use_[i] = in_use_[j] = false;
+    }
+  }
+  const ExchangeDetector::Pair pair = exchange_.find(in_use_, limits_);
+  if (pair.one < 0) return;
+  fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
+  untold_ = pair;
+}
+
+HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     considered_[i] = updates[i];
     considered_[i].taken = updates[i].taken && channels_[i].in_use();
   }
-  const Blame blame = isolation_.judge(considered_, time_s_, limits_);
+  const Blame blame = isolation_.judge(considered_, doubt, time_s_, limits_);
+  if (untold_.one >= 0) {
+    const HealthVerdict told{untold_.one, untold_.other};
+    untold_ = {};
+    return told;
+  }
   if (blame.channel < 0) return {};
-  Channel& blamed = channels_[static_cast<std::size_t>(blame.channel)];
+  const auto blamed = static_cast<std::size_t>(blame.channel);
   if (blame.partner >= 0) {
-    blamed.fail_swapped(blame.partner);
-    channels_[static_cast<std::size_t>(blame.partner)].fail_swapped(blame.channel);
+    fail_pair(blamed, static_cast<std::size_t>(blame.partner));
   } else {
-    blamed.fail(blame.fault, blame.fault == HealthFault::drift);
+    channels_[blamed].fail_by_evidence(blame.fault, updates[blamed].misfit_K, updates[blamed].deviation_K,
+                                       blame.model_in_doubt);
   }
   return {blame.channel, blame.partner};
 }
+
+void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }
 
 void SensorHealth::acknowledge() {
   for (Channel& channel : channels_) channel.acknowledge();

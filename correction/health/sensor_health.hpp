@@ -28,8 +28,12 @@ class SensorHealth {
   /// One sample per channel at time_s, h_s >= 0 after the one before (0 at the first). May run in the cycle.
   void step(const std::vector<HealthSample>& samples, double time_s, double h_s);
 
-  /// After each update of the estimator, one entry per channel, at the time of the last step. May run in the cycle.
-  HealthVerdict note_update(const std::vector<HealthUpdate>& updates);
+  /// After each update of the estimator, one entry per channel, at the time of the last step. Two that were found to
+  /// have been exchanged by their movement since the update before are given too: what the estimator learnt from them
+  /// is to be forgotten. May run in the cycle.
+  HealthVerdict note_update(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt = {});
+  /// The estimator began anew, from its priors or otherwise; at the time of the last step. May run in the cycle.
+  void note_restart();
 
   /// Latched channels may return, by way of the probation; counters of failures begin anew. May run in the cycle.
   void acknowledge();
@@ -37,20 +41,24 @@ class SensorHealth {
   const HealthRecord& record(std::size_t channel) const { return channels_[channel].record(); }
   std::size_t count() const { return channels_.size(); }
   const HealthLimits& limits() const { return limits_; }
-  /// More channels left their course at once than could have failed: it is the model.
-  bool model_in_doubt() const { return model_in_doubt_; }
+  /// It is the model, not the channels: more of them left their course with this sample than could have failed, half of
+  /// them had evidence against them at the last update, or the estimator said so then.
+  bool model_in_doubt() const { return left_course_together_ || isolation_.model_in_doubt(); }
 
  private:
-  void doubt_the_model();
+  void follow_what_most_do();
   void find_exchanged(const std::vector<HealthSample>& samples, double h_s);
+  void fail_pair(std::size_t one, std::size_t other);
 
   HealthLimits limits_;
   std::vector<Channel> channels_;
   ExchangeDetector exchange_;
   Isolation isolation_;
   std::vector<HealthUpdate> considered_;  // updates of the channels in use
+  std::vector<bool> in_use_;
+  ExchangeDetector::Pair untold_;  // exchanged by movement, since the last update
   double time_s_ = 0.0;
-  bool model_in_doubt_ = false;
+  bool left_course_together_ = false;
 };
 
 }  // namespace spindle_twin::correction

@@ -109,8 +109,12 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     for (std::size_t s = 0; s < count; ++s) {
       const auto i = static_cast<Eigen::Index>(s);
       const double predicted_K = twin.outputs.key_points_K[i];
-      samples[s] = {true, readings.readings_K[i], predicted_K, predicted_K - corrected_K[i],
-                    uncorrected.outputs.key_points_K[i]};
+      samples[s] = {true,
+                    readings.readings_K[i],
+                    predicted_K,
+                    predicted_K - corrected_K[i],
+                    uncorrected.outputs.key_points_K[i],
+                    estimator.filter().mean()[estimator.parameters().count() + i]};
     }
     health.step(samples, time_s, cycle == 0 ? 0.0 : options.cycle_s);
     for (std::size_t s = 0; s < count; ++s) {
@@ -136,8 +140,12 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
         const correction::Misfit& misfit = bank.misfit(static_cast<Eigen::Index>(s));
-        judged_updates[s] = {record.fused || record.rejected, misfit.evidence, record.rejected_in_a_row,
-                             record.observation_K, misfit.misfit_K};
+        judged_updates[s] = {record.fused || record.rejected,
+                             misfit.evidence,
+                             record.rejected_in_a_row,
+                             record.observation_K,
+                             misfit.misfit_K,
+                             misfit.deviation_K};
       }
       const correction::HealthVerdict verdict =
           options.with_health ? health.note_update(judged_updates) : correction::HealthVerdict{};

@@ -62,6 +62,78 @@ TEST(Health, when_most_channels_leave_their_course_at_once_it_is_not_the_channel
   EXPECT_EQ(drive.failed(), 0);
 }
 
+/// A sensor that was laid off for a misfit which then has gone, or not.
+struct Blamed {
+  explicit Blamed(bool in_doubt) : drive(seed) {
+    drive.steady = true;
+    drive.run_until(4000.0);
+    std::vector<HealthUpdate> updates(6, {true, 0.0, 0, 300.0, 0.0, 0.1});
+    updates[2] = {true, 40.0, 0, 300.0, 0.8, 0.1};
+    ModelDoubt doubt;
+    doubt.in_doubt = in_doubt;
+    EXPECT_EQ(drive.health.note_update(updates, doubt).failed, 2);
+    EXPECT_EQ(record().fault, HealthFault::drift);
+    drive.tamper = [this](std::vector<HealthSample>& samples) {
+      for (std::size_t i = 0; i < samples.size(); ++i) samples[i].offset_K = drive.offset_K[i];
+      samples[2].predicted_K = drive.truth_K[2];  // of all others
+      samples[2].reading_K += misfit_K;
+    };
+  }
+  const HealthRecord& record() const { return drive.health.record(2); }
+  Drive drive;
+  double misfit_K = 0.8;
+};
+
+TEST(Health, a_drift_whose_misfit_has_gone_was_the_model_and_the_sensor_returns_within_ten_minutes) {
+  Blamed sensor(false);
+  sensor.misfit_K = 0.1;
+  sensor.drive.run_until(4599.0);
+  EXPECT_EQ(sensor.record().state, HealthState::good);
+  EXPECT_EQ(sensor.record().failures, 0) << "what was taken back was no failure";
+}
+
+TEST(Health, a_drift_whose_misfit_stays_is_latched_after_ten_minutes) {
+  Blamed sensor(false);
+  sensor.drive.run_until(4700.0);
+  EXPECT_EQ(sensor.record().state, HealthState::failed);
+  sensor.misfit_K = 0.0;
+  sensor.drive.run_until(8000.0);
+  EXPECT_EQ(sensor.record().state, HealthState::failed);
+  sensor.drive.health.acknowledge();
+  sensor.drive.run_until(8400.0);
+  EXPECT_EQ(sensor.record().state, HealthState::good);
+}
+
+TEST(Health, what_failed_while_the_model_was_in_doubt_returns_by_itself_whenever_its_misfit_has_gone) {
+  Blamed sensor(true);
+  sensor.drive.run_until(8000.0);
+  EXPECT_EQ(sensor.record().state, HealthState::failed);
+  sensor.misfit_K = 0.0;
+  sensor.drive.run_until(8500.0);
+  EXPECT_EQ(sensor.record().state, HealthState::good);
+}
+
+TEST(Health, a_broken_wire_does_not_take_a_verdict_of_drift_back) {
+  Blamed sensor(false);
+  sensor.drive.tamper = [&](std::vector<HealthSample>& samples) {
+    if (sensor.drive.time_s < 4200.0) samples[2].reading_K = 1123.15;
+  };
+  sensor.drive.run_until(6000.0);
+  EXPECT_EQ(sensor.record().state, HealthState::failed);
+}
+
+TEST(Health, a_pair_found_by_its_movement_is_told_to_the_estimator_once) {
+  Drive drive(seed);
+  drive.tamper = [](std::vector<HealthSample>& samples) { std::swap(samples[3].reading_K, samples[4].reading_K); };
+  while (drive.failed() == 0 && drive.time_s < 7200.0) drive.step();
+  ASSERT_EQ(drive.failed(), 2);
+  const std::vector<HealthUpdate> updates(6, {true, 0.0, 0});
+  const HealthVerdict verdict = drive.health.note_update(updates);
+  EXPECT_EQ(verdict.failed, 3);
+  EXPECT_EQ(verdict.partner, 4);
+  EXPECT_EQ(drive.health.note_update(updates).failed, -1);
+}
+
 TEST(Health, step_never_calls_the_heap) {
   Drive drive(seed);
   drive.run_until(100.0);
