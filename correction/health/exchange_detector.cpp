@@ -107,6 +107,20 @@ double ExchangeDetector::evidence(std::size_t one, std::size_t other, const Heal
          gain_penalty(i, j, limits) - gain_penalty(j, i, limits);
 }
 
+int ExchangeDetector::partner_of(std::size_t channel, const std::vector<bool>& in_use,
+                                 const HealthLimits& limits) const {
+  int partner = -1;
+  double most = limits.swap_support;
+  for (std::size_t i = 0; i < in_use.size(); ++i) {
+    if (i == channel || !in_use[i]) continue;
+    const double sum = evidence(channel, i, limits);
+    if (!(sum > most)) continue;
+    most = sum;
+    partner = static_cast<int>(i);
+  }
+  return partner;
+}
+
 ExchangeDetector::Pair ExchangeDetector::find(const std::vector<bool>& in_use, const HealthLimits& limits) const {
   Pair found;
   double most = limits.swap_limit;

@@ -43,6 +43,9 @@ class ExchangeDetector {
   /// The pair among the channels in use that is exchanged with most evidence, none without an uncorrected model. May
   /// run in the cycle: n² logarithms.
   Pair find(const std::vector<bool>& in_use, const HealthLimits& limits) const;
+  /// The channel in use that this one is exchanged with most likely, where other evidence has blamed this one already:
+  /// Λ > swap_support will do. -1: none. May run in the cycle.
+  int partner_of(std::size_t channel, const std::vector<bool>& in_use, const HealthLimits& limits) const;
   /// What speaks for the two being exchanged, Λ; −∞ where one of the other conditions is not met. May run in the cycle.
   double evidence(std::size_t one, std::size_t other, const HealthLimits& limits) const;
 

@@ -49,6 +49,7 @@ struct HealthLimits {
 
   // Exchange by movement (exchange_detector.hpp), measured on 32 virtual spindles.
   double swap_limit = 30.0;       ///< −2 ln of the ratio of likelihoods, as drift_limit
+  double swap_support = 8.0;      ///< does where a channel is blamed already: odds of e^4, as drift_lead
   double swap_K = 0.1;            ///< rms movement at which a gain is known to its own size: three times the noise
   double swap_fit = 0.3;          ///< each explains the partner's movement up to this share of its rms,
   double swap_floor = 0.07;       ///< and none better than this: own places are met to 0.04 to 0.16

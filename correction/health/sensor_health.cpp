@@ -89,13 +89,17 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   }
   if (blame.channel < 0) return {};
   const auto blamed = static_cast<std::size_t>(blame.channel);
-  if (blame.partner >= 0) {
-    fail_pair(blamed, static_cast<std::size_t>(blame.partner));
+  for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
+  // How the two have moved since the start tells the partner better than one instant does.
+  const int by_movement = exchange_.partner_of(blamed, in_use_, limits_);
+  const int partner = by_movement >= 0 ? by_movement : blame.partner;
+  if (partner >= 0) {
+    fail_pair(blamed, static_cast<std::size_t>(partner));
   } else {
     channels_[blamed].fail_by_evidence(blame.fault, updates[blamed].misfit_K, updates[blamed].deviation_K,
                                        blame.model_in_doubt);
   }
-  return {blame.channel, blame.partner};
+  return {blame.channel, partner};
 }
 
 void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }

@@ -70,6 +70,18 @@ TEST(ExchangeDetector, without_an_uncorrected_model_or_out_of_use_nothing_is_fou
   EXPECT_EQ(crossed.detector.find({true, true}, {}).other, 1);
 }
 
+TEST(ExchangeDetector, less_will_do_to_name_the_partner_of_a_channel_that_is_blamed_already) {
+  const HealthLimits limits;
+  TwoPlaces crossed;
+  crossed.exchanged = true;
+  while (crossed.t < 3600 && crossed.detector.partner_of(0, {true, true}, limits) < 0) crossed.step();
+  EXPECT_EQ(crossed.detector.partner_of(1, {true, true}, limits), 0);
+  EXPECT_EQ(crossed.detector.partner_of(1, {false, true}, limits), -1);
+  EXPECT_EQ(crossed.detector.find({true, true}, limits).one, -1) << "by itself that is too little";
+  EXPECT_GT(crossed.detector.evidence(0, 1, limits), limits.swap_support);
+  EXPECT_LT(crossed.detector.evidence(0, 1, limits), limits.swap_limit);
+}
+
 TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> unit(0.0, 1.0);
