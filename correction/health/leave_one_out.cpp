@@ -6,18 +6,19 @@
 namespace spindle_twin::correction {
 namespace {
 
-constexpr double most_surprise = 9.0;
-constexpr double least_memory_s = 120.0;
-constexpr double memory_s = 3600.0;
-constexpr double keep_every_s = 300.0;
-constexpr double doubt_from = 4.0;  // evidence
-constexpr double doubt_whole = 12.0;
+constexpr double most_surprise = 9.0;     // three σ: beyond, one update would decide alone
+constexpr double least_memory_s = 120.0;  // twelve updates
+constexpr double memory_s = 3600.0;       // a drift of 0.2 K/h needs about that long to show (measured)
+constexpr double keep_every_s = 300.0;    // three kept filters: the oldest is 10 to 15 minutes old
+constexpr double doubt_from = 4.0;        // evidence: odds of e^2 that the sensor has failed,
+constexpr double doubt_whole = 12.0;      // and of e^6
 
+/// What one innovation adds to J. A comparison with what is no number gives the bound: no evidence is drawn from it.
 double surprise(double innovation, double variance) {
-  return std::fmin(innovation * innovation / variance, most_surprise);  // no evidence is drawn from what is no number
+  return std::fmin(innovation * innovation / variance, most_surprise);
 }
 
-/// J of the estimator itself.
+/// J of the estimator's own last update.
 double surprise_of(const EstimatorCorrection& estimator) {
   const EstimatorUpdate& made = estimator.last_update();
   double sum = 0.0;

@@ -16,8 +16,8 @@ struct Misfit {
   double ratio() const { return judged ? misfit_K / deviation_K : 0.0; }
 };
 
-/// One filter over (θ, b) per sensor, which is fed with all sensors but that one (the bank of filters of multiple-model
-/// fault isolation). They share the estimator's model and sensitivities S, around whose θ they are linear:
+/// A bank of filters over (θ, b), one per sensor, each fed with all sensors but its own (multiple-model fault
+/// isolation). They share the estimator's model and sensitivities S, and are linear around the estimator's θ:
 ///   prediction of filter s at sensor j     L_j T + h_j (θ_s − θ) + b_s,j
 ///   misfit of sensor s                     y_s − L_s T − h_s (θ_s − θ) − b_s,s,     σ² = [h_s, 1] P_s [h_s, 1]ᵀ +
 ///   noise
@@ -25,49 +25,56 @@ struct Misfit {
 /// and whose, is told by the whole history (generalised likelihood ratio: Willsky and Jones, IEEE Trans. AC 21, 1976).
 /// With ν the innovations of a filter, one sensor after the other, and V their variances:
 ///   J = Σ min(ν² / V, 9)  of one update,      evidence_s ← e^(−Δt / τ) evidence_s + J_all − J_without s
-/// τ is the time since the start, at most an hour: what the first minutes say against the priors is soon forgotten.
-/// By the chain rule of probabilities that is −2 ln of how likely the readings of s were, given those of all others.
-/// The bound keeps one update from deciding alone. The estimator bends its parameters to a drift, so its innovations
-/// stay small; but they are larger than those of the filter that never saw the sensor, at every update.
-///   When s has failed, its filter is what the estimator would be had it never seen s: it can be taken over
+/// By the chain rule of probabilities that is −2 ln of how likely the readings of s were, given those of all others. A
+/// filter that follows a drift with its parameters has small innovations, but at every update they are larger than
+/// those of the filter that never saw the sensor. τ is the time since the start, at most an hour, so that what the
+/// first minutes say against the priors fades. The bound of 9 keeps one update from deciding alone.
+///   When s has failed, its filter is what the estimator would be had it never seen s: the estimator can go over to it
 /// (EstimatorCorrection::adopt).
-/// No allocation after construction; may run in the cycle: m (m − 1) rank-one updates and m Cholesky factors.
 class LeaveOneOut {
  public:
+  /// All filters begin at the estimator's prior. Allocates; nothing else here does.
   explicit LeaveOneOut(const EstimatorCorrection& estimator);
 
-  /// All filters become the estimator's own, after it was reset, restored or switched on: from then on each does
-  /// without what its sensor adds.
+  /// All filters become copies of the estimator's own, and all evidence is dropped; after the estimator was reset,
+  /// restored, switched on or changed. May run in the cycle.
   void follow(const EstimatorCorrection& estimator);
-  /// After each update of the estimator.
+  /// Takes the estimator's last update into all filters; once after each. May run in the cycle: m (m − 1) rank-one
+  /// updates and m Cholesky factors of m sensors.
   void update(const EstimatorCorrection& estimator);
-  /// The sensor's offset may have changed (EstimatorCorrection::widen_offset).
+  /// The sensor's offset may have changed by deviation_K (1σ): together with EstimatorCorrection::widen_offset. May run
+  /// in the cycle.
   void widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K);
-  /// The readings of a sensor are lower by shift_K from now on, because a tare was taken.
+  /// The readings of a sensor are lower by shift_K from now on, because a tare was taken. May run in the cycle.
   void shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K);
-  /// The sensor failed and the estimator went over to its filter: all others follow.
+  /// The sensor failed and the estimator went over to its filter: all others become copies of it, and all evidence is
+  /// dropped. May run in the cycle.
   void settle_on(Eigen::Index sensor);
 
-  /// The estimator's filter as it was 10 to 15 minutes ago, at least as of the last follow() or settle_on(), grown
-  /// unsure by the time since: for two sensors that failed together, which no filter has done without.
+  /// The estimator's filter as it was 10 to 15 minutes ago, or at the last follow() or settle_on() if that is less,
+  /// with the uncertainty of the time since added. For two sensors that failed together: no filter has done without
+  /// both. Valid until the next call. May run in the cycle.
   const SquareRootFilter& before(const EstimatorCorrection& estimator);
 
-  /// For EstimatorCorrection::set_alternatives: √w (θ_s − θ) per sensor, w from 0 to 1 as the evidence goes from 4 to
+  /// For EstimatorCorrection::set_alternatives, p x sensors: √w (θ_s − θ), w from 0 to 1 as the evidence goes from 4 to
   /// 12. As long as it is open whether s has failed, the truth may lie where its filter says (solution separation, the
-  /// protection level of satellite navigation: Brown and McBurney, Navigation 35, 1988).
+  /// protection level of satellite navigation: Brown and McBurney, Navigation 35, 1988). Valid until the next call. May
+  /// run in the cycle.
   const Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
 
+  /// Of the last update.
   const Misfit& misfit(Eigen::Index sensor) const { return misfits_[static_cast<std::size_t>(sensor)]; }
+  /// The filter that never saw the sensor.
   const SquareRootFilter& without(Eigen::Index sensor) const { return filters_[static_cast<std::size_t>(sensor)]; }
 
  private:
-  /// J of the filter without the sensor.
-  double update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
-
+  /// The estimator's filter as it was once.
   struct Kept {
     SquareRootFilter filter;
     double age_s = 0.0;
   };
+  /// Takes the last update into the filter without the sensor; gives its J.
+  double update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
   void keep_all(const SquareRootFilter& filter);
 
   std::vector<SquareRootFilter> filters_;

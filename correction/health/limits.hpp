@@ -1,70 +1,73 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
 
 namespace spindle_twin::correction {
 
-enum class HealthState : std::uint8_t {
-  good,       ///< its readings are used
-  suspect,    ///< this reading is withheld, the channel is not judged yet
-  failed,     ///< no reading is used until the fault has gone
-  returning,  ///< the fault has gone; on probation, not used yet
-};
-
-/// Why a channel is not good.
-enum class HealthFault : std::uint8_t {
-  none,
-  open,          ///< at or above open_above_K
-  shorted,       ///< at or below short_below_K
-  out_of_range,  ///< outside the channel's own range
-  jump,          ///< left its course at once and stays away
-  spikes,        ///< single readings far from its course, too many of them
-  stuck,         ///< does not move while the model does
-  drift,         ///< leaves slowly; stays failed until acknowledged
-  swapped,       ///< shows another channel's temperature; stays failed until acknowledged
-  implausible,   ///< the estimator has rejected it too often in a row
-};
-
-/// Limits of all detectors; times in model time. Valid: all positive, counts at least 1.
+/// Limits of all detectors, each with where it comes from; times in model time. Valid: all positive, counts at least 1.
+/// "Measured" is tests/bench/fault_campaign.
 struct HealthLimits {
   // Electrical. A PT100 or PT1000 (IEC 60751) reads 850 degC at 3.9 times its nominal resistance: a broken wire leaves
   // the input at the end of its scale; a shorted one has hardly the 60 % of -100 degC. A PT1000 on an input for PT100
   // looks open, a PT100 on one for PT1000 shorted.
   double open_above_K = 673.15;
   double short_below_K = 173.15;
+  int electrical = 2;  ///< such readings in a row: one may be a disturbed telegram
+
+  // Course. After a gap in the readings nothing is known of it: the model may err by jump_K in 30 s, at 0.01 K/s.
+  double gap_s = 30.0;
+  double gap_intervals = 5.0;  ///< or so many intervals of a channel that is read seldom
 
   // Jump and spike.
-  double jump_K = 0.3;      ///< least deviation from its course that counts, besides 6 deviations of its own noise
-  double jump_share = 1.0;  ///< and this share of what the model has moved during the last samples
-  int spikes = 4;           ///< so many within spike_window_s fail the channel
+  double jump_K = 0.3;      ///< least deviation from its course that counts: 10 σ of a PT100 channel (0.03 K)
+  double jump_share = 1.0;  ///< and this share of what the model has moved during the last samples: heats may be wrong
+                            ///< by a factor of two in the seconds after a step of speed
+  int outliers = 3;         ///< in a row make a jump: two may be one disturbance that meets two samples
+  int spikes = 4;           ///< so many within spike_window_s fail the channel: a loose contact, no more bad luck
   double spike_window_s = 600.0;
 
-  // Stuck.
+  // Stuck. An amplitude of 0.1 K is three σ of a channel; eight steps of resolution cannot be missed by rounding.
   double stuck_K = 0.1;            ///< the model has moved by this
   double stuck_resolutions = 8.0;  ///< and by so many steps of the channel's resolution
-  double stuck_window_s = 120.0;   ///< within this time
+  double stuck_window_s = 120.0;   ///< within this time; a place in a spindle that moves does so in minutes
 
-  // Drift: evidence that a channel contradicts all others (leave_one_out.hpp).
+  // Drift and implausible readings: evidence that a channel contradicts all others (leave_one_out.hpp), −2 ln of a
+  // ratio of likelihoods. 30 is odds of e^15; healthy channels reached 15 (measured), half of it.
   double drift_limit = 30.0;
-  double drift_lead = 8.0;      ///< and so much more than of the next channel
-  double drift_wait_s = 120.0;  ///< between two failures by drift
+  double drift_lead = 8.0;      ///< and so much more than of the next channel: odds of e^4 that it is this one
+  double drift_wait_s = 120.0;  ///< between two such failures: twelve updates, in which the others' evidence settles
   int rejected = 2;             ///< updates in a row by then: it went too fast for a drift, and is implausible
 
-  // Swapped.
-  double swap_K = 0.3;      ///< rms by which a channel misses its own movement
-  double swap_share = 0.1;  ///< its partner's it meets with so little of the square of that
-  double swap_window_s = 300.0;
+  // What keeps a wrong model from being laid to a sensor.
+  double settle_s = 900.0;       ///< after the start or a restart of the estimator drift is no verdict: it begins with
+                                 ///< priors that the first 15 minutes contradict, whatever the sensors do
+  double drift_least_s = 120.0;  ///< evidence that rose faster is no drift: of 10 K/h that is 0.3 K, a jump
+  double doubt_share = 0.25;     ///< of drift_limit: if half of the channels are above it the model is in doubt
+  double review_s = 600.0;       ///< so young a verdict of drift is looked at again,
+  double review_deviations = 3.0;  ///< and taken back where the misfit is within so many σ,
+  double review_share = 0.5;       ///< and no more than this share of what it was, for return_after_s
+
+  // Exchange by movement (exchange_detector.hpp), measured on 32 virtual spindles.
+  double swap_limit = 30.0;       ///< −2 ln of the ratio of likelihoods, as drift_limit
+  double swap_support = 8.0;      ///< does where a channel is blamed already: odds of e^4, as drift_lead
+  double swap_K = 0.1;            ///< rms movement at which a gain is known to its own size: three times the noise
+  double swap_fit = 0.3;          ///< each explains the partner's movement up to this share of its rms,
+  double swap_floor = 0.07;       ///< and none better than this: own places are met to 0.04 to 0.16
+  double swap_gain = 0.35;        ///< 1σ of ln of a gain: heats and films are unknown by a third
+  double swap_memory_s = 3600.0;  ///< of what has been seen
+  double swap_least_s = 180.0;    ///< three of the shortest scale
+  // Exchange by evidence (isolation.hpp), measured.
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
   double exchange_alike = 0.65;    ///< the smaller misfit of the larger
-  double exchange_evidence = 7.5;  ///< least of the second,
+  double exchange_evidence = 7.5;  ///< least of the second: a quarter of drift_limit,
   double exchange_s = 120.0;       ///< and the first has risen from that so fast: a slow drift is no exchange
 
   // Return.
   double return_after_s = 300.0;                                     ///< without any sign of a fault
   double return_within_K = std::numeric_limits<double>::infinity();  ///< of its old course; finite where no estimator
                                                                      ///< learns the offset anew
-  double return_offset_K = 0.2;  ///< 1σ of its offset then, and what it has moved off its old course besides
+  double return_offset_K = 0.2;  ///< 1σ of its offset then, of an untared class A PT100 (IEC 60751: 0.15 K + 0.002 t),
+                                 ///< and what it has moved off its old course besides
   int failures = 3;              ///< so many failures latch the channel until it is acknowledged
 };
 

@@ -30,6 +30,7 @@ void read_limits(const rom::TomlTable& table, correction::HealthLimits& limits) 
   ratio("drift_lead", limits.drift_lead);
   limits.rejected = static_cast<int>(table.integer_or("rejected", limits.rejected, 1, 100000));
   kelvin("swap_K", limits.swap_K);
+  ratio("swap_limit", limits.swap_limit);
   seconds("return_after_s", limits.return_after_s);
   kelvin("return_offset_K", limits.return_offset_K);
   limits.failures = static_cast<int>(table.integer_or("failures", limits.failures, 1, 1000));

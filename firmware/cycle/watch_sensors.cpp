@@ -17,6 +17,14 @@ Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point) {
   return -1;
 }
 
+/// Of the reading as it came in: the tare, and what the estimator has learnt besides.
+double known_offset_K(const SensorWatch& watch, const Corrector& corrector, std::size_t key_point) {
+  const Eigen::Index channel = watch.others ? channel_at(corrector, key_point) : -1;
+  if (channel < 0) return watch.tare.offset_K[key_point];
+  const correction::EstimatorCorrection& estimator = *corrector.estimator;
+  return watch.tare.offset_K[key_point] + estimator.filter().mean()[estimator.parameters().count() + channel];
+}
+
 void note_corrected(const rom::Network& network, const Model& model, SensorWatch& watch) {
   for (std::size_t k = 0; k < watch.corrected_K.size(); ++k) {
     watch.corrected_K[k] = network.key_points[k].row.dot(model.stepper->temperatures_K());
@@ -87,13 +95,16 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
       const bool readable =
           judgement.sensors[k] == SensorQuality::good || judgement.sensors[k] == SensorQuality::out_of_range;
       // As read: a tare, which moves what is used of all sensors at once, is no jump.
-      watch.samples[k] = {readable && reading.time_ns != watch.seen_ns[k], sensed.raw_K[k], predicted_K,
+      watch.samples[k] = {readable && reading.time_ns != watch.seen_ns[k],
+                          sensed.raw_K[k],
+                          predicted_K,
                           time_s > 0.0 ? predicted_K - watch.corrected_K[k] : 0.0,
-                          plan.compare_uncorrected ? uncorrected.outputs.key_points_K[row] : not_a_value};
+                          plan.compare_uncorrected ? uncorrected.outputs.key_points_K[row] : not_a_value,
+                          known_offset_K(watch, corrector, k)};
     }
     watch.health->step(watch.samples, time_s, time_s > 0.0 ? advance_s : 0.0);
     for (std::size_t k = 0; k < watch.samples.size(); ++k) {
-      const correction::HealthRecord& record = watch.health->records()[k];
+      const correction::HealthRecord& record = watch.health->record(k);
       if (watch.samples[k].present) {
         watch.seen_ns[k] = sensed.sensors[k].time_ns;
         watch.believed[k] = record.usable;
@@ -119,6 +130,7 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   if (!watch.others) return;
   correction::EstimatorCorrection& estimator = *corrector.estimator;
   if (corrector.enabled && !watch.was_enabled) watch.others->follow(estimator);
+  if (corrector.enabled != watch.was_enabled) watch.health->note_restart();
   watch.was_enabled = corrector.enabled;
   if (!corrector.enabled || estimator.updates() == watch.seen_updates) return;
   watch.seen_updates = estimator.updates();
@@ -134,8 +146,12 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
     const auto channel = static_cast<Eigen::Index>(c);
     const correction::SensorRecord& record = estimator.record(channel);
     const correction::Misfit& misfit = watch.others->misfit(channel);
-    watch.updates[corrector.channels[c]] = {record.fused || record.rejected, misfit.evidence, record.rejected_in_a_row,
-                                            record.observation_K, misfit.misfit_K};
+    watch.updates[corrector.channels[c]] = {record.fused || record.rejected,
+                                            misfit.evidence,
+                                            record.rejected_in_a_row,
+                                            record.observation_K,
+                                            misfit.misfit_K,
+                                            misfit.deviation_K};
   }
   const correction::HealthVerdict verdict = watch.health->note_update(watch.updates);
   estimator.set_alternatives(watch.others->alternatives(estimator));
@@ -194,7 +210,7 @@ void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapsh
   snapshot.model_in_doubt = watch.health->model_in_doubt();
   for (std::size_t k = 0; k < watch.samples.size(); ++k) {
     if (snapshot.sensor_quality[k] == SensorQuality::not_configured) continue;
-    const correction::HealthRecord& record = watch.health->records()[k];
+    const correction::HealthRecord& record = watch.health->record(k);
     SensorHealthState& to = snapshot.sensor_health[k];
     to.state = static_cast<SensorState>(record.state);
     to.fault = static_cast<SensorFault>(record.fault);

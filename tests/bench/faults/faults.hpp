@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "correction/health/limits.hpp"
+#include "correction/health/record.hpp"
 
 namespace spindle_twin::bench {
 

@@ -109,12 +109,16 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     for (std::size_t s = 0; s < count; ++s) {
       const auto i = static_cast<Eigen::Index>(s);
       const double predicted_K = twin.outputs.key_points_K[i];
-      samples[s] = {true, readings.readings_K[i], predicted_K, predicted_K - corrected_K[i],
-                    uncorrected.outputs.key_points_K[i]};
+      samples[s] = {true,
+                    readings.readings_K[i],
+                    predicted_K,
+                    predicted_K - corrected_K[i],
+                    uncorrected.outputs.key_points_K[i],
+                    estimator.filter().mean()[estimator.parameters().count() + i]};
     }
     health.step(samples, time_s, cycle == 0 ? 0.0 : options.cycle_s);
     for (std::size_t s = 0; s < count; ++s) {
-      const correction::HealthRecord& record = health.records()[s];
+      const correction::HealthRecord& record = health.record(s);
       const auto i = static_cast<Eigen::Index>(s);
       const bool withdrawn = fault.is_reference() && fault.concerns(static_cast<int>(s)) && fault.at(time_s);
       valid[i] = !withdrawn && (record.usable || !options.with_health);
@@ -136,8 +140,12 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
         const correction::Misfit& misfit = bank.misfit(static_cast<Eigen::Index>(s));
-        judged_updates[s] = {record.fused || record.rejected, misfit.evidence, record.rejected_in_a_row,
-                             record.observation_K, misfit.misfit_K};
+        judged_updates[s] = {record.fused || record.rejected,
+                             misfit.evidence,
+                             record.rejected_in_a_row,
+                             record.observation_K,
+                             misfit.misfit_K,
+                             misfit.deviation_K};
       }
       const correction::HealthVerdict verdict =
           options.with_health ? health.note_update(judged_updates) : correction::HealthVerdict{};
@@ -158,7 +166,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     if (options.each) options.each(time_s, estimator, health, bank);
 
     for (std::size_t s = 0; s < count; ++s) {
-      const correction::HealthRecord& record = health.records()[s];
+      const correction::HealthRecord& record = health.record(s);
       const int sensor = static_cast<int>(s);
       const bool faulty = !fault.is_reference() && fault.concerns(sensor);
       const bool active = faulty && time_s >= fault.from_s;

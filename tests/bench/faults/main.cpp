@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 
 #include "tests/bench/campaign/models.hpp"
@@ -17,6 +18,7 @@ struct Options : CampaignOptions {
   int drift_runs = 4;
   double cycle_s = 1.0;
   bool healthy_only = false;
+  bool swapped_from_start = false;
   bool verbose = false;
 };
 
@@ -63,6 +65,25 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
   return faults;
 }
 
+/// Every two sensors that differ by more than 1 K rms, exchanged from the start; the healthy spindle first.
+std::vector<Fault> all_exchanges(const Truth& truth) {
+  constexpr double least_K = 1.0;
+  std::vector<Fault> faults{{}};
+  const auto samples = static_cast<double>(truth.key_points_K.rows());
+  for (int one = 0; one < sensors; ++one) {
+    for (int other = one + 1; other < sensors; ++other) {
+      const double difference_K = (truth.key_points_K.col(one) - truth.key_points_K.col(other)).norm();
+      if (difference_K <= least_K * std::sqrt(samples)) continue;
+      Fault fault;
+      fault.kind = FaultKind::swapped;
+      fault.sensor = one;
+      fault.partner = other;
+      faults.push_back(fault);
+    }
+  }
+  return faults;
+}
+
 int run(const Options& options) {
   const rom::Network network = twin_network(options.twin);
   const fem_offline::FeModel fe = model_of(options.truth_mm);
@@ -79,16 +100,20 @@ int run(const Options& options) {
     const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
     SpindleRuns& runs = all[static_cast<std::size_t>(i)];
     runs.seed = seed;
-    follow_options.with_health = false;
-    runs.unwatched = follow(network, truth, {}, follow_options);
-    follow_options.with_health = true;
-    for (const Fault& fault : draw_faults(seed, options, i < options.drift_runs)) {
+    if (!options.swapped_from_start) {
+      follow_options.with_health = false;
+      runs.unwatched = follow(network, truth, {}, follow_options);
+      follow_options.with_health = true;
+    }
+    const std::vector<Fault> faults =
+        options.swapped_from_start ? all_exchanges(truth) : draw_faults(seed, options, i < options.drift_runs);
+    for (const Fault& fault : faults) {
       runs.followed.push_back(follow(network, truth, fault, follow_options));
       if (options.verbose) print_run(seed, runs.followed.back());
     }
     std::fprintf(stderr, "spindle %d of %d\n", i + 1, options.runs);
   });
-  return print_tables(all, options.cycle_s);
+  return options.swapped_from_start ? print_exchanges(all) : print_tables(all, options.cycle_s);
 }
 
 }  // namespace
@@ -104,6 +129,8 @@ int main(int argc, char** argv) {
   app.get_option("--runs")->check(CLI::Range(1, 96));  // beyond that A would take the seeds of B
   app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
   app.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
+  app.add_flag("--swapped-from-start", options.swapped_from_start,
+               "instead, every two sensors that differ are exchanged from the start");
   app.add_option("--cycle-s", options.cycle_s, "period of the daemon")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();

@@ -179,4 +179,41 @@ int print_tables(const std::vector<SpindleRuns>& all, double cycle_s) {
   return limits_missed;
 }
 
+int print_exchanges(const std::vector<SpindleRuns>& all) {
+  struct PairRow {
+    int runs = 0, found = 0, otherwise = 0;
+    std::vector<double> delay_s, error_um;
+  };
+  std::map<std::string, PairRow> rows;
+  int healthy = 0, false_alarms = 0;
+  for (const SpindleRuns& runs : all) {
+    for (const Followed& run : runs.followed) {
+      false_alarms += run.false_alarms;
+      healthy += run.fault.kind == FaultKind::none ? run.false_alarms : 0;
+      if (run.fault.kind == FaultKind::none) continue;
+      const std::string pair = std::string(place_of(run.fault.sensor)) + ", " + place_of(run.fault.partner);
+      for (PairRow* row : {&rows[pair], &rows["~all"]}) {
+        ++row->runs;
+        row->error_um.push_back(run.error_um);
+        if (run.named == correction::HealthFault::swapped) {
+          ++row->found;
+          row->delay_s.push_back(run.delay_s);
+        } else if (run.delay_s >= 0.0) {
+          ++row->otherwise;
+        }
+      }
+    }
+  }
+  std::printf("\nExchanged from the start; found as something else: the first of the two failed, but not as swapped\n");
+  std::printf("%-26s %5s %6s %10s %8s %8s %9s %9s\n", "pair", "runs", "found", "otherwise", "med s", "max s", "med um",
+              "worst um");
+  for (const auto& [pair, row] : rows) {
+    std::printf("%-26s %5d %6d %10d %8.0f %8.0f %9.2f %9.2f\n", pair.c_str(), row.runs, row.found, row.otherwise,
+                quantile(row.delay_s, 0.5), quantile(row.delay_s, 1.0), quantile(row.error_um, 0.5),
+                quantile(row.error_um, 1.0));
+  }
+  std::printf("\nHealthy channels that failed: %d on healthy spindles, %d in all\n", healthy, false_alarms);
+  return healthy;
+}
+
 }  // namespace spindle_twin::bench

@@ -19,4 +19,7 @@ void print_run(std::uint64_t seed, const Followed& run);
 /// Prints tables and limits. Returns how many limits were missed.
 int print_tables(const std::vector<SpindleRuns>& all, double cycle_s);
 
+/// The table of sensors that were exchanged from the start. Returns how many healthy channels failed.
+int print_exchanges(const std::vector<SpindleRuns>& all);
+
 }  // namespace spindle_twin::bench

@@ -54,7 +54,7 @@ struct Drive {
     health.step(samples, time_s, time_s == 0.0 ? 0.0 : cycle_s);
     const bool due = std::fmod(time_s, 10.0) < 0.5 * cycle_s;
     for (std::size_t i = 0; i < places; ++i) {
-      if (due && health.records()[i].usable) model_K[i] += 0.2 * (samples[i].reading_K - offset_K[i] - model_K[i]);
+      if (due && health.record(i).usable) model_K[i] += 0.2 * (samples[i].reading_K - offset_K[i] - model_K[i]);
       corrected_K[i] = model_K[i];
     }
     time_s += cycle_s;
@@ -64,7 +64,7 @@ struct Drive {
   }
   int failed() const {
     int count = 0;
-    for (const HealthRecord& record : health.records()) count += record.state == HealthState::failed ? 1 : 0;
+    for (std::size_t i = 0; i < places; ++i) count += health.record(i).state == HealthState::failed ? 1 : 0;
     return count;
   }
 

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <limits>
+
+#include "correction/health/channel_states.hpp"
+#include "correction/health/course_tracker.hpp"
+#include "correction/health/electrical_detector.hpp"
+#include "correction/health/jump_detector.hpp"
+#include "correction/health/limits.hpp"
+#include "correction/health/misfit_review.hpp"
+#include "correction/health/model_movement.hpp"
+#include "correction/health/record.hpp"
+#include "correction/health/spike_counter.hpp"
+#include "correction/health/stuck_detector.hpp"
+#include "correction/health/usual_offset.hpp"
+
+namespace spindle_twin::correction {
+
+/// What is constant of a channel.
+struct HealthChannel {
+  bool configured = false;
+  double min_K = 253.15;  ///< range of its own
+  double max_K = 423.15;
+  double resolution_K = 0.01;  ///< smallest step of the reading
+  double noise_K = 0.03;       ///< 1σ of a reading; what is learnt of it stays between 1/3 and 3 times this
+  double interval_s = 0.0;     ///< between new readings where these are fewer than the samples
+};
+
+/// One reading, and what the model says of its place.
+struct HealthSample {
+  bool present = false;      ///< a fresh number came in
+  double reading_K = 0.0;    ///< as read, without tare
+  double predicted_K = 0.0;  ///< of the model for now, before this instant's correction
+  double moved_K = 0.0;      ///< of the model since the sample before, by integration alone, without corrections
+  /// The same place in a model that is never corrected; NaN where none runs: channels that were swapped from the start
+  /// are not found then.
+  double uncorrected_K = std::numeric_limits<double>::quiet_NaN();
+  double offset_K = 0.0;  ///< what is known of the reading's: tare, and what the estimator has learnt
+};
+
+/// One channel: its detectors, its state (channel_states.hpp) and its record. A sample is judged in two steps, because
+/// what most channels do at once is not theirs: take(), then judge(). All functions but the constructor may run in the
+/// cycle: no allocation.
+class Channel {
+ public:
+  Channel(const HealthChannel& plan, const HealthLimits& limits) : plan_(plan), limits_(limits) {}
+
+  /// Takes the sample at time_s, h_s >= 0 after the one before (0 at the first): looks at the wire, carries the course
+  /// on, and says by off_course() whether the reading is on it.
+  void take(const HealthSample& sample, double time_s, double h_s);
+  /// The rest: jump, spikes, stuck; of a channel that is out, whether it may return.
+  void judge();
+
+  /// The course goes on from this reading, whatever it is: the model is in doubt, or has no say.
+  void follow_reading();
+  /// Fails by what others found out; latched: it returns only after acknowledge().
+  void fail(HealthFault fault, bool latched);
+  /// Fails because its readings do not fit those of all others, by misfit_K with 1σ deviation_K > 0. Drift latches, but
+  /// only after its review (misfit_review.hpp), and never where the model was in doubt.
+  void fail_by_evidence(HealthFault fault, double misfit_K, double deviation_K, bool model_in_doubt);
+  /// Fails because it shows the temperature of `partner`, the other one's index. Latched.
+  void fail_swapped(int partner);
+  /// A latched channel may return by way of the probation; failures are counted anew.
+  void acknowledge();
+
+  /// good or suspect, and configured.
+  bool in_use() const { return plan_.configured && !is_out(); }
+  /// The sample brought a number, and the wire is right.
+  bool reads() const { return present_ && electrical_.is_right(); }
+  /// It is an outlier of the channel's course.
+  bool off_course() const { return off_course_; }
+  /// Each of the two left its own course for the other's, with this sample the limits.outliers'th time for one of them.
+  bool exchanged_courses_with(const Channel& other) const;
+  /// Since the reading before, this one's time included; valid between take() and judge().
+  double elapsed_s() const { return elapsed_s_; }
+  const HealthRecord& record() const { return record_; }
+
+ private:
+  bool is_out() const { return record_.state == HealthState::failed || record_.state == HealthState::returning; }
+  void look_at_wire();
+  void judge_in_use(double elapsed_s);
+  void judge_outlier(double elapsed_s);
+  void judge_return(double elapsed_s);
+  void note_spike();
+  void restart_course(double elapsed_s);
+  bool is_stuck();
+  /// Whether the reading of a channel that is out shows that its fault is still there.
+  bool shows_fault(double elapsed_s);
+  bool fits_course_of(const Channel& other) const;
+  /// Takes the event through the table.
+  void meet(ChannelEvent event, HealthFault cause = HealthFault::none);
+
+  HealthChannel plan_;
+  HealthLimits limits_;
+  HealthRecord record_;
+  ElectricalDetector electrical_;
+  CourseTracker course_;
+  JumpDetector jump_;
+  SpikeCounter spikes_;
+  StuckDetector stuck_;
+  ModelMovement model_;
+  UsualOffset usual_;
+  MisfitReview review_;
+
+  HealthSample sample_;  ///< the last one taken
+  double time_s_ = 0.0;
+  bool present_ = false;       ///< it brought a number
+  bool off_course_ = false;    ///< which is an outlier
+  double detrended_K_ = 0.0;   ///< e = r − u, of the last reading
+  double elapsed_s_ = 0.0;     ///< since the reading before
+  double moved_K_ = 0.0;       ///< of the model in that time
+  double without_sign_s_ = 0;  ///< of a fault
+  bool latched_ = false;
+};
+
+}  // namespace spindle_twin::correction

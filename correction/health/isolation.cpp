@@ -1,0 +1,102 @@
+#include "correction/health/isolation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double never_s = -1e18;
+constexpr double memory_s = 3600.0;  // of evidence, as in leave_one_out
+
+}  // namespace
+
+Isolation::Isolation(std::size_t channels) : memories_(channels), wait_until_s_(never_s) {}
+
+void Isolation::note_restart(double time_s) {
+  std::fill(memories_.begin(), memories_.end(), Memory{time_s, 0.0, 0.0});
+  restart_s_ = last_s_ = time_s;
+  model_in_doubt_ = false;
+}
+
+double Isolation::left_when_exchanged(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits) {
+  const double one_K = std::abs(one.misfit_K), other_K = std::abs(other.misfit_K);
+  const bool alike = one.misfit_K * other.misfit_K < 0.0 &&
+                     std::min(one_K, other_K) > limits.exchange_alike * std::max(one_K, other_K);
+  if (!alike) return std::numeric_limits<double>::infinity();
+  const double one_there_K = std::abs(one.reading_K - other.reading_K + other.misfit_K);
+  const double other_there_K = std::abs(other.reading_K - one.reading_K + one.misfit_K);
+  return (one_there_K + other_there_K) / (one_K + other_K);
+}
+
+int Isolation::partner_of(std::size_t channel, const std::vector<HealthUpdate>& updates, double time_s,
+                          const HealthLimits& limits) const {
+  int partner = -1;
+  double least = limits.exchange_share;
+  if (time_s - memories_[channel].calm_s > limits.exchange_s) return partner;
+  for (std::size_t i = 0; i < updates.size(); ++i) {
+    if (i == channel || !updates[i].taken || memories_[i].counted < limits.exchange_evidence) continue;
+    const double left = left_when_exchanged(updates[channel], updates[i], limits);
+    if (left >= least) continue;
+    least = left;
+    partner = static_cast<int>(i);
+  }
+  return partner;
+}
+
+void Isolation::count_evidence(const std::vector<HealthUpdate>& updates, double time_s, const HealthLimits& limits) {
+  const bool settling = time_s - restart_s_ < limits.settle_s;
+  const double fade = std::exp(-(time_s - last_s_) / memory_s);
+  last_s_ = time_s;
+  for (std::size_t i = 0; i < updates.size(); ++i) {
+    Memory& memory = memories_[i];
+    if (!updates[i].taken) continue;
+    const double evidence = std::max(0.0, updates[i].evidence);
+    memory.counted = settling ? evidence : evidence - std::min(evidence, fade * memory.settled);
+    memory.settled = settling ? evidence : std::min(evidence, fade * memory.settled);
+    if (memory.counted <= limits.exchange_evidence) memory.calm_s = time_s;
+  }
+}
+
+bool Isolation::explains_alone(const std::vector<HealthUpdate>& updates, int channel, int partner) const {
+  double own = 0.0, others = 0.0;
+  for (std::size_t i = 0; i < updates.size(); ++i) {
+    if (!updates[i].taken) continue;
+    const auto at = static_cast<int>(i);
+    (at == channel || at == partner ? own : others) += memories_[i].counted;
+  }
+  return own > others;
+}
+
+Blame Isolation::judge(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt, double time_s,
+                       const HealthLimits& limits) {
+  count_evidence(updates, time_s, limits);
+  int judged = 0, doubtful = 0, worst = -1;
+  double most = 0.0, next = 0.0;
+  for (std::size_t i = 0; i < updates.size(); ++i) {
+    if (!updates[i].taken) continue;
+    ++judged;
+    const double evidence = memories_[i].counted;
+    doubtful += evidence > limits.doubt_share * limits.drift_limit ? 1 : 0;
+    next = std::max(next, std::min(most, evidence));
+    if (evidence <= most) continue;
+    most = evidence;
+    worst = static_cast<int>(i);
+  }
+  model_in_doubt_ = doubt.in_doubt || (doubtful >= 2 && 2 * doubtful >= judged);
+  if (judged < 3 || most <= limits.drift_limit || time_s < wait_until_s_) return {};
+  const auto blamed = static_cast<std::size_t>(worst);
+  const int partner = judged > 3 ? partner_of(blamed, updates, time_s, limits) : -1;
+  if (partner < 0 && most - next < limits.drift_lead) return {};
+  const bool settling = time_s - restart_s_ < limits.settle_s;
+  if ((model_in_doubt_ || settling) && !explains_alone(updates, worst, partner)) return {};
+  const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
+  if (partner < 0 && settling && !rejected) return {};
+  wait_until_s_ = time_s + limits.drift_wait_s;
+  if (partner >= 0) return {worst, partner, HealthFault::swapped, model_in_doubt_};
+  const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
+  return {worst, -1, fast ? HealthFault::implausible : HealthFault::drift, model_in_doubt_};
+}
+
+}  // namespace spindle_twin::correction

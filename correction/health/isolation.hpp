@@ -1,0 +1,83 @@
+#pragma once
+
+#include <vector>
+
+#include "correction/health/limits.hpp"
+#include "correction/health/model_doubt.hpp"
+#include "correction/health/record.hpp"
+
+namespace spindle_twin::correction {
+
+/// What an update of the estimator says of a channel.
+struct HealthUpdate {
+  bool taken = false;         ///< there was a reading, fused or rejected; false: nothing is said
+  double evidence = 0.0;      ///< against the channel, leave_one_out.hpp
+  int rejected_in_a_row = 0;  ///< by the estimator
+  double reading_K = 0.0;
+  double misfit_K = 0.0;     ///< reading − what all others say of it
+  double deviation_K = 1.0;  ///< 1σ of that
+};
+
+/// Whom the evidence blames, and for what.
+struct Blame {
+  int channel = -1;  ///< -1: nobody
+  int partner = -1;  ///< the one it is exchanged with, -1: none
+  HealthFault fault = HealthFault::none;
+  bool model_in_doubt = false;  ///< while the model was in doubt: the channel may be healthy after all
+};
+
+/// Which channel the evidence of all blames: the one with most, above drift_limit, that leads the next by drift_lead;
+/// then none for drift_wait_s. It is named by its rate: what rose within drift_least_s, or what the estimator rejected
+/// twice in a row by then, came too fast for a drift and is implausible.
+///   Two are exchanged where the evidence came within exchange_s, the second's is above exchange_evidence too, and each
+/// reading fits the other's place (left_when_exchanged); then there is no lead to ask for.
+///   At least three must have been judged, for an exchange four: of two that disagree nobody knows which is right.
+///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
+/// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
+/// channel, or a pair, whose evidence is more than the sum of all others'. The same holds in the first settle_s after
+/// the start or a restart of the estimator; then besides only what the estimator rejects is blamed, and the evidence
+/// gathered until their end counts no more, except for an exchange.
+class Isolation {
+ public:
+  /// Allocates; nothing else here does.
+  explicit Isolation(std::size_t channels);
+
+  /// The estimator began anew at time_s: its priors are to settle first. May run in the cycle.
+  void note_restart(double time_s);
+
+  /// One entry per channel; `taken` only for those that are in use. After each update of the estimator, at time_s, not
+  /// earlier than before. May run in the cycle.
+  Blame judge(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt, double time_s,
+              const HealthLimits& limits);
+
+  /// At the last update: the estimator said so, or the evidence does. May run in the cycle.
+  bool model_in_doubt() const { return model_in_doubt_; }
+
+  /// What is left of the misfits of two when each is held against what the others say of the place of the other, t =
+  /// reading − misfit:
+  ///   (|y_i − t_j| + |y_j − t_i|) / (|misfit_i| + |misfit_j|)
+  /// Exchanged ones contradict all others by as much, one up and one down; one that drifts by itself bends what is said
+  /// of a neighbour, but less: infinite where the misfits differ by more than exchange_alike. May run in the cycle.
+  static double left_when_exchanged(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits);
+
+ private:
+  /// What is remembered of a channel.
+  struct Memory {
+    double calm_s = 0.0;   ///< time at which there was hardly any evidence last
+    double settled = 0.0;  ///< evidence gathered while the estimator settled, as it has faded since
+    double counted = 0.0;  ///< evidence without that
+  };
+  void count_evidence(const std::vector<HealthUpdate>& updates, double time_s, const HealthLimits& limits);
+  /// Evidence of the channel and its partner (-1: none) against the sum of all others'.
+  bool explains_alone(const std::vector<HealthUpdate>& updates, int channel, int partner) const;
+  int partner_of(std::size_t channel, const std::vector<HealthUpdate>& updates, double time_s,
+                 const HealthLimits& limits) const;
+
+  std::vector<Memory> memories_;
+  double restart_s_ = 0.0;
+  double last_s_ = 0.0;  // time of the last update
+  double wait_until_s_;
+  bool model_in_doubt_ = false;
+};
+
+}  // namespace spindle_twin::correction

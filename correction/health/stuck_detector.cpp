@@ -1,0 +1,84 @@
+#include "correction/health/stuck_detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr std::array shares{1.0, 0.5, 0.5};  // of the limit, that each of the three movements must reach
+constexpr int least_samples = 4;
+constexpr double least_window = 0.25;     // share of the window that a stretch must have
+constexpr double rounding = 1.0 + 1e-6;   // steps of resolution are compared as binary numbers
+constexpr double hardly = 1e-3;           // a live channel repeats itself for so long once in a thousand runs
+constexpr double change_memory = 0.02;    // share of a new reading: fifty readings
+constexpr double turns_to_changes = 1.5;  // of white noise two changes in three turn back
+
+}  // namespace
+
+void StuckDetector::restart() {
+  filled_ = 0;
+  seen_ = false;
+  repeated_ = 0;
+}
+
+void StuckDetector::put(double time_s, double reading_K, const Movements& model_K, const HealthLimits& limits) {
+  Bucket* bucket = &ring_[static_cast<std::size_t>(newest_)];
+  if (filled_ == 0 || time_s - bucket->begin_s >= limits.stuck_window_s / buckets) {
+    newest_ = (newest_ + 1) % buckets;
+    filled_ = std::min(filled_ + 1, buckets);
+    bucket = &ring_[static_cast<std::size_t>(newest_)];
+    *bucket = {time_s, reading_K, reading_K, model_K, 0};
+  }
+  bucket->low_K = std::min(bucket->low_K, reading_K);
+  bucket->high_K = std::max(bucket->high_K, reading_K);
+  ++bucket->samples;
+}
+
+bool StuckDetector::observe(double time_s, double reading_K, const Movements& model_K, double resolution_K,
+                            const HealthLimits& limits) {
+  note_change(reading_K, resolution_K);
+  put(time_s, reading_K, model_K, limits);
+  const double needed_K = std::max(limits.stuck_K, limits.stuck_resolutions * resolution_K);
+  double low_K = reading_K, high_K = reading_K;
+  int samples = 0;
+  for (int back = 0; back < filled_; ++back) {
+    const Bucket& then = ring_[static_cast<std::size_t>((newest_ - back + buckets) % buckets)];
+    low_K = std::min(low_K, then.low_K);
+    high_K = std::max(high_K, then.high_K);
+    samples += then.samples;
+    if (high_K - low_K > resolution_K * rounding) return false;
+    if (samples < least_samples || time_s - then.begin_s < least_window * limits.stuck_window_s) continue;
+    bool moves = true;
+    for (std::size_t u = 0; u < model_K.size(); ++u) {
+      moves = moves && std::abs(model_K[u] - then.model_K[u]) >= shares[u] * needed_K;
+    }
+    if (moves) return true;
+  }
+  return false;
+}
+
+bool StuckDetector::repeats() const {
+  const double changing = std::min({change_share_, turns_to_changes * turn_share_, 0.99});
+  return repeated_ >= 3 && std::pow(1.0 - changing, repeated_) < hardly;
+}
+
+void StuckDetector::note_change(double reading_K, double resolution_K) {
+  if (!seen_) {
+    seen_ = true;
+    anchor_K_ = reading_K;
+    return;
+  }
+  const bool changed = std::abs(reading_K - anchor_K_) > resolution_K * rounding;
+  const double change_K = reading_K - anchor_K_;
+  const bool turned = changed && change_K * last_change_K_ < 0.0;
+  if (!repeats()) {  // a run that is being withheld teaches nothing about how the channel is when it lives
+    change_share_ += change_memory * ((changed ? 1.0 : 0.0) - change_share_);
+    turn_share_ += change_memory * ((turned ? 1.0 : 0.0) - turn_share_);
+  }
+  if (changed) last_change_K_ = change_K;
+  repeated_ = changed ? 0 : repeated_ + 1;
+  if (changed) anchor_K_ = reading_K;
+}
+
+}  // namespace spindle_twin::correction

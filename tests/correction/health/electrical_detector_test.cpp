@@ -1,0 +1,33 @@
+#include "correction/health/electrical_detector.hpp"
+
+#include <gtest/gtest.h>
+
+namespace spindle_twin::correction::test {
+namespace {
+
+TEST(ElectricalDetector, the_value_alone_tells_broken_shorted_and_out_of_range) {
+  const HealthLimits limits;
+  const auto judged = [&](double reading_K) { return ElectricalDetector::judge(reading_K, 253.15, 423.15, limits); };
+  EXPECT_EQ(judged(limits.open_above_K), HealthFault::open);
+  EXPECT_EQ(judged(limits.open_above_K - 0.01), HealthFault::out_of_range);
+  EXPECT_EQ(judged(423.15), HealthFault::none);
+  EXPECT_EQ(judged(253.15), HealthFault::none);
+  EXPECT_EQ(judged(limits.short_below_K + 0.01), HealthFault::out_of_range);
+  EXPECT_EQ(judged(limits.short_below_K), HealthFault::shorted);
+}
+
+TEST(ElectricalDetector, one_wrong_reading_is_a_spike_and_the_second_in_a_row_a_fault) {
+  const HealthLimits limits;
+  ElectricalDetector detector;
+  EXPECT_FALSE(detector.note_right());
+  EXPECT_FALSE(detector.note_fault(limits));
+  EXPECT_FALSE(detector.is_right());
+  EXPECT_TRUE(detector.note_right());
+  EXPECT_TRUE(detector.is_right());
+  EXPECT_FALSE(detector.note_fault(limits));
+  EXPECT_TRUE(detector.note_fault(limits));
+  EXPECT_TRUE(detector.note_fault(limits));
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test

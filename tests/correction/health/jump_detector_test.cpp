@@ -1,0 +1,41 @@
+#include "correction/health/jump_detector.hpp"
+
+#include <gtest/gtest.h>
+
+namespace spindle_twin::correction::test {
+namespace {
+
+using Meaning = JumpDetector::Meaning;
+
+TEST(JumpDetector, the_third_outlier_that_stays_where_it_went_is_a_jump) {
+  JumpDetector detector;
+  EXPECT_EQ(detector.note_outlier(2.0, 0.0, {}), Meaning::open);
+  EXPECT_EQ(detector.note_outlier(2.1, 0.0, {}), Meaning::open);
+  EXPECT_EQ(detector.note_outlier(2.9, 0.0, {}), Meaning::jump) << "less than half of the first step since";
+  EXPECT_EQ(detector.in_a_row(), 3);
+}
+
+TEST(JumpDetector, what_goes_on_in_the_same_direction_is_the_place) {
+  for (const double sign : {-1.0, 1.0}) {
+    JumpDetector detector;
+    detector.note_outlier(sign * 2.0, 0.0, {});
+    detector.note_outlier(sign * 2.6, 0.0, {});
+    EXPECT_EQ(detector.note_outlier(sign * 3.2, 0.0, {}), Meaning::place_moves);
+    JumpDetector back;
+    back.note_outlier(sign * 2.0, 0.0, {});
+    back.note_outlier(sign * 1.5, 0.0, {});
+    EXPECT_EQ(back.note_outlier(sign * 0.8, 0.0, {}), Meaning::jump);
+  }
+}
+
+TEST(JumpDetector, a_row_that_ends_was_a_spike_and_counts_no_more) {
+  JumpDetector detector;
+  EXPECT_FALSE(detector.end_row());
+  detector.note_outlier(2.0, 0.0, {});
+  detector.note_outlier(2.0, 0.0, {});
+  EXPECT_TRUE(detector.end_row());
+  EXPECT_EQ(detector.note_outlier(2.0, 0.0, {}), Meaning::open);
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test

@@ -1,0 +1,66 @@
+#include "correction/health/stuck_detector.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace spindle_twin::correction::test {
+namespace {
+
+constexpr double resolution_K = 0.01;
+
+TEST(StuckDetector, equal_readings_are_stuck_once_the_model_has_moved_far_enough_for_long_enough) {
+  for (const double rate_K_per_s : {0.01, 0.002}) {
+    StuckDetector detector;
+    double found_s = -1.0;
+    for (int t = 0; t < 600 && found_s < 0.0; ++t) {
+      const double model_K = rate_K_per_s * t;
+      if (detector.observe(t, 300.0, {model_K, model_K, model_K}, resolution_K, {})) found_s = t;
+    }
+    // 0.1 K, and a quarter of the window; buckets begin every 10 s.
+    EXPECT_GE(found_s, std::max(30.0, 0.1 / rate_K_per_s));
+    EXPECT_LE(found_s, std::max(30.0, 0.1 / rate_K_per_s) + 10.0);
+  }
+}
+
+TEST(StuckDetector, all_three_forms_of_the_model_must_move_the_last_two_half_as_far) {
+  for (std::size_t stands = 0; stands <= 3; ++stands) {
+    StuckDetector detector;
+    bool found = false;
+    for (int t = 0; t < 300; ++t) {
+      StuckDetector::Movements model_K{0.01 * t, 0.005 * t, 0.005 * t};
+      if (stands < 3) model_K[stands] = 0.0;
+      found = found || detector.observe(t, 300.0, model_K, resolution_K, {});
+    }
+    EXPECT_EQ(found, stands == 3) << stands;
+  }
+}
+
+TEST(StuckDetector, one_step_of_resolution_is_no_movement_and_two_are) {
+  for (const double steps : {1.0, 2.0}) {
+    StuckDetector detector;
+    bool found = false;
+    for (int t = 0; t < 300; ++t) {
+      const double model_K = 0.01 * t;
+      const double reading_K = 300.0 + (t % 2) * steps * resolution_K;
+      found = found || detector.observe(t, reading_K, {model_K, model_K, model_K}, resolution_K, {});
+    }
+    EXPECT_EQ(found, steps < 1.5);
+  }
+}
+
+TEST(StuckDetector, a_live_channel_that_falls_silent_repeats_and_a_coarse_one_does_not) {
+  for (const int changes_every : {1, 10}) {
+    StuckDetector detector;
+    int t = 0;
+    for (; t < 1000; ++t) {
+      detector.observe(t, 300.0 + 0.05 * ((t / changes_every) % 2), {}, resolution_K, {});
+    }
+    EXPECT_FALSE(detector.repeats());
+    for (int k = 0; k < 10; ++k) detector.observe(t++, 301.0, {}, resolution_K, {});
+    EXPECT_EQ(detector.repeats(), changes_every == 1);
+  }
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test
