@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
@@ -15,8 +16,23 @@ constexpr double seconds_per_hour = 3600.0;
 /// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
 constexpr double fresh_s = 30.0;
 constexpr double disturbance_width_memory_s = 7200.0;
+constexpr double idle_width = 1e-3;
+const double open_width = std::getenv("TW_FIRST") ? std::atof(std::getenv("TW_FIRST")) : 2.0;
 constexpr double least_floor_K = 1e-3;
 
+// TUNING
+double env(const char* name, double value) { const char* t = std::getenv(name); return t ? std::atof(t) : value; }
+EstimatorOptions tuned(EstimatorOptions o) {
+  o.lag_deviation_s = env("TW_LAG", o.lag_deviation_s);
+  o.priors.disturbance = env("TW_DIST", o.priors.disturbance);
+  o.priors.start_K = env("TW_START", o.priors.start_K);
+  o.priors.start_shape_K = env("TW_SHAPE", o.priors.start_shape_K);
+  o.floor_largest_K = env("TW_FLOORMAX", o.floor_largest_K);
+  o.priors.disturbance_memory_s = env("TW_DMEM", o.priors.disturbance_memory_s);
+  o.floor_K = env("TW_FLOOR", o.floor_K);
+  return o;
+}
+// END TUNING
 ConsistencyLimits limits_of(const rom::Network& network, const EstimatorOptions& options) {
   ConsistencyLimits limits;
   limits.floor_K = std::max(network.hand_written ? std::max(options.floor_K, options.floor_by_hand_K)
@@ -37,7 +53,7 @@ std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, cons
 
 EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorOptions options)
     : network_(&network),
-      options_(checked(network, std::move(options))),
+      options_(checked(network, tuned(std::move(options)))),
       coordinates_(std::make_shared<const rom::NetworkOperator>(network)),
       parameters_(network, options_.priors),
       sensitivities_(network, coordinates_, parameters_),
@@ -58,7 +74,14 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
     prior_mean_[lag_at(s)] = neutral_mean_[lag_at(s)] = sensor.lag_s;
     covariance(lag_at(s), lag_at(s)) = options_.lag_deviation_s * options_.lag_deviation_s;
   }
+  // Of a certified network nothing is left to explain until readings contradict it.
+  disturbance_idle_ = disturbance_width_ = network.hand_written ? 1.0 : idle_width;
   filter_ = prior_ = SquareRootFilter(prior_mean_, covariance);
+  Eigen::VectorXd width = Eigen::VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < p; ++i) {
+    if (parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance) width[i] = disturbance_idle_;
+  }
+  prior_.widen(width, Eigen::VectorXd::Zero(n));
   made_.unknowns = made_.displacement_row = Eigen::VectorXd::Zero(n);
   made_.rows = Eigen::MatrixXd::Zero(n, m);
   made_.innovation_K = made_.noise_K2 = Eigen::VectorXd::Zero(m);
@@ -110,7 +133,8 @@ void EstimatorCorrection::forget() {
     records_[s].offset_deviation_K = options_.sensors[s].offset_K;
   }
   consistency_.restart();
-  disturbance_width_ = 1.0;
+  contradicted_ = false;
+  disturbance_width_ = disturbance_idle_;
   note_curvature();
   displacement_.pending = false;
   tare_deviation_K_.setZero();
@@ -180,7 +204,8 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
 
 void EstimatorCorrection::pass_time(double elapsed_s) {
   passing_of_time(elapsed_s, keep_, growth_);
-  disturbance_width_ = std::max(1.0, disturbance_width_ * std::exp(-elapsed_s / disturbance_width_memory_s));
+  disturbance_width_ =
+      std::max(disturbance_idle_, disturbance_width_ * std::exp(-elapsed_s / disturbance_width_memory_s));
   filter_.pass_time(prior_mean_, keep_, growth_);
   note_curvature();
 }
@@ -258,6 +283,16 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
     outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
   }
   if (!period_.is_open()) open_period(time_s, operating);
+}
+
+double EstimatorCorrection::open_heat_W(Eigen::Index group) const {
+  const int slot = parameters_.disturbance(group);
+  return open_width * parameters_.list()[static_cast<std::size_t>(slot)].deviation;
+}
+
+void EstimatorCorrection::open_heats(const SquareRootFilter& other, const rom::OperatingState& operating) {
+  disturbance_width_ = std::max(disturbance_width_, open_width);
+  adopt(other, operating);
 }
 
 void EstimatorCorrection::adopt(const SquareRootFilter& other, const rom::OperatingState& operating) {

@@ -113,6 +113,19 @@ class EstimatorCorrection {
   /// and went in another way has another shape. Nothing happens without a start parameter. Allocates.
   void widen_start(double time_s, const Eigen::VectorXd& nodes_K, const Eigen::VectorXd& rise_K);
 
+  /// Somebody else has found that the readings contradict the estimate (health): the next update loosens it. May run in
+  /// the cycle.
+  void note_contradiction() { contradicted_ = true; }
+
+  /// Heats that no source explains are shut in a certified network until something speaks for one: then they are opened
+  /// to open_heat_W() and fade again within hours. May run in the cycle.
+  bool heats_are_open() const { return disturbance_width_ >= 0.5; }
+  double open_heat_W(Eigen::Index group) const;
+  /// Goes over to a filter in which they are open, as adopt() does.
+  void open_heats(const SquareRootFilter& other, const rom::OperatingState& operating);
+  /// z within the limits of its parameters. May run in the cycle.
+  void bound(Eigen::VectorXd& unknowns) const;
+
   const EstimatorUpdate& last_update() const { return made_; }
   double gate() const { return options_.gate; }
   /// The filter over (θ, b), its prior and its passing of time: z ← centre + keep (z − centre), P ← keep P keep +
@@ -202,6 +215,7 @@ class EstimatorCorrection {
   void open_start(double widest_K, double shapes_share, double groups_share);
   void look_at_the_start();
   void widen_disturbances();
+  bool displacement_contradicts();
   bool update(double time_s);
   /// z from the filter, within its limits, and the state with it. Whether θ moved.
   bool follow_filter();
@@ -229,6 +243,8 @@ class EstimatorCorrection {
   /// Of a start after a pause: > 0, its parameter forgets; what its effect may miss; when it was widened.
   double start_memory_s_ = 0.0, start_shape_ = 0.0, widened_s_ = 0.0;
   double disturbance_width_ = 1.0;  ///< of the unexplained heats, times their prior's
+  double disturbance_idle_ = 1.0;   ///< the same while nothing speaks for any
+  bool contradicted_ = false;       ///< told so
   bool started_ = false, standing_by_ = false, start_unseen_ = false;
   long updates_ = 0, failures_ = 0, loosened_ = 0;
 };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "correction/estimator/estimator_correction.hpp"
@@ -9,21 +10,22 @@ namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Largest step of an ln factor by one reading: as far as a straight line stands for e^θ.
-constexpr double straight = 0.3;
+static const double straight = std::getenv("TW_STRAIGHT") ? std::atof(std::getenv("TW_STRAIGHT")) : 0.3;
 constexpr double longest_lag_s = 120.0;
 
 // How the estimate is loosened.
 constexpr double least_start_K = 0.2;      // σ of the uniform start
-constexpr double start_groups_share = 0.5;  // of that, per thermal group
+static const double start_groups_share = std::getenv("TW_SGR") ? std::atof(std::getenv("TW_SGR")) : 0.5;  // of that, per thermal group
 constexpr double untared_K = 0.2;           // σ of a class A PT100 without tare (IEC 60751)
 constexpr double disturbance_step = 3.0;
+static const double disturbance_first = std::getenv("TW_FIRST") ? std::atof(std::getenv("TW_FIRST")) : 2.0;
 constexpr double disturbance_widest = 30.0;
-constexpr double displacement_nis = 4.0;
+static const double displacement_nis = std::getenv("TW_DNIS") ? std::atof(std::getenv("TW_DNIS")) : 4.0;
 
 // A start of which nothing is known.
 constexpr double isothermal = 3.0;  // deviations of one reading within which the sensors stand at one temperature
-constexpr double open_shapes_share = 1.0;
-constexpr double open_groups_share = 0.25;
+static const double open_shapes_share = std::getenv("TW_OSH") ? std::atof(std::getenv("TW_OSH")) : 1.0;
+static const double open_groups_share = std::getenv("TW_OGR") ? std::atof(std::getenv("TW_OGR")) : 0.25;
 
 }  // namespace
 
@@ -80,7 +82,7 @@ bool EstimatorCorrection::contradicted(double time_s) {
     consistency_.note(s, innovation_K, variance_K2, explained_K2, rejected,
                       std::min(made_.elapsed_s, time_s - channel.fused_s));
   }
-  return consistency_.conclude(made_.elapsed_s);
+  return consistency_.conclude(made_.elapsed_s, time_s);
 }
 
 void EstimatorCorrection::fuse(SensorRecord& record, const Eigen::Ref<const Eigen::VectorXd>& row, double innovation,
@@ -134,7 +136,7 @@ void EstimatorCorrection::fuse_tares() {
 
 void EstimatorCorrection::widen_disturbances() {
   if (!parameters_.has_disturbances()) return;
-  disturbance_width_ = std::min(disturbance_widest, disturbance_step * disturbance_width_);
+  disturbance_width_ = std::clamp(disturbance_step * disturbance_width_, disturbance_first, disturbance_widest);
   for (std::size_t g = 0; g < parameters_.groups().size(); ++g) {
     const Eigen::Index slot = parameters_.disturbance(static_cast<Eigen::Index>(g));
     const double wanted = disturbance_width_ * parameters_.list()[static_cast<std::size_t>(slot)].deviation;
@@ -201,26 +203,32 @@ void EstimatorCorrection::look_at_the_start() {
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
 }
 
+bool EstimatorCorrection::displacement_contradicts() {
+  if (!displacement_.pending) return false;
+  row_ = made_.displacement_row;
+  const double variance_m2 = filter_.variance_of(row_) + made_.displacement_variance_m2;
+  return made_.displacement_m * made_.displacement_m > displacement_nis * variance_m2;
+}
+
 bool EstimatorCorrection::update(double time_s) {
   made_.elapsed_s = time_s - fused_s_;
   pass_time(made_.elapsed_s);
   fused_s_ = time_s;
   made_.unknowns = filter_.mean();
   measure(time_s);
-  if (contradicted(time_s)) {
+  if (contradicted_) consistency_.contradict(time_s);
+  const bool found = contradicted(time_s);
+  if (found || contradicted_) {
+    contradicted_ = false;
     loosen(consistency_.largest_innovation_K());
     measure(time_s);
   }
   measure_displacement();
-  if (displacement_.pending) {
-    row_ = made_.displacement_row;
-    const double variance_m2 = filter_.variance_of(row_) + made_.displacement_variance_m2;
-    if (made_.displacement_m * made_.displacement_m > displacement_nis * variance_m2) {
-      keep_.setOnes();
-      growth_.setZero();
-      widen_disturbances();
-      filter_.widen(keep_, growth_);
-    }
+  if (displacement_contradicts()) {
+    keep_.setOnes();
+    growth_.setZero();
+    widen_disturbances();
+    filter_.widen(keep_, growth_);
   }
   fuse_sensors(time_s);
   fuse_tares();
@@ -231,16 +239,20 @@ bool EstimatorCorrection::update(double time_s) {
   return moved;
 }
 
+void EstimatorCorrection::bound(Eigen::VectorXd& unknowns) const {
+  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
+    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
+    unknowns[i] = std::clamp(unknowns[i], parameter.minimum, parameter.maximum);
+  }
+  for (Eigen::Index s = 0; has_lags() && s < static_cast<Eigen::Index>(channels_.size()); ++s) {
+    unknowns[lag_at(s)] = std::clamp(unknowns[lag_at(s)], 0.0, longest_lag_s);
+  }
+}
+
 bool EstimatorCorrection::follow_filter() {
   const Eigen::Index p = parameters_.count();
   row_ = filter_.mean();
-  for (Eigen::Index i = 0; i < p; ++i) {
-    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
-    row_[i] = std::clamp(row_[i], parameter.minimum, parameter.maximum);
-  }
-  for (Eigen::Index s = 0; has_lags() && s < static_cast<Eigen::Index>(channels_.size()); ++s) {
-    row_[lag_at(s)] = std::clamp(row_[lag_at(s)], 0.0, longest_lag_s);
-  }
+  bound(row_);
   filter_.set_mean(row_);
   theta_ = row_.head(p);
   theta_step_ = theta_ - made_.unknowns.head(p);

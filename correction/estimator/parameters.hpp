@@ -95,6 +95,7 @@ class ParameterModel {
   int capacity(Eigen::Index node) const { return capacity_[static_cast<std::size_t>(node)]; }
   bool has_capacities() const { return !capacity_.empty() && capacity_.front() >= 0; }
   int disturbance(Eigen::Index group) const { return disturbance_[static_cast<std::size_t>(group)]; }
+  Eigen::Index group_count() const { return static_cast<Eigen::Index>(disturbance_.size()); }
   bool has_disturbances() const { return !disturbance_.empty() && disturbance_.front() >= 0; }
   /// The start parameters are the last of θ, one per shape from here on, the uniform one first; -1 without.
   int start() const { return start_; }

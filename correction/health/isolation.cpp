@@ -12,7 +12,7 @@ constexpr double memory_s = 3600.0;  // of evidence, as in leave_one_out
 
 }  // namespace
 
-Isolation::Isolation(std::size_t channels) : memories_(channels), wait_until_s_(never_s) {}
+Isolation::Isolation(std::size_t channels) : memories_(channels), wait_until_s_(never_s), first_until_s_(never_s) {}
 
 void Isolation::note_restart(double time_s) {
   std::fill(memories_.begin(), memories_.end(), Memory{time_s, 0.0, 0.0});
@@ -95,6 +95,11 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, const ModelDoub
   if (partner < 0 && settling && !rejected) return {};
   wait_until_s_ = time_s + limits.drift_wait_s;
   if (partner >= 0) return {worst, partner, HealthFault::swapped, model_in_doubt_};
+  if (time_s > first_until_s_) {
+    first_until_s_ = time_s + limits.second_opinion_s;
+    model_in_doubt_ = true;
+    return {worst, -1, HealthFault::none, true, true};
+  }
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
   return {worst, -1, fast ? HealthFault::implausible : HealthFault::drift, model_in_doubt_};
 }

@@ -24,6 +24,7 @@ struct Blame {
   int partner = -1;  ///< the one it is exchanged with, -1: none
   HealthFault fault = HealthFault::none;
   bool model_in_doubt = false;  ///< while the model was in doubt: the channel may be healthy after all
+  bool first = false;           ///< the first in second_opinion_s: it is laid to the model
 };
 
 /// Which channel the evidence of all blames: the one with most, above drift_limit, that leads the next by drift_lead;
@@ -31,6 +32,9 @@ struct Blame {
 /// twice in a row by then, came too fast for a drift and is implausible.
 ///   Two are exchanged where the evidence came within exchange_s, the second's is above exchange_evidence too, and each
 /// reading fits the other's place (left_when_exchanged); then there is no lead to ask for.
+///   A step of the spindle (flow, film, inlet) near one sensor looks like a fault of that sensor until the estimate has
+/// followed it. So the first verdict by evidence, an exchange aside, is laid to the model, which is to be loosened; only
+/// a second one within second_opinion_s blames the channel.
 ///   At least three must have been judged, for an exchange four: of two that disagree nobody knows which is right.
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
@@ -77,6 +81,7 @@ class Isolation {
   double restart_s_ = 0.0;
   double last_s_ = 0.0;  // time of the last update
   double wait_until_s_;
+  double first_until_s_;  // a verdict until then is the second one
   bool model_in_doubt_ = false;
 };
 

@@ -83,7 +83,7 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   }
   const Blame blame = isolation_.judge(considered_, doubt, time_s_, limits_);
   if (untold_.one >= 0) {
-    const HealthVerdict told{untold_.one, untold_.other};
+    const HealthVerdict told{untold_.one, untold_.other, false};
     untold_ = {};
     return told;
   }
@@ -93,13 +93,14 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   // How the two have moved since the start tells the partner better than one instant does.
   const int by_movement = exchange_.partner_of(blamed, in_use_, limits_);
   const int partner = by_movement >= 0 ? by_movement : blame.partner;
+  if (partner < 0 && blame.first) return {-1, -1, true};
   if (partner >= 0) {
     fail_pair(blamed, static_cast<std::size_t>(partner));
   } else {
     channels_[blamed].fail_by_evidence(blame.fault, updates[blamed].misfit_K, updates[blamed].deviation_K,
                                        blame.model_in_doubt);
   }
-  return {blame.channel, partner};
+  return {blame.channel, partner, false};
 }
 
 void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }

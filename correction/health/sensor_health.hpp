@@ -14,6 +14,7 @@ namespace spindle_twin::correction {
 struct HealthVerdict {
   int failed = -1;
   int partner = -1;
+  bool loosen = false;  ///< the readings contradict the estimate, which is to be loosened (EstimatorCorrection)
 };
 
 /// Judges every channel each cycle, so that one that fails leaves before it has moved the estimate, and comes back

@@ -81,7 +81,7 @@ void Cycle::guard_prediction() {
     model_.stepper->set_temperatures(uncorrected_.stepper->temperatures_K());
     predict(network_, model_);
     if (corrector_.estimator) corrector_.estimator->reset(now_s, model_.stepper->temperatures_K(), operating_);
-    if (watch_.others) watch_.others->follow(*corrector_.estimator);
+    if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
   }
   snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::implausible_prediction));
   if (now_s < implausible_until_s_) snapshot_.fault |= bits(Fault::implausible_prediction);

@@ -81,7 +81,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
   }
   const Eigen::VectorXd unseen_K = stand_still(gap_s);
   if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), unseen_K);
-  if (watch_.others) watch_.others->follow(*corrector_.estimator);
+  if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
 
   snapshot_.tare_m = from.tare_m;
   predict(network_, model_);

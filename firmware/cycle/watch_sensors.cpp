@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 namespace spindle_twin::firmware {
 namespace {
@@ -46,7 +48,31 @@ void rest(const CyclePlan& plan, const SensedInputs& sensed, const Judgement& ju
   watch.resting->step(watch.tare_samples, heated, advance_s);
 }
 
+/// Whether the readings are better explained by a heat that no source explains, to which the estimator then goes over.
+bool explained_by_heat(const rom::OperatingState& operating, Model& model, SensorWatch& watch, Corrector& corrector) {
+  correction::EstimatorCorrection& estimator = *corrector.estimator;
+  if (!watch.heat) return false;
+  const bool open = estimator.heats_are_open();
+  if (open) {
+    watch.heats_were_open = true;
+    return false;
+  }
+  if (watch.heats_were_open) watch.heat->follow(estimator);
+  watch.heats_were_open = false;
+  if (!watch.heat->update(estimator)) return false;
+  estimator.open_heats(watch.heat->filter(), operating);
+  model.stepper->set_temperatures(estimator.corrected_nodes_K());
+  with_biases(operating, corrector);
+  follow_estimator(estimator, watch);
+  return true;
+}
+
 }  // namespace
+
+void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch) {
+  if (watch.others) watch.others->follow(estimator);
+  if (watch.heat) watch.heat->follow(estimator);
+}
 
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector) {
   SensorWatch watch;
@@ -68,6 +94,9 @@ SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const
   // Only an estimator learns an offset anew.
   if (corrector.corrects && corrector.estimator) {
     watch.others.emplace(*corrector.estimator);
+    if (corrector.estimator->parameters().has_disturbances() && !corrector.estimator->heats_are_open()) {
+      watch.heat.emplace(*corrector.estimator);
+    }
   } else {
     limits.return_within_K = plan.return_within_K;
   }
@@ -118,6 +147,7 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
       if (channel < 0) continue;
       corrector.estimator->widen_offset(channel, record.return_offset_K);
       watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_K);
+      if (watch.heat) watch.heat->follow(*corrector.estimator);
     }
   }
   rest(plan, sensed, judgement, model, advance_s, watch);
@@ -129,7 +159,7 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   note_corrected(network, model, watch);
   if (!watch.others) return;
   correction::EstimatorCorrection& estimator = *corrector.estimator;
-  if (corrector.enabled && !watch.was_enabled) watch.others->follow(estimator);
+  if (corrector.enabled && !watch.was_enabled) follow_estimator(estimator, watch);
   if (corrector.enabled != watch.was_enabled) watch.health->note_restart();
   watch.was_enabled = corrector.enabled;
   if (!corrector.enabled || estimator.updates() == watch.seen_updates) return;
@@ -137,10 +167,15 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   if (estimator.loosened() != watch.seen_loosened) {
     // What the filters without a sensor were sure of goes with what the estimator was sure of.
     watch.seen_loosened = estimator.loosened();
-    watch.others->follow(estimator);
+    follow_estimator(estimator, watch);
+    watch.health->note_restart();
     return;
   }
   watch.others->update(estimator);
+  if (explained_by_heat(operating, model, watch, corrector)) {
+    note_corrected(network, model, watch);
+    return;
+  }
   std::fill(watch.updates.begin(), watch.updates.end(), correction::HealthUpdate{});
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     const auto channel = static_cast<Eigen::Index>(c);
@@ -153,16 +188,29 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
                                             misfit.misfit_K,
                                             misfit.deviation_K};
   }
-  const correction::HealthVerdict verdict = watch.health->note_update(watch.updates);
+  if (std::getenv("TW_DEBUG")) { // TUNING
+    std::fprintf(stderr, "DBG %ld", estimator.updates());
+    for (size_t c = 0; c < corrector.channels.size(); ++c) std::fprintf(stderr, " %.2f/%.2f", watch.others->misfit(c).evidence, estimator.consistency().nis(c));
+    std::fprintf(stderr, " heat %.2f nose sd %.2f hour %.3f\n", watch.heat ? watch.heat->evidence() : 0.0, 1e6*estimator.deviations().deformations_m[0], estimator.consistency().nis_of_hour());
+  }
+  const correction::HealthVerdict verdict = watch.health->note_update(
+      watch.updates, {estimator.consistency().in_doubt(), estimator.consistency().in_doubt_since_s()});
   estimator.set_alternatives(watch.others->alternatives(estimator));
+  if (verdict.failed >= 0 && std::getenv("TW_VERDICT")) { // TUNING
+    std::fprintf(stderr, "VERDICT at %ld s sensor %d partner %d fault %d:", 10*estimator.updates(), verdict.failed, verdict.partner, (int)watch.health->record(verdict.failed).fault);
+    for (size_t c = 0; c < corrector.channels.size(); ++c) std::fprintf(stderr, " %.1f/%.2f", watch.others->misfit(c).evidence, estimator.consistency().nis(c));
+    std::fprintf(stderr, " doubt %d\n", (int)watch.health->model_in_doubt());
+  }
+  if (verdict.loosen) estimator.note_contradiction();
   if (verdict.failed < 0) return;
   if (verdict.partner >= 0) {
     estimator.adopt(watch.others->before(estimator), operating);
-    watch.others->follow(estimator);
+    follow_estimator(estimator, watch);
   } else {
     const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(verdict.failed));
     estimator.adopt(watch.others->without(channel), operating);
     watch.others->settle_on(channel);
+    if (watch.heat) watch.heat->follow(estimator);
   }
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
   with_biases(operating, corrector);
@@ -195,6 +243,7 @@ void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement
     const double deviation_K = watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_K;
     corrector.estimator->note_tare(channel, shift_K, deviation_K);
     if (watch.others) watch.others->shift_offset(*corrector.estimator, channel, shift_K);
+    if (watch.heat) watch.heat->follow(*corrector.estimator);
   }
 }
 

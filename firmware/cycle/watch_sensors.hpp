@@ -8,6 +8,7 @@
 #include "correction/health/isothermal_tare.hpp"
 #include "correction/health/leave_one_out.hpp"
 #include "correction/health/sensor_health.hpp"
+#include "correction/health/unexplained_heat.hpp"
 #include "firmware/cycle/correct.hpp"
 
 namespace spindle_twin::firmware {
@@ -16,6 +17,7 @@ namespace spindle_twin::firmware {
 struct SensorWatch {
   std::optional<correction::SensorHealth> health;  ///< empty: not asked for
   std::optional<correction::LeaveOneOut> others;   ///< with an estimator that corrects
+  std::optional<correction::UnexplainedHeat> heat;  ///< likewise, where the network is certified
   std::optional<correction::IsothermalTare> resting;
   correction::SensorTare tare;
   bool tare_to_ambient = false;
@@ -27,12 +29,16 @@ struct SensorWatch {
   std::array<bool, slots::key_points> believed{};         ///< what was made of it
   long seen_updates = 0;
   long seen_loosened = 0;
+  bool heats_were_open = false;
   bool was_enabled = false;
   std::uint32_t orders = 0;
 };
 
 /// Allocates. Throws rom::InputError for a limit out of range.
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector);
+
+/// All filters beside the estimator's begin anew from it: after it was reset, resumed or loosened. Runs in the cycle.
+void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch);
 
 /// Subtracts the tare from the readings. Runs in the cycle.
 void subtract_tare(const SensorWatch& watch, SensedInputs& sensed);

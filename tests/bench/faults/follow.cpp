@@ -98,7 +98,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
   Eigen::Array<bool, Eigen::Dynamic, 1> valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(sensors, true);
   const long cycles = std::lround(run_s / options.cycle_s);
   double published_m = 0.0;
-  long updates = 0, judged = 0, before_found = 0, inside = 0;
+  long updates = 0, loosened = 0, judged = 0, before_found = 0, inside = 0;
   for (long cycle = 0; cycle <= cycles; ++cycle) {
     const double time_s = static_cast<double>(cycle) * options.cycle_s;
     rom::OperatingState operating = truth.read[static_cast<std::size_t>(time_s / sample_s)];
@@ -136,6 +136,11 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     corrected_K = twin.outputs.key_points_K;
     if (estimator.updates() != updates) {
       updates = estimator.updates();
+      if (estimator.loosened() != loosened) {
+        loosened = estimator.loosened();
+        bank.follow(estimator);
+        health.note_restart();
+      }
       bank.update(estimator);
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
@@ -150,6 +155,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       const correction::HealthVerdict verdict =
           options.with_health ? health.note_update(judged_updates) : correction::HealthVerdict{};
       if (options.with_health) estimator.set_alternatives(bank.alternatives(estimator));
+      if (verdict.loosen) estimator.note_contradiction();
       if (verdict.failed >= 0) {
         if (verdict.partner >= 0) {
           estimator.adopt(bank.before(estimator), operating);

@@ -1,0 +1,75 @@
+#include "correction/health/unexplained_heat.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cmath>
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double most_surprise = 9.0;
+constexpr double memory_s = 3600.0;
+/// A likelihood ratio of e^3: with one trial an hour that a healthy spindle hardly reaches.
+const double enough = std::getenv("TW_ENOUGH") ? std::atof(std::getenv("TW_ENOUGH")) : 60.0;
+
+double surprise(double innovation, double variance) {
+  return std::fmin(innovation * innovation / variance, most_surprise);
+}
+
+}  // namespace
+
+UnexplainedHeat::UnexplainedHeat(const EstimatorCorrection& estimator)
+    : filter_(estimator.prior()),
+      keep_(Eigen::VectorXd::Ones(estimator.prior().size())),
+      growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
+      row_(growth_) {}
+
+void UnexplainedHeat::follow(const EstimatorCorrection& estimator) {
+  filter_.set_mean(estimator.filter().mean());
+  filter_.set_root(estimator.filter().root());
+  evidence_ = 0.0;
+  keep_.setOnes();
+  growth_.setZero();
+  const ParameterModel& parameters = estimator.parameters();
+  for (Eigen::Index g = 0; parameters.has_disturbances() && g < parameters.group_count(); ++g) {
+    const Eigen::Index slot = parameters.disturbance(g);
+    const double wanted_W = estimator.open_heat_W(g), present_W = filter_.deviation(slot);
+    growth_[slot] = std::max(0.0, wanted_W * wanted_W - present_W * present_W);
+  }
+  filter_.widen(keep_, growth_);
+}
+
+bool UnexplainedHeat::update(const EstimatorCorrection& estimator) {
+  const ParameterModel& parameters = estimator.parameters();
+  const EstimatorUpdate& made = estimator.last_update();
+  estimator.passing_of_time(made.elapsed_s, keep_, growth_);
+  for (Eigen::Index g = 0; g < parameters.group_count(); ++g) {
+    const Eigen::Index slot = parameters.disturbance(g);
+    growth_[slot] = std::pow(estimator.open_heat_W(g), 2.0) * (1.0 - keep_[slot] * keep_[slot]);
+  }
+  filter_.pass_time(estimator.prior().mean(), keep_, growth_);
+  double gained = 0.0;
+  const double gate2 = estimator.gate() * estimator.gate();
+  const auto judge = [&](const SensorRecord& record, double innovation, double noise) {
+    const double variance = filter_.variance_of(row_) + noise;
+    gained += surprise(record.innovation_K, record.variance_K2) - surprise(innovation, variance);
+    if (innovation * innovation <= gate2 * variance) filter_.update(row_, innovation, noise);
+  };
+  for (Eigen::Index s = 0; s < made.innovation_K.size(); ++s) {
+    if (!std::isfinite(made.innovation_K[s])) continue;
+    row_ = made.rows.col(s);
+    judge(estimator.record(s), made.innovation_at(s, filter_.mean()), made.noise_K2[s]);
+  }
+  if (std::isfinite(made.displacement_m)) {
+    row_ = made.displacement_row;
+    judge(estimator.displacement_record(), made.displacement_at(filter_.mean()), made.displacement_variance_m2);
+  }
+  row_ = filter_.mean();
+  estimator.bound(row_);
+  filter_.set_mean(row_);
+  if (!std::isfinite(gained)) gained = 0.0;
+  evidence_ = std::exp(-made.elapsed_s / memory_s) * evidence_ + gained;
+  return evidence_ > enough;
+}
+
+}  // namespace spindle_twin::correction
