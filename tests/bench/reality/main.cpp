@@ -20,6 +20,8 @@ struct Options : CampaignOptions {
   std::string csv;
   std::string heading;
   std::string trace;
+  std::string resume;
+  bool judge_only = false;
   std::string present = SPINDLE_TWIN_SOURCE_DIR "/tests/bench/reality/present.csv";
 };
 
@@ -50,12 +52,13 @@ int runs_of(const Family& family, const Options& options) {
   return std::min(family.most_runs, twice ? 2 * options.runs : options.runs);
 }
 
-std::vector<Task> make_tasks(const std::vector<Family>& families, const Options& options) {
+std::vector<Task> make_tasks(const std::vector<Family>& families, const Scores& done, const Options& options) {
   std::vector<Task> tasks;
   for (int number = 0; number < 2 * options.runs; ++number) {
     for (const Family& family : families) {
       if (number >= runs_of(family, options)) continue;
       const std::uint64_t seed = seeds_apart * options.seed + static_cast<std::uint64_t>(options.first + number);
+      if (done.contains({family.name, seed})) continue;
       auto found = std::find_if(tasks.begin(), tasks.end(),
                                 [&](const Task& task) { return task.truth == family.truth && task.seed == seed; });
       if (found == tasks.end()) found = tasks.insert(tasks.end(), {family.truth, seed, {}});
@@ -65,11 +68,19 @@ std::vector<Task> make_tasks(const std::vector<Family>& families, const Options&
   return tasks;
 }
 
+/// How many limits were missed.
+int judge(const Options& options, const std::vector<Family>& families, const Scores& scores, const Scores& present) {
+  print_families(families, scores, present);
+  return options.is_short ? print_short_limits(families, scores) : print_reality_limits(families, scores, present);
+}
+
 int run(const Options& options) {
   const std::vector<Family> families = chosen_families(options);
+  const Scores present = options.is_short ? Scores{} : read_scores(options.present);
+  Scores scores = read_scores(options.resume);
+  if (options.judge_only) return judge(options, families, scores, present);
   const rom::Network network = certified_twin(options.twin);
   const TruthStore truths(options.twin.cache, options.truth_mm);
-  const Scores present = options.is_short ? Scores{} : read_scores(options.present);
   std::printf(
       "reality_campaign --seed %llu: seeds from %llu on, %d runs a family%s; daemon's "
       "cycle of %g s, default options, six sensors; twin: %zu nodes from %g mm; truth: %g mm\n",
@@ -87,10 +98,9 @@ int run(const Options& options) {
   std::printf("present: %zu runs of %s\n", present.size(), options.present.c_str());
   std::fflush(stdout);
 
-  const std::vector<Task> tasks = make_tasks(families, options);
+  const std::vector<Task> tasks = make_tasks(families, scores, options);
   std::ofstream trace;
   if (!options.trace.empty()) trace.open(options.trace);
-  Scores scores;
   std::mutex noting;
   std::size_t done = 0;
   in_parallel(options.twin.threads, static_cast<int>(tasks.size()), [&](int i) {
@@ -107,8 +117,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "truth %zu of %zu\n", ++done, tasks.size());
     if (!options.csv.empty()) write_scores(options.csv, options.heading, scores);
   });
-  print_families(families, scores, present);
-  return options.is_short ? print_short_limits(families, scores) : print_reality_limits(families, scores, present);
+  return judge(options, families, scores, present);
 }
 
 }  // namespace
@@ -130,6 +139,8 @@ int main(int argc, char** argv) {
   app.add_option("--csv", options.csv, "file for the score of each run");
   app.add_option("--heading", options.heading, "comment for that file");
   app.add_option("--trace", options.trace, "file for the time series of a single run: one --family, --runs 1");
+  app.add_option("--resume", options.resume, "scores of such a file: what stands there is not run again");
+  app.add_flag("--judge", options.judge_only, "run nothing: tables and limits of the scores of --resume");
   app.add_option("--present", options.present, "scores of the filter to compare with")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   settle(options);

@@ -24,6 +24,8 @@ constexpr double inlet_memory_s = 1800.0;
 constexpr double before_s = 3600.0;  // that a warm or cold one runs before
 constexpr double earliest_event_s = 1800.0;
 constexpr double latest_event_s = 4500.0;
+constexpr double earliest_cutting_s = 600.0;  // so that touch-offs each half hour can tell of it
+constexpr double latest_cutting_s = 1800.0;
 constexpr double missing_contact = 0.01;
 constexpr double grease_peak = 1.5;
 constexpr double grease_s = 400.0;  // a twentieth of the peak is left after 20 min
@@ -129,7 +131,10 @@ void draw_event(RealityTruth& truth) {
   if (!has_event(truth.kind)) return;
   std::mt19937_64 random = random_of(truth.seed, event_of);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const double event_s = earliest_event_s + (latest_event_s - earliest_event_s) * unit(random);
+  const bool cutting = truth.kind == TruthKind::cutting;
+  const double earliest_s = cutting ? earliest_cutting_s : earliest_event_s;
+  const double latest_s = cutting ? latest_cutting_s : latest_event_s;
+  const double event_s = earliest_s + (latest_s - earliest_s) * unit(random);
   truth.event_s = truth_sample_s * std::round(event_s / truth_sample_s);
   if (truth.kind == TruthKind::inlet) truth.inlet_step_K = unit(random) < 0.5 ? -inlet_step_size_K : inlet_step_size_K;
 }
@@ -248,8 +253,8 @@ class Run {
 }  // namespace
 
 const char* name_of(TruthKind kind) {
-  constexpr std::array names{"nominal",      "warm",    "cold",  "flow",   "cutting", "structure",
-                             "structure_10", "contact", "inlet", "grease", "run_in"};
+  constexpr std::array names{"nominal",      "warm",          "cold",  "flow",   "early_cutting", "structure",
+                             "structure_10", "large_contact", "inlet", "grease", "run_in"};
   return names[static_cast<std::size_t>(kind)];
 }
 
