@@ -18,6 +18,7 @@ constexpr double fresh_s = 30.0;
 constexpr double disturbance_width_memory_s = 7200.0;
 constexpr double idle_width = 1e-3;
 const double open_width = std::getenv("TW_FIRST") ? std::atof(std::getenv("TW_FIRST")) : 2.0;
+constexpr double start_missed_memory_s = 600.0;
 constexpr double least_floor_K = 1e-3;
 
 // TUNING
@@ -88,6 +89,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   keep_ = Eigen::VectorXd::Ones(n);
   growth_ = row_ = gain_ = Eigen::VectorXd::Zero(n);
   theta_ = theta_step_ = place_ = curvature_ = Eigen::VectorXd::Zero(p);
+  start_missed_ = Eigen::VectorXd::Zero(parameters_.starts());
   outputs_.set_alternatives(Eigen::MatrixXd::Zero(p, m));
   factors_ = parameters_.make_factors(network);
   bias_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
@@ -141,7 +143,8 @@ void EstimatorCorrection::forget() {
 }
 
 void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
-  start_memory_s_ = start_shape_ = 0.0;
+  start_memory_s_ = 0.0;
+  start_missed_.setZero();
   forget();
   sensitivities_.start(parameters_);
   for (std::size_t s = 0; s < channels_.size(); ++s) {
@@ -218,10 +221,9 @@ void EstimatorCorrection::note_curvature() {
                        kind == ParameterKind::capacity;
     curvature_[i] = is_ln ? share * filter_.deviation(i) * filter_.deviation(i) : 0.0;
   }
-  if (start_memory_s_ > 0.0) {
-    curvature_[parameters_.start()] =
-        start_shape_ * std::exp(-std::max(0.0, seen_s_ - widened_s_) / start_memory_s_);
-  }
+  // What is warmed or cooled otherwise than the shapes of the start say is another shape within minutes.
+  const double left = std::exp(-std::max(0.0, seen_s_ - widened_s_) / start_missed_memory_s);
+  curvature_.tail(start_missed_.size()) = left * start_missed_;
 }
 
 EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {

@@ -240,8 +240,9 @@ class EstimatorCorrection {
   Eigen::VectorXd bias_K_, rises_K_, nodes_K_, corrected_K_;
   rom::CorrectionFactors factors_;
   double fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
-  /// Of a start after a pause: > 0, its parameter forgets; what its effect may miss; when it was widened.
-  double start_memory_s_ = 0.0, start_shape_ = 0.0, widened_s_ = 0.0;
+  /// Of a start after a pause: > 0, its parameter forgets; when the start was opened.
+  double start_memory_s_ = 0.0, widened_s_ = 0.0;
+  Eigen::VectorXd start_missed_;  ///< 1σ of what the effect of each start parameter may miss, when it was opened
   double disturbance_width_ = 1.0;  ///< of the unexplained heats, times their prior's
   double disturbance_idle_ = 1.0;   ///< the same while nothing speaks for any
   bool contradicted_ = false;       ///< told so

@@ -14,7 +14,7 @@ constexpr double unseen_memory_s = 600.0;
 constexpr double fresh_s = 30.0;
 
 constexpr std::size_t per_channel = 2;  // lag slope, floor
-constexpr std::size_t of_start = 4;
+constexpr std::size_t of_start = 3;  // and one per start parameter
 
 }  // namespace
 
@@ -29,7 +29,7 @@ void EstimatorCorrection::save(EstimatorState& state) const {
   state.sensitivities.resize(static_cast<std::size_t>(sensitivities_.transposed().size()));
   state.lagged.resize(channels_.size() * p);
   state.channels.resize(channels_.size() * per_channel);
-  state.start.resize(of_start);
+  state.start.resize(of_start + static_cast<std::size_t>(start_missed_.size()));
   copy(filter_.mean(), state.mean, 0);
   copy(filter_.root().reshaped(), state.root, 0);
   copy(sensitivities_.transposed().reshaped(), state.sensitivities, 0);
@@ -38,7 +38,10 @@ void EstimatorCorrection::save(EstimatorState& state) const {
     state.channels[s * per_channel] = channels_[s].lag_slope_K_per_s();
     state.channels[s * per_channel + 1] = consistency_.floor_K(static_cast<Eigen::Index>(s));
   }
-  state.start = {start_memory_s_, start_shape_, widened_s_ - seen_s_, disturbance_width_};
+  state.start[0] = start_memory_s_;
+  state.start[1] = widened_s_ - seen_s_;
+  state.start[2] = disturbance_width_;
+  copy(start_missed_, state.start, of_start);
 }
 
 bool EstimatorCorrection::restore(const EstimatorState& state) {
@@ -50,7 +53,7 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   };
   if (!started_ || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, channels_.size() * p) ||
       !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
-      !fits(state.channels, channels_.size() * per_channel) || !fits(state.start, of_start)) {
+      !fits(state.channels, channels_.size() * per_channel) || !fits(state.start, of_start + static_cast<std::size_t>(start_missed_.size()))) {
     return false;
   }
   const auto size = static_cast<Eigen::Index>(n);
@@ -69,9 +72,9 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
     records_[s].offset_deviation_K = filter_.deviation(b);
   }
   start_memory_s_ = state.start[0];
-  start_shape_ = state.start[1];
-  widened_s_ = seen_s_ + state.start[2];
-  disturbance_width_ = state.start[3];
+  widened_s_ = seen_s_ + state.start[1];
+  disturbance_width_ = state.start[2];
+  start_missed_ = Eigen::Map<const Eigen::VectorXd>(state.start.data() + of_start, start_missed_.size());
   start_unseen_ = false;
   note_curvature();
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
@@ -95,7 +98,8 @@ void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& node
   filter_.pass_time(prior_mean_, keep_, growth_);
   theta_ = filter_.mean().head(parameters_.count());
   start_memory_s_ = unseen_memory_s;
-  start_shape_ = unseen_shape * deviation;
+  start_missed_.setZero();
+  start_missed_[0] = unseen_shape * deviation;
   widened_s_ = time_s;
   fresh_until_s_ = time_s + fresh_s;
   for (SensorChannel& channel : channels_) {

@@ -24,6 +24,7 @@ static const double displacement_nis = std::getenv("TW_DNIS") ? std::atof(std::g
 
 // A start of which nothing is known.
 constexpr double isothermal = 3.0;  // deviations of one reading within which the sensors stand at one temperature
+static const double shape_missed = std::getenv("TW_CSH") ? std::atof(std::getenv("TW_CSH")) : 0.1;
 static const double open_shapes_share = std::getenv("TW_OSH") ? std::atof(std::getenv("TW_OSH")) : 1.0;
 static const double open_groups_share = std::getenv("TW_OGR") ? std::atof(std::getenv("TW_OGR")) : 0.25;
 
@@ -154,8 +155,11 @@ void EstimatorCorrection::open_start(double widest_K, double shapes_share, doubl
     const double share = i == first ? 1.0 : (group ? groups_share : shapes_share);
     const double least_K = parameters_.list()[static_cast<std::size_t>(i)].deviation;
     keep_[i] = 0.0;
-    growth_[i] = std::pow(std::max(share * widest_K, least_K), 2.0);
+    const double deviation_K = std::max(share * widest_K, least_K);
+    growth_[i] = deviation_K * deviation_K;
+    start_missed_[i - first] = shape_missed * deviation_K;
   }
+  widened_s_ = seen_s_;
 }
 
 void EstimatorCorrection::loosen(double widest_K) {
@@ -174,7 +178,7 @@ void EstimatorCorrection::loosen(double widest_K) {
   widen_disturbances();
   open_start(open_K, start_groups_share, start_groups_share);
   filter_.widen(keep_, growth_);
-  start_memory_s_ = start_shape_ = 0.0;
+  start_memory_s_ = 0.0;
   sensitivities_.restart(parameters_);
   for (SensorChannel& channel : channels_) {
     sensitivities_.of_row(channel.internal(), place_);
@@ -200,6 +204,7 @@ void EstimatorCorrection::look_at_the_start() {
   growth_.setZero();
   open_start(widest_K, open_shapes_share, open_groups_share);
   filter_.widen(keep_, growth_);
+  note_curvature();
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
 }
 
