@@ -114,6 +114,7 @@ void EstimatorCore::open_period(double time_s, const rom::OperatingState& operat
   held_state.flow_kg_per_s = operating.flow_kg_per_s;
   held_state.current_A = operating.current_A;
   held_state.power_W = operating.power_W;
+  held_state.heat_W = operating.heat_W;
   corrected_state = held_state;
   corrected_state.environment_K += bias_K;
   evaluate_boundaries(network.boundaries, corrected_state, factors, values);
