@@ -47,7 +47,7 @@ coefficient_W_per_m2K = 10.0
 name = "loss"
 heat_W = 30.0
 node = "winding"
-speed_law = { speed_terms = [{ coefficient = 1.0, exponent = 1.0 }], constant = 0.0 }
+speed_law = { constant = 0.0, speed_terms = [[1.0, 1.0]] }
 )" + of_heat +
          "[[key_point]]\nname = \"winding\"\nnode = \"winding\"\n";
 }
