@@ -76,6 +76,9 @@ struct HeatSource {
   double nominal_W = 0.0;  ///< at the reference operating state, where `law` is 1; of physics, at its nominal inputs
   SpeedLaw law;
   std::optional<BoundLaw> physics = {};  ///< in place of nominal value and `law`
+  /// Its watts are read: OperatingState::heat_W has them; where that does not, they are those of nominal value and
+  /// `law`. Not together with physics.
+  bool measured = false;
 };
 
 enum class EnvironmentKind { ambient, coolant };
@@ -105,6 +108,8 @@ struct OperatingState {
   Eigen::VectorXd flow_kg_per_s = {};    ///< one per circuit; negative when it runs backwards
   std::optional<double> current_A = {};  ///< measured phase current of the motor, rms
   std::optional<double> power_W = {};    ///< measured electrical power of the motor
+  /// Measured heats, one per source that is `measured`, in the order of the sources; NaN or too few: not known.
+  Eigen::VectorXd heat_W = {};
 };
 
 /// Everything at the border of the spindle that FE model and network share, in the same order.

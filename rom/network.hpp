@@ -107,7 +107,7 @@ struct Network {
   Eigen::MatrixXd source_distribution;     ///< B, N x sources
   std::vector<KeyPoint> key_points;
   std::vector<PartOutput> parts;
-  std::vector<DeformationOutput> deformations;  ///< the first is the nose
+  std::vector<DeformationOutput> deformations;  ///< the first is the nose; of a hand-written network there may be none
   std::vector<ContactPressureOutput> contact_pressures;
   Certificate certificate;
   std::vector<OutlineRing> outlines;  ///< none where nobody drew the section

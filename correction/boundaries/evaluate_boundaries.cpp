@@ -1,12 +1,15 @@
 #include "correction/boundaries/evaluate_boundaries.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "rom/laws/channel_law.hpp"
 #include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::correction {
 namespace {
+
+constexpr double not_read_W = std::numeric_limits<double>::quiet_NaN();
 
 /// Film coefficients of the circuits' segments become those of the channel law.
 void apply_channel_law(const rom::Boundaries& boundaries, const rom::OperatingState& state,
@@ -67,9 +70,14 @@ void evaluate_boundaries(const rom::Boundaries& boundaries, const rom::Operating
         rom::held_conductance_W_per_m2K(boundaries.conductances[static_cast<std::size_t>(j)], reference_rpm,
                                         factors.conductance[j], values.laws, values.environment_K);
   }
+  Eigen::Index measured = 0;
   for (Eigen::Index i = 0; i < values.heat_W.size(); ++i) {
-    values.heat_W[i] = rom::held_heat_W(boundaries.sources[static_cast<std::size_t>(i)], reference_rpm, factors.heat[i],
-                                        values.laws, values.environment_K);
+    const rom::HeatSource& source = boundaries.sources[static_cast<std::size_t>(i)];
+    values.heat_W[i] = rom::held_heat_W(source, reference_rpm, factors.heat[i], values.laws, values.environment_K);
+    if (!source.measured) continue;
+    const double read_W = measured < state.heat_W.size() ? state.heat_W[measured] : not_read_W;
+    if (!std::isnan(read_W)) values.heat_W[i] = factors.heat[i] * read_W;
+    ++measured;
   }
   apply_channel_law(boundaries, state, values);
   take_per_node(factors.node_heat_W, 0.0, values.node_heat_W);

@@ -11,6 +11,7 @@ rom::CorrectionFactors no_correction(const rom::Boundaries& boundaries);
 rom::BoundaryValues make_boundary_values(const rom::Boundaries& boundaries);
 
 /// gⱼ = factorⱼ · nominalⱼ · lawⱼ(speed, load), q_i likewise; environments copied. [W/m²K, W, K]
+/// A measured heat is factor times the watts of the state; where it has none, that of the law.
 /// A physical law is taken at its nominal temperatures and so held; whoever integrates a network lets it follow its own
 /// (rom::LawDrive, which is filled in and says so).
 /// For the segments of a coolant circuit g becomes the effective G/A of the channel law (rom::CoolantCircuit), 0

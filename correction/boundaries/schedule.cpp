@@ -38,6 +38,12 @@ std::vector<Column> allowed_columns(const rom::Boundaries& boundaries) {
     const auto set = [index](double value, OperatingState& state) { state.flow_kg_per_s[index] = value; };
     columns.push_back({boundaries.circuits[c].name + "_kg_per_s", set});
   }
+  const std::vector<std::size_t> heats = rom::measured_heats(boundaries);
+  for (std::size_t h = 0; h < heats.size(); ++h) {
+    const auto index = static_cast<Eigen::Index>(h);
+    const auto set = [index](double value, OperatingState& state) { state.heat_W[index] = value; };
+    columns.push_back({"heat." + boundaries.sources[heats[h]].name + "_W", set});
+  }
   if (rom::follows_current(boundaries)) {
     columns.push_back({"current_A", [](double value, OperatingState& state) { state.current_A = value; }});
   }
@@ -119,6 +125,7 @@ void state_at(const Schedule& schedule, double time_s, rom::OperatingState& stat
   state.power_W = row.state.power_W;
   state.environment_K = row.state.environment_K;
   state.flow_kg_per_s = row.state.flow_kg_per_s;
+  state.heat_W = row.state.heat_W;
   if (next != rows.begin() && next != rows.end()) {
     const double share = (time_s - row.time_s) / (next->time_s - row.time_s);
     state.environment_K += share * (next->state.environment_K - row.state.environment_K);

@@ -13,8 +13,8 @@ struct ScheduleRow {
   rom::OperatingState state;
 };
 
-/// A drive cycle. Speed, load, current, power and coolant flows hold until the next row; environment temperatures run
-/// linearly to the next row.
+/// A drive cycle. Speed, load, current, power, measured heats and coolant flows hold until the next row; environment
+/// temperatures run linearly to the next row.
 struct Schedule {
   std::vector<ScheduleRow> rows;  ///< strictly rising times, the first at 0
   double end_s = 0.0;
@@ -22,7 +22,8 @@ struct Schedule {
 
 /// Reads a CSV with header time_s,speed_rpm,load and optionally one <environment>_degC column per environment and one
 /// <circuit>_kg_per_s column per coolant circuit (missing ones keep the description's operating state); current_A and
-/// power_W where a heat follows them (missing ones: heats follow the load). The last row's time is the end. Throws
+/// power_W where a heat follows them (missing ones: heats follow the load); heat.<source>_W per measured heat (missing
+/// ones: as its law says). The last row's time is the end. Throws
 /// rom::InputError with file, line and column for an unknown column, a missing one, a non-finite value, times that do
 /// not rise.
 Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries);

@@ -27,6 +27,10 @@ bool inputs_changed(const rom::OperatingState& now, const rom::OperatingState& h
   for (Eigen::Index c = 0; c < now.flow_kg_per_s.size(); ++c) {
     if (differs(now.flow_kg_per_s[c], held.flow_kg_per_s[c], flow_share)) return true;
   }
+  for (Eigen::Index h = 0; h < now.heat_W.size(); ++h) {
+    if (std::isnan(now.heat_W[h]) != std::isnan(held.heat_W[h])) return true;
+    if (differs(now.heat_W[h], held.heat_W[h], motor_share)) return true;
+  }
   return false;
 }
 

@@ -39,9 +39,25 @@ void check_network(const Config& config, const rom::Network& network) {
   check_room(config, "contacts and films", network.boundaries.conductances.size(), slots::conductances);
   check_room(config, "deformation outputs", network.deformations.size(), slots::deformations);
   check_room(config, "coolant circuits", network.boundaries.circuits.size(), slots::circuits);
-  if (network.deformations.empty()) {
-    throw rom::InputError(config.network.where, config.network.field,
-                          "has no deformation output, so there is no nose elongation");
+  check_room(config, "measured heats", rom::measured_heats(network.boundaries).size(), slots::heats);
+}
+
+/// Coolant and ambient are needed where the network has such a surrounding, and ambient where a tare counts from it.
+void check_surroundings(const Config& config, const rom::Network& network) {
+  const auto told = [&](Signal signal) {
+    return config.signals[static_cast<std::size_t>(signal)].plan.source != SignalSource::none;
+  };
+  const auto missing = [&](const char* field, const std::string& why) {
+    throw rom::InputError(config.signals_where, field, "this key is required: " + why);
+  };
+  for (const rom::Environment& environment : network.boundaries.environments) {
+    const bool coolant = environment.kind == rom::EnvironmentKind::coolant;
+    if (told(coolant ? Signal::coolant : Signal::ambient)) continue;
+    missing(coolant ? "signals.coolant" : "signals.ambient",
+            "the network's surrounding \"" + environment.name + "\" has this temperature");
+  }
+  if (config.cycle.tare_to_ambient && !told(Signal::ambient)) {
+    missing("signals.ambient", "health.tare.reference = \"ambient\" counts from it");
   }
 }
 
@@ -87,10 +103,39 @@ void bind_flows(const Config& config, const rom::Network& network, DaemonPlan& p
   }
 }
 
+void bind_heats(const Config& config, const rom::Network& network, DaemonPlan& plan) {
+  std::vector<rom::HeatSource> measured;
+  for (const std::size_t heat : rom::measured_heats(network.boundaries)) {
+    measured.push_back(network.boundaries.sources[heat]);
+  }
+  for (const ConfiguredHeat& heat : config.heats) {
+    const ConfiguredSignal& signal = heat.signal;
+    if (measured.empty()) throw rom::InputError(signal.where, signal.field, "the network has no measured heat");
+    bind_signal(signal,
+                first_heat_signal + find_by_name(measured, heat.heat, "measured heat", signal.where, signal.field),
+                plan);
+  }
+}
+
+/// Nodes that are not named start at the mean of those that are.
+void bind_start(const Config& config, const rom::Network& network, CyclePlan& cycle) {
+  if (config.start.empty()) return;
+  double sum_K = 0.0;
+  for (const ConfiguredStart& start : config.start) sum_K += start.temperature_K;
+  cycle.start_temperature_K = sum_K / static_cast<double>(config.start.size());
+  cycle.start_nodes_K =
+      Eigen::VectorXd::Constant(static_cast<Eigen::Index>(network.nodes.size()), *cycle.start_temperature_K);
+  for (const ConfiguredStart& start : config.start) {
+    const std::size_t node = find_by_name(network.nodes, start.node, "node", start.where, start.field);
+    cycle.start_nodes_K[static_cast<Eigen::Index>(node)] = start.temperature_K;
+  }
+}
+
 }  // namespace
 
 DaemonPlan bind_config(const Config& config, const rom::Network& network) {
   check_network(config, network);
+  check_surroundings(config, network);
   DaemonPlan plan{config.cycle, config.device, config.serve};
   for (const ConfiguredSensor& sensor : config.sensors) {
     const std::size_t k = find_by_name(network.key_points, sensor.key_point, "key point", sensor.where, sensor.field);
@@ -121,6 +166,8 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
   check_followed(signal(Signal::power), rom::follows_power(network.boundaries), "motor_efficiency");
   for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, plan);
   bind_flows(config, network, plan);
+  bind_heats(config, network, plan);
+  bind_start(config, network, plan.cycle);
   if (!plan.cycle.paper) return plan;
   for (const ConfiguredGroup& configured : config.groups) {
     correction::HeatGroup group{configured.name, {}, {}};

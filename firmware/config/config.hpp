@@ -56,7 +56,7 @@ struct ConfiguredProbe {
 struct ConfiguredSignal {
   rom::SourceLine where;
   std::string field;
-  SignalPlan plan;                       ///< in K, rpm, fraction, A, W, kg/s
+  SignalPlan plan;                       ///< in K, rpm, fraction, A, W, kg/s, W
   std::optional<RegisterSource> source;  ///< of a device signal, to the same
   bool has_first = false;                ///< the configuration says what is used until the first good reading
 };
@@ -65,6 +65,20 @@ struct ConfiguredSignal {
 struct ConfiguredFlow {
   std::string circuit;
   ConfiguredSignal signal;
+};
+
+/// The watts of one measured heat; without a first value its law counts until it is read.
+struct ConfiguredHeat {
+  std::string heat;
+  ConfiguredSignal signal;
+};
+
+/// The start temperature of one node.
+struct ConfiguredStart {
+  std::string node;
+  double temperature_K = zero_degC_K;
+  rom::SourceLine where;
+  std::string field;
 };
 
 struct ConfiguredGroup {
@@ -99,8 +113,11 @@ struct Config {
   std::vector<ConfiguredSensor> sensors;
   std::vector<ConfiguredProbe> probes;
   std::array<ConfiguredSignal, first_flow_signal> signals;
+  rom::SourceLine signals_where;
   std::vector<ConfiguredFlow> flows;
+  std::vector<ConfiguredHeat> heats;
   std::vector<ConfiguredGroup> groups;
+  std::vector<ConfiguredStart> start;  ///< of single nodes; the others have their mean
 };
 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.
@@ -115,9 +132,10 @@ struct DaemonPlan {
 };
 
 /// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating
-/// flow for ever. Throws rom::InputError for a sensor, source or circuit that the network does not have (its message
-/// lists those it has), for a current or power that no heat of the network follows, and for a network with more outputs
-/// than the register map has room for.
+/// flow for ever, a measured heat without a signal its law. Throws rom::InputError for a sensor, source, circuit, heat
+/// or node that the network does not have (its message lists those it has), for a current or power that no heat of the
+/// network follows, for no coolant or ambient signal where the network has such a surrounding, and for a network with
+/// more outputs than the register map has room for.
 DaemonPlan bind_config(const Config& config, const rom::Network& network);
 
 }  // namespace spindle_twin::firmware

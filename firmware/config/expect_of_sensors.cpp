@@ -10,7 +10,7 @@
 namespace spindle_twin::firmware {
 
 std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan) {
-  if (!plan.estimator || !plan.estimator_corrects) return {};
+  if (!plan.estimator || !plan.estimator_corrects || network.deformations.empty()) return {};
   constexpr double hour_s = 3600.0;
   constexpr double um_per_m = 1e6;
   const correction::EstimatorOptions& estimator = *plan.estimator;

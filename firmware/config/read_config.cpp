@@ -101,6 +101,29 @@ std::vector<ConfiguredFlow> read_flows(const TomlTable& table, bool has_device) 
   return flows;
 }
 
+/// One table per measured heat, by its name.
+std::vector<ConfiguredHeat> read_heats(const TomlTable& table, bool has_device) {
+  constexpr double most_W = 1e6;
+  std::vector<ConfiguredHeat> heats;
+  for (const std::string& heat : table.free_keys()) {
+    const SignalRules rules{not_a_value, -most_W, most_W, {}};
+    heats.push_back({heat, read_signal(table, heat, rules, has_device)});
+  }
+  return heats;
+}
+
+/// `temperature_degC` as a table: one key per node.
+std::vector<ConfiguredStart> read_start(const TomlTable& start) {
+  const TomlTable table = start.table("temperature_degC");
+  std::vector<ConfiguredStart> nodes;
+  for (const std::string& node : table.free_keys()) {
+    const double kelvin = table.number(node, rom::between(coldest_degC, hottest_degC)) + zero_degC_K;
+    nodes.push_back({node, kelvin, table.where(node), table.path(node)});
+  }
+  if (nodes.empty()) start.fail("temperature_degC", "must give at least one node its temperature");
+  return nodes;
+}
+
 ServePlan read_serve(const TomlTable& table) {
   ServePlan serve;
   serve.address = read_ipv4(table, serve.address);
@@ -226,6 +249,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
 
   const TomlTable signals = root.table("signals");
+  config.signals_where = root.where("signals");
   const Unit celsius{1.0, zero_degC_K};
   struct NamedRules {
     const char* name;
@@ -242,6 +266,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
     config.signals[s] = read_signal(signals, named[s].name, named[s].rules, config.has_device);
   }
   if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
+  if (const auto heats = signals.optional_table("heat")) config.heats = read_heats(*heats, config.has_device);
 
   read_correction(root.optional_table("correction"), config);
   read_health(root.optional_table("health"), config);
@@ -251,7 +276,9 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
 
   const auto start = root.optional_table("start");
-  if (start && start->has("temperature_degC")) {
+  if (start && start->is_table("temperature_degC")) {
+    config.start = read_start(*start);
+  } else if (start && start->has("temperature_degC")) {
     config.cycle.start_temperature_K =
         start->number("temperature_degC", rom::between(coldest_degC, hottest_degC)) + zero_degC_K;
   } else if (config.sensors.empty()) {

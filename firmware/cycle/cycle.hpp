@@ -42,6 +42,7 @@ class Cycle {
  private:
   bool ready_to_start();
   void start_from(double temperature_K);
+  void start();
   Eigen::VectorXd stand_still(double gap_s);
   void take_orders(const PlcCommand& command);
   void note(Integrated integrated);

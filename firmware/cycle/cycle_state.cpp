@@ -19,6 +19,11 @@ Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepp
       snapshot_(first_snapshot(network)) {}
 
 bool Cycle::ready_to_start() {
+  if (plan_.start_nodes_K.size() == start_K_.size()) {
+    start_K_ = plan_.start_nodes_K;
+    start();
+    return true;
+  }
   if (plan_.start_temperature_K) {
     start_from(*plan_.start_temperature_K);
     return true;
@@ -35,6 +40,11 @@ bool Cycle::ready_to_start() {
 
 void Cycle::start_from(double temperature_K) {
   start_K_.setConstant(temperature_K);
+  start();
+}
+
+/// At start_K_.
+void Cycle::start() {
   for (Model* model : {&model_, &uncorrected_}) {
     model->stepper->set_temperatures(start_K_);
     predict(network_, *model);

@@ -88,6 +88,9 @@ void set_operating(const rom::Network& network, const Judgement& judgement, rom:
   for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
     operating.flow_kg_per_s[c] = judgement.signals[first_flow_signal + static_cast<std::size_t>(c)];
   }
+  for (Eigen::Index h = 0; h < operating.heat_W.size(); ++h) {
+    operating.heat_W[h] = judgement.signals[first_heat_signal + static_cast<std::size_t>(h)];
+  }
 }
 
 }  // namespace spindle_twin::firmware

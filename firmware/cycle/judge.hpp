@@ -23,8 +23,8 @@ Judgement first_judgement(const CyclePlan& plan);
 void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgement);
 
 /// The operating state that the network's boundaries see: every coolant circuit at the coolant inlet temperature,
-/// every other environment at ambient, every circuit's flow as judged; current and power where they are known. Runs in
-/// the cycle; `operating` is already sized.
+/// every other environment at ambient, every circuit's flow and every measured heat as judged (a heat that was never
+/// told is NaN); current and power where they are known. Runs in the cycle; `operating` is already sized.
 void set_operating(const rom::Network& network, const Judgement& judgement, rom::OperatingState& operating);
 
 }  // namespace spindle_twin::firmware

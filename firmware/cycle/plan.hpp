@@ -52,7 +52,7 @@ struct CyclePlan {
   bool compare_uncorrected = true;
   std::array<SensorPlan, slots::key_points> sensors;
   std::array<ProbePlan, slots::deformations> probes;
-  std::array<SignalPlan, signal_count> signals;   ///< of which some machines tell no current, no power and no flows
+  std::array<SignalPlan, signal_count> signals;   ///< from first_optional_signal on some machines tell none
   bool correction_enabled = true;                 ///< until the PLC says otherwise
   std::optional<correction::PaperOptions> paper;  ///< the published law corrects
   /// The estimator, without sensors: these come from `sensors`. Not together with `paper`.
@@ -65,6 +65,7 @@ struct CyclePlan {
   bool tare_to_ambient = false;               ///< else to the common mean of the sensors
   double slew_m_per_s = 5e-7;                 ///< published deformations follow the prediction no faster, model time
   std::optional<double> start_temperature_K;  ///< empty: mean of the first good readings
+  Eigen::VectorXd start_nodes_K;              ///< one per node, in place of start_temperature_K; or empty
   double start_wait_s = 60.0;                 ///< model time until fewer sensors must do, or a fault is raised
 };
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "rom/integrate/output_uncertainty.hpp"
+#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -41,6 +42,7 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.conductances = network.boundaries.conductances.size();
   snapshot.deformations = network.deformations.size();
   snapshot.circuits = network.boundaries.circuits.size();
+  snapshot.heats = rom::measured_heats(network.boundaries).size();
   const Eigen::VectorXd sd_m = rom::output_uncertainty(network).deformations_m;
   if (sd_m.size() > 0) snapshot.nose_network_sd_m = sd_m[0];
   return snapshot;
@@ -76,6 +78,7 @@ void publish_corrected(const Model& model, double most_m, Snapshot& snapshot) {
 }
 
 void tare(Snapshot& snapshot) {
+  if (snapshot.deformations == 0) return;
   snapshot.deformation_m[0] = snapshot.deformation_raw_m[0];
   snapshot.tare_m = snapshot.deformation_raw_m[0];
 }

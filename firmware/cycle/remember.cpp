@@ -68,6 +68,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
   set_operating(network_, held, operating_);
   if (operating_.current_A) operating_.current_A = 0.0;
   if (operating_.power_W) operating_.power_W = 0.0;
+  operating_.heat_W.setZero();
 
   bool known = false;
   if (corrector_.estimator) {
@@ -99,6 +100,7 @@ Eigen::VectorXd Cycle::stand_still(double gap_s) {
   operating.load = network_.boundaries.operating.load;
   operating.current_A.reset();
   operating.power_W.reset();
+  operating.heat_W.setConstant(not_a_value);
   rom::CorrectionFactors described_heat = corrector_.none;
   const int steps = static_cast<int>(std::ceil(gap_s / std::max(longest_step_s, gap_s / most_steps)));
   rom::CorrectionFactors no_heat = corrector_.none;

@@ -17,7 +17,7 @@ struct Remembered {
   double model_time_s = 0.0;
   double tare_m = 0.0;
   correction::SensorTare sensor_tare;  ///< per key point
-  std::array<double, signal_count> signals{};
+  std::array<double, signal_count> signals = not_values;
   std::vector<double> nodes_K;
   std::vector<double> uncorrected_K;
   std::string layout;  ///< names of the estimator's parameters and sensors; empty without one that corrects

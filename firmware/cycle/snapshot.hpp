@@ -27,16 +27,18 @@ constexpr std::uint16_t bits(Code code) {
   return static_cast<std::uint16_t>(code);
 }
 
-/// What the machine tells besides the sensors; behind these the flow of each coolant circuit. From the current on a
-/// machine need not tell them.
+/// What the machine tells besides the sensors; behind these the flow of each coolant circuit and the watts of each
+/// measured heat. From the coolant on a machine need not tell them: coolant and ambient where the network has no such
+/// surrounding.
 enum class Signal : std::size_t { speed, load, coolant, ambient, current, power };
-inline constexpr std::size_t first_optional_signal = 4;
+inline constexpr std::size_t first_optional_signal = 2;
 inline constexpr std::size_t first_flow_signal = 6;
-inline constexpr std::size_t signal_count = first_flow_signal + slots::circuits;
+inline constexpr std::size_t first_heat_signal = first_flow_signal + slots::circuits;
+inline constexpr std::size_t signal_count = first_heat_signal + slots::heats;
 
 /// One reading; sensors, coolant and ambient in K, speed in rpm, load as a fraction of the rated load, the motor's
 /// phase current in A and electrical power in W, flows in kg/s, negative when the coolant runs from the last segment to
-/// the first.
+/// the first, heats in W.
 struct Reading {
   double value = not_a_value;
   std::int64_t time_ns = 0;  ///< monotonic; 0: never read
@@ -119,6 +121,7 @@ struct Snapshot {
   std::size_t conductances = 0;
   std::size_t deformations = 0;
   std::size_t circuits = 0;
+  std::size_t heats = 0;  ///< measured ones
 
   std::array<double, signal_count> signals = not_values;  ///< in use; NaN: not told
   std::array<double, slots::key_points> measured_K = not_values;

@@ -129,7 +129,9 @@ Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::
   std::vector<double> signals;
   Message message = message_of<Way::decode>(checkpoint, signals);
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
-  if (!pb_decode(&stream, spindle_twin_firmware_Checkpoint_fields, &message) || signals.size() != signal_count) {
+  const bool read = pb_decode(&stream, spindle_twin_firmware_Checkpoint_fields, &message);
+  // Checkpoints of before heats could be measured have no signals of them.
+  if (!read || (signals.size() != signal_count && signals.size() != first_heat_signal)) {
     throw rom::InputError({file, 0}, "", "malformed");
   }
   checkpoint.saved_unix_s = message.saved_unix_s;

@@ -12,6 +12,8 @@
 #include <thread>
 #include <utility>
 
+#include "rom/laws/held_law.hpp"
+
 namespace spindle_twin::firmware {
 namespace {
 
@@ -98,6 +100,9 @@ std::string history_header(const rom::Network& network) {
   add_names(header, "probe.", network.deformations, "_m");
   add_names(header, "probe_age.", network.deformations, "_s");
   header += ",current_A,power_W";
+  for (const std::size_t heat : rom::measured_heats(network.boundaries)) {
+    header.append(",heat.").append(network.boundaries.sources[heat].name).append("_W");
+  }
   return header;
 }
 
@@ -156,6 +161,7 @@ std::string history_row(const Snapshot& snapshot) {
   for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_age_s[d]);
   add_exactly(row, snapshot.signals[static_cast<std::size_t>(Signal::current)]);
   add_exactly(row, snapshot.signals[static_cast<std::size_t>(Signal::power)]);
+  for (std::size_t h = 0; h < snapshot.heats; ++h) add_exactly(row, snapshot.signals[first_heat_signal + h]);
   return row;
 }
 

@@ -61,7 +61,9 @@ void clear_commands(RegisterImage& image) {
         Register::command_displacement, Register::command_displacement_sd, Register::command_displacement_output}) {
     put_not_present(image, which);
   }
-  for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) put_not_present(image, Register::command_flow, c);
+  for (const Register which : {Register::command_flow, Register::command_heat}) {
+    for (int slot = 0; slot < entry_of(which).slots; ++slot) put_not_present(image, which, slot);
+  }
   put(image, Register::command_tare, 0.0);
   put(image, Register::command_displacement_take, 0.0);
   put(image, Register::command_sensors, 0.0);
@@ -89,6 +91,10 @@ void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image
     if (!touches(written, Register::command_flow, c)) continue;
     command.signals[first_flow_signal + static_cast<std::size_t>(c)] = {
         kg_per_gram * get(image, Register::command_flow, c), now_ns};
+  }
+  for (int h = 0; h < entry_of(Register::command_heat).slots; ++h) {
+    if (!touches(written, Register::command_heat, h)) continue;
+    command.signals[first_heat_signal + static_cast<std::size_t>(h)] = {get(image, Register::command_heat, h), now_ns};
   }
   if (touches(written, Register::command_correction)) {
     command.correction = correction_order(get(image, Register::command_correction));

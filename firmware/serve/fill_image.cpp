@@ -68,6 +68,9 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
     const double flow_kg_per_s = c < snapshot.circuits ? snapshot.signals[first_flow_signal + c] : not_a_value;
     fill.value(Register::coolant_flow, grams_per_kg * flow_kg_per_s, static_cast<int>(c));
   }
+  for (std::size_t h = 0; h < slots::heats; ++h) {
+    fill.value(Register::measured_heat, snapshot.signals[first_heat_signal + h], static_cast<int>(h));
+  }
 }
 
 void fill_nose(const Snapshot& snapshot, Filler& fill) {

@@ -11,9 +11,11 @@ void print_inputs(const Inspection& result) {
   std::printf("\n%-24s %12s %12s\n", "heat source", "nominal W", "operating W");
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     const rom::HeatSource& source = boundaries.sources[i];
-    std::printf("%-24s %12.2f %12.2f%s%s\n", source.name.c_str(), source.nominal_W,
-                result.values.heat_W[static_cast<Eigen::Index>(i)], source.physics ? "  " : "",
-                source.physics ? law_words(result.network, *source.physics).c_str() : "");
+    const std::string from = source.physics    ? "  " + law_words(result.network, *source.physics)
+                             : source.measured ? "  measured"
+                                               : "";
+    std::printf("%-24s %12.2f %12.2f%s\n", source.name.c_str(), source.nominal_W,
+                result.values.heat_W[static_cast<Eigen::Index>(i)], from.c_str());
   }
   std::printf("\n%-24s %-10s %12s\n", "environment", "kind", "degC");
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {

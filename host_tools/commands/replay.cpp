@@ -179,6 +179,19 @@ void add_replay(CLI::App& app) {
       ->check(finite_range(0.01, 60.0, "0.01 to 60 s"));
   command->add_option("--start-degC", replay.start_degC, "of the whole spindle; else the mean of the first readings")
       ->check(finite_range(-50.0, 300.0, "-50 to 300 degC"));
+  const auto of_estimator = [&](const char* name, std::optional<double>& value, const char* text, double least,
+                                double most, const char* range) {
+    command->add_option(name, value, text)->excludes(config)->check(finite_range(least, most, range));
+  };
+  of_estimator("--floor-K", replay.floor_K, "what the network itself may be off at a sensor, 1 sigma, K", 0.0, 10.0,
+               "0 to 10 K");
+  of_estimator("--offset-K", replay.offset_K, "constant error of each sensor, 1 sigma, K", 1e-4, 10.0, "1e-4 to 10 K");
+  of_estimator("--lag-s", replay.lag_s, "lag of each sensor, s", 0.0, 600.0, "0 to 600 s");
+  of_estimator("--start-K", replay.start_K, "how far the start temperature may be off, 1 sigma, K", 0.0, 10.0,
+               "0 to 10 K");
+  command->add_option("--health", replay.health, "whether sensors that fail are left out: on (default) or off")
+      ->excludes(config)
+      ->check(CLI::IsMember({"on", "off"}));
   command->add_option("--longest-gap-s", replay.longest_gap_s, "between two rows, and how long a reading counts")
       ->capture_default_str()
       ->check(finite_range(0.01, 1e6, "0.01 to 1e6 s"));

@@ -122,6 +122,9 @@ void FmuInstance::apply_inputs() {
       case FmuQuantity::flow_kg_per_s:
         operating_.flow_kg_per_s[index] = value;
         break;
+      case FmuQuantity::measured_heat_W:
+        operating_.heat_W[index] = value;
+        break;
       case FmuQuantity::heat_factor:
         factors_.heat[index] = value;
         break;

@@ -1,6 +1,7 @@
 #include "host_tools/fmu/variables.hpp"
 
 #include "correction/boundaries/schedule.hpp"
+#include "rom/laws/held_law.hpp"
 #include "rom/read/sha256.hpp"
 
 namespace spindle_twin::host_tools {
@@ -36,6 +37,7 @@ std::vector<FmuVariable> fmu_variables(const rom::Network& network) {
   const auto one = [](Eigen::Index) { return 1.0; };
   const auto none = [](Eigen::Index) { return 0.0; };
   List list;
+  std::size_t measured = 0;
   using enum FmuRole;
   using enum FmuQuantity;
   list.add(input, speed_rpm, "speed", "rpm", "spindle speed", operating.speed_rpm);
@@ -44,6 +46,11 @@ std::vector<FmuVariable> fmu_variables(const rom::Network& network) {
                 boundaries.environments, [&](Eigen::Index i) { return operating.environment_K[i]; });
   list.add_each(input, FmuQuantity::flow_kg_per_s, "flow", "kg/s", "coolant flow, negative when it runs backwards",
                 boundaries.circuits, [&](Eigen::Index i) { return operating.flow_kg_per_s[i]; });
+  for (const std::size_t heat : rom::measured_heats(boundaries)) {
+    const auto index = static_cast<Eigen::Index>(measured++);
+    list.add(input, FmuQuantity::measured_heat_W, "measured_heat." + boundaries.sources[heat].name, "W",
+             "measured watts of a heat source", boundaries.sources[heat].nominal_W, index);
+  }
   list.add(fixed_parameter, start_temperature_K, "start_temperature", "K", "uniform temperature at the start",
            correction::rest_temperature_K(boundaries, operating));
   list.add_each(tunable_parameter, heat_factor, "heat_factor", "", "factor on a heat source", boundaries.sources, one);

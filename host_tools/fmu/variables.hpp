@@ -14,6 +14,7 @@ enum class FmuQuantity {
   load,
   environment_K,
   flow_kg_per_s,
+  measured_heat_W,
   start_temperature_K,
   heat_factor,
   conductance_factor,

@@ -7,6 +7,7 @@
 
 #include "firmware/keep/history.hpp"
 #include "host_tools/replay/replay.hpp"
+#include "rom/laws/held_law.hpp"
 #include "rom/read/csv_table.hpp"
 
 namespace spindle_twin::host_tools {
@@ -25,14 +26,20 @@ constexpr Unit micrometre{1e-6, 0.0};
 struct SignalColumn {
   std::string name;
   Unit unit;
+  std::size_t signal;
 };
 
-/// In the order of firmware::Signal.
+/// Those of firmware::Signal, flows and measured heats.
 std::vector<SignalColumn> signal_columns(const rom::Network& network) {
-  std::vector<SignalColumn> columns = {{"speed_rpm", {}},         {"load", {}},      {"coolant_degC", celsius},
-                                       {"ambient_degC", celsius}, {"current_A", {}}, {"power_W", {}}};
+  std::vector<SignalColumn> columns = {{"speed_rpm", {}, 0},         {"load", {}, 1},      {"coolant_degC", celsius, 2},
+                                       {"ambient_degC", celsius, 3}, {"current_A", {}, 4}, {"power_W", {}, 5}};
+  std::size_t signal = firmware::first_flow_signal;
   for (const rom::CoolantCircuit& circuit : network.boundaries.circuits) {
-    columns.push_back({"flow." + circuit.name + "_kg_per_s", {}});
+    columns.push_back({"flow." + circuit.name + "_kg_per_s", {}, signal++});
+  }
+  signal = firmware::first_heat_signal;
+  for (const std::size_t heat : rom::measured_heats(network.boundaries)) {
+    columns.push_back({"heat." + network.boundaries.sources[heat].name + "_W", {}, signal++});
   }
   return columns;
 }
@@ -74,16 +81,15 @@ void take(const std::vector<double>& values, Unit unit, std::size_t slot, std::a
 }
 
 void read_values(const rom::CsvTable& table, const rom::Network& network, Log& log) {
-  const std::vector<SignalColumn> signals = signal_columns(network);
-  for (std::size_t s = 0; s < signals.size(); ++s) {
-    if (s > 1 && !table.has(signals[s].name)) continue;
+  for (const SignalColumn& column : signal_columns(network)) {
+    const std::size_t s = column.signal;
+    if (s >= firmware::first_optional_signal && !table.has(column.name)) continue;
     // A history has every column, empty where the daemon was not told.
-    const bool may_be_empty =
-        table.has("sequence") && s >= firmware::first_optional_signal && s < firmware::first_flow_signal;
-    const std::vector<double>& values =
-        may_be_empty ? table.column(signals[s].name) : full_column(table, signals[s].name);
+    const bool is_flow = s >= firmware::first_flow_signal && s < firmware::first_heat_signal;
+    const bool may_be_empty = table.has("sequence") && s >= firmware::first_optional_signal && !is_flow;
+    const std::vector<double>& values = may_be_empty ? table.column(column.name) : full_column(table, column.name);
     log.has_signal[s] = std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-    take(values, signals[s].unit, s, &LogRow::signals, log.rows);
+    take(values, column.unit, s, &LogRow::signals, log.rows);
   }
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     const std::string name = sensor_column(network.key_points[k]);

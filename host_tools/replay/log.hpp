@@ -51,11 +51,11 @@ struct Log {
 };
 
 /// Reads a CSV of the columns time_s, speed_rpm, load (required), coolant_degC, ambient_degC, current_A, power_W,
-/// flow.<circuit>_kg_per_s, measured.<key point>_degC, measured.<deformation>_um (an empty cell: no new reading); or a
-/// history of spindle-twind as it is, which may have measured.<deformation>_um besides. Times of a history are those at
-/// which its cycles began. Throws rom::InputError with file, line and column for a missing or unknown column, a cell
-/// that is no finite number, an empty one where a number must be, times that do not rise, two rows further apart than
-/// longest_gap_s, and for a history that lacks rows between two others.
+/// flow.<circuit>_kg_per_s, heat.<measured heat>_W, measured.<key point>_degC, measured.<deformation>_um (an empty
+/// cell: no new reading); or a history of spindle-twind as it is, which may have measured.<deformation>_um besides.
+/// Times of a history are those at which its cycles began. Throws rom::InputError with file, line and column for a
+/// missing or unknown column, a cell that is no finite number, an empty one where a number must be, times that do not
+/// rise, two rows further apart than longest_gap_s, and for a history that lacks rows between two others.
 Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s);
 
 }  // namespace spindle_twin::host_tools

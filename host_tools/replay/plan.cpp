@@ -43,10 +43,10 @@ firmware::Config config_of_log(const rom::Network& network, const Log& log, cons
     sensor.stale_after_s = options.longest_gap_s;
     config.sensors.push_back(sensor);
   }
-  const std::array<double, firmware::first_optional_signal> otherwise = {
-      network.boundaries.operating.speed_rpm, network.boundaries.operating.load,
-      operating_K(network.boundaries, rom::EnvironmentKind::coolant),
-      operating_K(network.boundaries, rom::EnvironmentKind::ambient)};
+  const std::array<double, 4> otherwise = {// speed, load, coolant, ambient
+                                           network.boundaries.operating.speed_rpm, network.boundaries.operating.load,
+                                           operating_K(network.boundaries, rom::EnvironmentKind::coolant),
+                                           operating_K(network.boundaries, rom::EnvironmentKind::ambient)};
   for (std::size_t s = 0; s < otherwise.size(); ++s) {
     config.signals[s].plan = {firmware::SignalSource::constant, otherwise[s], -1e300, 1e300, options.longest_gap_s};
   }
@@ -74,6 +74,25 @@ void choose_correction(const std::string& wanted, firmware::Config& config) {
   }
 }
 
+/// What the command line says of the estimator and of the sensors' health.
+void apply_estimator_options(const ReplayOptions& options, firmware::CyclePlan& cycle) {
+  const std::pair<const char*, const std::optional<double>*> given[] = {{"--floor-K", &options.floor_K},
+                                                                        {"--offset-K", &options.offset_K},
+                                                                        {"--lag-s", &options.lag_s},
+                                                                        {"--start-K", &options.start_K}};
+  for (const auto& [name, value] : given) {
+    if (*value && !cycle.estimator) throw rom::InputError({}, name, "is of the estimator; the published law has none");
+  }
+  if (cycle.estimator) {
+    correction::EstimatorOptions& estimator = *cycle.estimator;
+    estimator.floor_K = options.floor_K.value_or(estimator.floor_K);
+    estimator.offset_K = options.offset_K.value_or(estimator.offset_K);
+    estimator.lag_s = options.lag_s.value_or(estimator.lag_s);
+    estimator.priors.start_K = options.start_K.value_or(estimator.priors.start_K);
+  }
+  if (options.health == "off") cycle.health.reset();
+}
+
 void check_sensors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log) {
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     if (!plan.sensors[k].configured || log.has_sensor[k]) continue;
@@ -89,11 +108,15 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
   firmware::Config config =
       options.config.empty() ? config_of_log(network, log, options) : firmware::read_config(options.config);
   choose_correction(options.correction, config);
+  apply_estimator_options(options, config.cycle);
   firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;
   check_sensors(network, plan, log);
   plan.compare_uncorrected = true;
   if (!log.cycle_s) plan.clock_rate = 1.0;  // a rehearsal's rate is none of a log's business
-  if (options.start_degC) plan.start_temperature_K = *options.start_degC + zero_degC_K;
+  if (options.start_degC) {
+    plan.start_temperature_K = *options.start_degC + zero_degC_K;
+    plan.start_nodes_K.resize(0);
+  }
   if (!plan.start_temperature_K && config.sensors.empty()) {
     throw rom::InputError({log.file, 1}, "--start-degC", "is needed where no sensor tells where to start from");
   }

@@ -30,6 +30,8 @@ inline constexpr double metre_per_mm = 1e-3;
 inline constexpr double square_metre_per_mm2 = 1e-6;
 inline constexpr double kelvin_at_0_degC = 273.15;
 inline constexpr Range area_mm2{0.0, 1e9, true, false};
+/// Where W/K are given instead of W/m²K: then the numbers are the same.
+inline constexpr double area_of_W_per_K_m2 = 1.0;
 
 /// [[node]]: names, places and capacities.
 void read_nodes(const TomlTable& root, Draft& draft);

@@ -22,19 +22,6 @@ void link(Draft& draft, Pair nodes) {
   draft.linked[nodes.second].push_back(nodes.first);
 }
 
-void read_conduction(const TomlTable& table, Draft& draft, std::set<Pair>& seen) {
-  const auto [a, b] = draft.nodes.find_pair(table, "between");
-  if (!seen.insert(std::minmax(a, b)).second) table.fail("between", "these two nodes have a conduction already");
-  const double conductance_W_per_K = table.number("conductance_W_per_K", {1e-9, 1e9, false, false});
-  const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(b);
-  Eigen::MatrixXd& conduction = draft.network.conduction_W_per_K;
-  conduction(i, i) += conductance_W_per_K;
-  conduction(j, j) += conductance_W_per_K;
-  conduction(i, j) -= conductance_W_per_K;
-  conduction(j, i) -= conductance_W_per_K;
-  link(draft, {a, b});
-}
-
 /// `faces`, or one face in the table itself.
 std::vector<TomlTable> face_tables(const TomlTable& table, const char* key) {
   if (!table.has("faces")) return {table};
@@ -44,10 +31,13 @@ std::vector<TomlTable> face_tables(const TomlTable& table, const char* key) {
   return table.tables("faces");
 }
 
-std::vector<Face> read_pairs(const TomlTable& table, const Draft& draft) {
+/// With `area_m2` for each face where the table gives its value in W/K; areas of their own are refused there.
+std::vector<Face> read_pairs(const TomlTable& table, const Draft& draft, std::optional<double> area_m2 = {}) {
   std::vector<Face> faces;
   for (const TomlTable& face : face_tables(table, "between")) {
-    faces.push_back({draft.nodes.find_pair(face, "between"), square_metre_per_mm2 * face.number("area_mm2", area_mm2)});
+    if (area_m2 && face.has("area_mm2")) face.fail("area_mm2", "cannot stand beside conductance_W_per_K of a face");
+    const Pair nodes = draft.nodes.find_pair(face, "between");
+    faces.push_back({nodes, area_m2 ? *area_m2 : square_metre_per_mm2 * face.number("area_mm2", area_mm2)});
   }
   return faces;
 }
@@ -94,6 +84,31 @@ void add_between_nodes(Conductance conductance, const std::vector<Face>& faces, 
   draft.network.factors_m.push_back(std::move(factor));
 }
 
+constexpr Range conductance_range_W_per_K{1e-9, 1e9, false, false};
+
+/// A path in the material. One that may be corrected is a conductance like any other, of kind contact.
+void read_conduction(const TomlTable& table, Draft& draft, std::set<Pair>& seen) {
+  const auto [a, b] = draft.nodes.find_pair(table, "between");
+  if (!seen.insert(std::minmax(a, b)).second) table.fail("between", "these two nodes have a conduction already");
+  const double conductance_W_per_K = table.number("conductance_W_per_K", conductance_range_W_per_K);
+  if (table.boolean_or("correctable", false)) {
+    Conductance path;
+    path.name = draft.conductances.add(table);
+    path.kind = ConductanceKind::contact;
+    path.nominal_W_per_m2K = conductance_W_per_K / area_of_W_per_K_m2;
+    add_between_nodes(std::move(path), {{{a, b}, area_of_W_per_K_m2}}, draft);
+    return;
+  }
+  if (table.has("name")) table.fail("name", "is only of use, and then needed, with correctable = true");
+  const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(b);
+  Eigen::MatrixXd& conduction = draft.network.conduction_W_per_K;
+  conduction(i, i) += conductance_W_per_K;
+  conduction(j, j) += conductance_W_per_K;
+  conduction(i, j) -= conductance_W_per_K;
+  conduction(j, i) -= conductance_W_per_K;
+  link(draft, {a, b});
+}
+
 void add_film(Conductance conductance, const std::vector<Face>& faces, Draft& draft) {
   conductance.kind = ConductanceKind::environment_film;
   conductance.area_m2 = total_area_m2(faces);
@@ -127,13 +142,24 @@ void read_contact(const TomlTable& table, Draft& draft) {
   Conductance contact;
   contact.name = draft.conductances.add(table);
   contact.kind = ConductanceKind::contact;
-  const auto law = read_value_or_law(table, "conductance_W_per_m2K", contact);
+  std::optional<TomlTable> law;
+  std::optional<double> area_m2;
+  if (table.has("conductance_W_per_K")) {
+    for (const char* other : {"conductance_W_per_m2K", "law"}) {
+      if (table.has(other)) table.fail(other, "cannot stand beside conductance_W_per_K");
+    }
+    area_m2 = area_of_W_per_K_m2;
+    contact.nominal_W_per_m2K = table.number("conductance_W_per_K", conductance_range_W_per_K) / *area_m2;
+    contact.law = read_speed_law(table);
+  } else {
+    law = read_value_or_law(table, "conductance_W_per_m2K", contact);
+  }
   if (const auto fit = table.optional_table("joint_fit")) {
     contact.fit = JointFit{fit->number("assembly_pressure_Pa", not_negative),
                            fit->number("pressure_per_inner_rise_Pa_per_K", not_negative),
                            fit->number("pressure_per_outer_rise_Pa_per_K", not_negative)};
   }
-  add_between_nodes(std::move(contact), read_pairs(table, draft), draft);
+  add_between_nodes(std::move(contact), read_pairs(table, draft, area_m2), draft);
   const Conductance& added = draft.network.boundaries.conductances.back();
   if (law) await_law(*law, LawRole::conductance, draft);
   if (added.fit && (added.part_a < 0 || added.part_b < 0)) {

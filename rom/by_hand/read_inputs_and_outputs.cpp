@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "rom/by_hand/draft.hpp"
+#include "rom/laws/held_law.hpp"
 #include "rom/read/read_speed_law.hpp"
 
 namespace spindle_twin::rom {
@@ -40,7 +41,9 @@ Eigen::VectorXd read_weights(const TomlTable& table, const Draft& draft) {
 void read_heat(const TomlTable& table, Names& names, Draft& draft) {
   HeatSource source;
   source.name = names.add(table);
+  source.measured = table.boolean_or("measured", false);
   if (const auto law = optional_law(table, {"heat_W", "speed_law"})) {
+    if (source.measured) table.fail("measured", "cannot stand beside a law: the heat is one or the other");
     draft.laws.push_back({*law, LawRole::heat, draft.network.boundaries.sources.size(), {}});
   } else {
     source.nominal_W = table.number("heat_W", not_negative);
@@ -95,10 +98,11 @@ void read_inputs_and_outputs(const TomlTable& root, Draft& draft) {
   network.source_distribution.resize(draft.size(), 0);
   Names heats("heat"), key_points("key point"), deformations("deformation output"), pressures("contact pressure");
   for (const TomlTable& table : root.tables_or_empty("heat")) read_heat(table, heats, draft);
+  network.boundaries.operating.heat_W = unread_heats_W(network.boundaries);
   for (const TomlTable& table : root.tables_or_empty("key_point")) read_key_point(table, key_points, draft);
   for (const std::string& name : draft.parts) network.parts.push_back(part_output(name, draft));
   constexpr double metre_per_um = 1e-6;
-  for (const TomlTable& table : root.tables("deformation")) {
+  for (const TomlTable& table : root.tables_or_empty("deformation")) {
     const std::string name = deformations.add(table);
     network.deformations.push_back({name, metre_per_um * read_row(table, "um_per_K", between(-1e6, 1e6), draft)});
   }

@@ -192,6 +192,7 @@ void check_inputs(const Network& network, Eigen::Index nodes, const Checker& che
     check.not_negative(source.nominal_W, field + " nominal_W");
     check.law(source.law, boundaries.reference_speed_rpm, field);
     check.physics(source.physics, true, -1, network, field);
+    check.require(!(source.measured && source.physics), field + " measured", "cannot follow a physical law besides");
     const auto column = network.source_distribution.col(static_cast<Eigen::Index>(i));
     check.finite(column, field + " distribution");
     check.sums_to_one(column.sum(), field + " distribution");
@@ -252,7 +253,7 @@ void check_outputs(const Network& network, Eigen::Index nodes, const Checker& ch
     }
   }
   check.names(network.deformations, "deformation");
-  check.require(!network.deformations.empty(), "deformations", "none; the first is the nose");
+  check.require(network.hand_written || !network.deformations.empty(), "deformations", "none; the first is the nose");
   for (const DeformationOutput& output : network.deformations) {
     check.shape(output.row_m_per_K, nodes, 1, "deformation " + output.name + " row");
     check.finite(output.row_m_per_K, "deformation " + output.name + " row");

@@ -7,6 +7,7 @@
 #include "rom/file/decode_fields.hpp"
 #include "rom/file/decode_law.hpp"
 #include "rom/file/rom.pb.h"
+#include "rom/laws/held_law.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {
@@ -87,6 +88,7 @@ bool decode_source(pb_istream_t* stream, SourceWithDistribution& item) {
   if (!pb_decode(stream, spindle_twin_rom_HeatSource_fields, &message)) return false;
   if (message.has_physics) item.source.physics = take_physics(message.physics, physics, item.law_fault);
   item.source.nominal_W = message.nominal_W;
+  item.source.measured = message.measured;
   take_law(message.law, item.source.law);
   return true;
 }
@@ -294,9 +296,15 @@ void check_version(const spindle_twin_rom_Network& message, const Lists& lists, 
                   [](const ConductanceWithFactor& item) { return item.conductance.physics.has_value(); }) ||
       std::any_of(lists.sources.begin(), lists.sources.end(),
                   [](const SourceWithDistribution& item) { return item.source.physics.has_value(); });
-  if (version < payload_schema_version && laws) {
+  if (version < payload_schema_version_laws && laws) {
     throw InputError({file, 0}, "schema_version",
                      std::to_string(version) + " with physical laws, which come with version 4");
+  }
+  const bool measured = std::any_of(lists.sources.begin(), lists.sources.end(),
+                                    [](const SourceWithDistribution& item) { return item.source.measured; });
+  if (version < payload_schema_version && measured) {
+    throw InputError({file, 0}, "schema_version",
+                     std::to_string(version) + " with measured heats, which come with version 5");
   }
 }
 
@@ -339,6 +347,7 @@ DecodedPayload decode_payload(std::span<const std::uint8_t> payload, const std::
   network.boundaries.reference_speed_rpm = message.reference_speed_rpm;
   network.boundaries.operating.speed_rpm = message.operating_speed_rpm;
   network.boundaries.operating.load = message.operating_load;
+  network.boundaries.operating.heat_W = unread_heats_W(network.boundaries);
   network.boundaries.reference_temperature_K = message.reference_temperature_K;
   network.hand_written = message.hand_written;
   network.certificate = take_certificate(message.certificate, errors, file);

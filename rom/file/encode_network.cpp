@@ -150,6 +150,7 @@ bool encode_source(pb_ostream_t* stream, const NetworkList<HeatSource>& list, st
   spindle_twin_rom_HeatSource message = spindle_twin_rom_HeatSource_init_zero;
   message.name = attach(item.name);
   message.nominal_W = item.nominal_W;
+  message.measured = item.measured;
   message.has_law = true;
   message.law = law_message(item.law);
   message.distribution = attach(distribution);

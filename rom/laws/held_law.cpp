@@ -1,6 +1,7 @@
 #include "rom/laws/held_law.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "rom/laws/speed_law.hpp"
 
@@ -56,6 +57,19 @@ void take_machine(const OperatingState& state, LawDrive& drive) {
   drive.current_A = state.current_A;
   drive.power_W = state.power_W;
   drive.flow_kg_per_s = state.flow_kg_per_s;
+}
+
+std::vector<std::size_t> measured_heats(const Boundaries& boundaries) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
+    if (boundaries.sources[i].measured) places.push_back(i);
+  }
+  return places;
+}
+
+Eigen::VectorXd unread_heats_W(const Boundaries& boundaries) {
+  return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(measured_heats(boundaries).size()),
+                                   std::numeric_limits<double>::quiet_NaN());
 }
 
 bool has_physics(const Boundaries& boundaries) {

@@ -22,6 +22,12 @@ double held_conductance_W_per_m2K(const Conductance& conductance, double referen
 /// flows have their size.
 void take_machine(const OperatingState& state, LawDrive& drive);
 
+/// Places of the sources whose watts are measured, in the order of OperatingState::heat_W. Allocates.
+std::vector<std::size_t> measured_heats(const Boundaries& boundaries);
+
+/// OperatingState::heat_W while none is known: NaN for each measured heat. Allocates.
+Eigen::VectorXd unread_heats_W(const Boundaries& boundaries);
+
 bool has_physics(const Boundaries& boundaries);
 
 /// Whether any heat reads the motor's current (copper_loss) or its power (motor_efficiency).

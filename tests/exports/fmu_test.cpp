@@ -9,6 +9,7 @@
 #include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/boundaries/schedule.hpp"
 #include "host_tools/fmu/write_fmu.hpp"
+#include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
@@ -137,6 +138,28 @@ TEST(FmuWithCircuit, outlet_and_heat_are_the_runtimes_own_while_the_flow_stops_a
     EXPECT_GT(most_heat_W, 0.0);
     FMI2_CALL(importer, fmi2FreeInstance)(slave);
   }
+}
+
+TEST(FmuWithMeasuredHeat, the_watts_are_an_input_that_starts_at_their_nominal_value) {
+  const rom::Network network = rom::read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/two_node.toml");
+  const spindle_twin::tests::TemporaryFolder folder;
+  const std::string path = folder.file("x.fmu");
+  write_fmu(network, rom::encode_network(network), path);
+  Importer importer(path);
+  fmi2Component slave = importer.instantiate("motor");
+  ASSERT_NE(slave, nullptr);
+  EXPECT_EQ(importer.starts.at("measured_heat.loss"), 150.0);
+  EXPECT_EQ(importer.units.at("measured_heat.loss"), "W");
+  ASSERT_EQ(FMI2_CALL(importer, fmi2SetupExperiment)(slave, 0, 0.0, 0.0, 0, 0.0), fmi2OK);
+  ASSERT_EQ(FMI2_CALL(importer, fmi2EnterInitializationMode)(slave), fmi2OK);
+  ASSERT_EQ(FMI2_CALL(importer, fmi2ExitInitializationMode)(slave), fmi2OK);
+  ASSERT_EQ(importer.set(slave, "measured_heat.loss", 60.0), fmi2OK);
+  for (int hour = 0; hour < 20; ++hour) {
+    ASSERT_EQ(FMI2_CALL(importer, fmi2DoStep)(slave, 3600.0 * hour, 3600.0, 1), fmi2OK);
+  }
+  EXPECT_EQ(importer.get(slave, "heat.loss"), 60.0);
+  EXPECT_NEAR(importer.get(slave, "temperature.housing"), 293.15 + 60.0 / 5.0, 1e-2);
+  FMI2_CALL(importer, fmi2FreeInstance)(slave);
 }
 
 TEST_F(Fmu, two_slaves_at_once_do_not_share_anything) {

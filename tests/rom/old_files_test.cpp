@@ -86,6 +86,17 @@ TEST(OldFiles, version_3_by_hand_is_what_the_example_still_says) {
   EXPECT_EQ(encode_network(file.network), encode_network(now));
 }
 
+TEST(OldFiles, version_4_by_hand_keeps_its_laws_and_measures_no_heat) {
+  const RomFile file = read_rom_file(folder + "schema_4_hand.rom");
+  EXPECT_EQ(file.schema_version, 4u);
+  EXPECT_TRUE(has_physics(file.network.boundaries));
+  EXPECT_TRUE(measured_heats(file.network.boundaries).empty());
+  EXPECT_EQ(file.network.boundaries.operating.heat_W.size(), 0);
+  const Network now = read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle_laws.toml");
+  EXPECT_EQ(encode_network(file.network), encode_network(now));
+  EXPECT_EQ(read_rom_file(folder + "schema_4.rom").network.certificate.cases, 2u);
+}
+
 /// Bit for bit what the program of that time was given, which this one still holds in its sources.
 TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
   const RomFile file = read_rom_file(folder + "schema_1_uncertified.rom");
@@ -99,12 +110,12 @@ TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
 
 /// Reading and writing again makes a file of today's version with the same content.
 TEST(OldFiles, written_again_they_are_of_this_version) {
-  for (const char* name :
-       {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom", "schema_3.rom", "schema_3_hand.rom"}) {
+  for (const char* name : {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom", "schema_3.rom",
+                           "schema_3_hand.rom", "schema_4.rom", "schema_4_hand.rom"}) {
     SCOPED_TRACE(name);
     const std::vector<std::uint8_t> once = encode_network(read_network(folder + name));
     const RomFile again = decode_rom_file(once, "again.rom");
-    EXPECT_EQ(again.schema_version, 4u);
+    EXPECT_EQ(again.schema_version, 5u);
     EXPECT_EQ(encode_network(again.network), once);
   }
 }

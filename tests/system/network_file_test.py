@@ -50,7 +50,7 @@ class NetworkFiles(host_tool_case.Case):
         self.assertTrue(seen["hand_written"])
         self.assertEqual(len(seen["nodes"]), 8)
         self.assertEqual(seen["certificate"]["cases"], 0)
-        self.assertEqual(seen["file"]["schema_version"], 4)
+        self.assertEqual(seen["file"]["schema_version"], 5)
         self.assertIsNone(seen["file"]["signed_by"])
         table = self.good("inspect", rom).stdout
         for word in ("housing_rear", "written by hand", "signature    none", "front_bearing_seats"):
@@ -114,6 +114,52 @@ class NetworkFiles(host_tool_case.Case):
         self.assertIn("bad.csv:3: measured.front_seat_degC: 'oops' is not a finite number",
                       self.error_of("replay", rom, bad, "-o", out))
         self.assertIn("none.csv: cannot be opened", self.error_of("replay", rom, self.folder / "none.csv", "-o", out))
+
+    def test_a_motor_of_two_nodes_follows_its_measured_watts_without_a_configuration(self):
+        rom = self.folder / "two.rom"
+        self.good("assemble", EXAMPLE.with_name("two_node.toml"), "-o", rom)
+        self.assertIn("measured", self.good("inspect", rom).stdout)
+        seen = self.json_of("inspect", rom)
+        self.assertTrue(seen["sources"][0]["measured"])
+        self.assertEqual((seen["deformations"], seen["steady_state"]["sensitivities"]), ([], []))
+        self.good("inspect", rom, "--html", self.folder / "two.html")
+        # Another motor: 8 W/K instead of 6 between the nodes, from a plain Euler integration, sampled each 10 s.
+        rows, winding, housing = ["time_s,speed_rpm,load,ambient_degC,heat.loss_W,measured.winding_degC,"
+                                  "measured.housing_degC"], 30.0, 25.0
+        for second in range(7201):
+            watts = 200.0 if second % 3600 < 2400 else 0.0
+            if second % 10 == 0:
+                rows.append(f"{second},0,0,20,{watts},{winding:.3f},{housing:.3f}")
+            across = 8.0 * (winding - housing)
+            winding += (0.8 * watts - across) / 2250.0
+            housing += (0.2 * watts + across - 5.0 * (housing - 20.0)) / 9000.0
+        log = self.text("log.csv", "\n".join(rows) + "\n")
+        told = self.json_of("replay", rom, log, "--floor-K", 0.3, "--offset-K", 0.1, "--lag-s", 1, "--start-K", 3,
+                            "--health", "off", "--from-s", 1200)
+        self.assertEqual((told["correction"], told["deformations"]), ("estimator", []))
+        for sensor in told["sensors"]:
+            self.assertLess(sensor["twin"]["rms_K"], 0.5, sensor)
+            self.assertLess(sensor["twin"]["rms_K"], 0.5 * sensor["uncorrected"]["rms_K"] + 0.1, sensor)
+        config = self.text("two.toml", f'network = {{ file = "{rom}", allow_uncertified = true }}\n[serve]\nport = {free_port()}\n'
+                           '[signals]\nspeed = { source = "plc" }\nload = { source = "plc" }\n'
+                           'ambient = { source = "plc" }\nheat.loss = { source = "plc" }\n'
+                           '[start]\ntemperature_degC = { winding = 30.0, housing = 25.0 }\n')
+        self.assertIn("--config excludes", self.error_of("replay", rom, log, "--config", config, "--floor-K", 1)
+                      .replace("--floor-K excludes --config", "--config excludes"))
+        result = subprocess.run([DAEMON, config, "--check"], capture_output=True, text=True, timeout=30)
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_options_of_a_replay_say_their_ranges(self):
+        rom = self.assemble()
+        log = self.text("day.csv", "time_s,speed_rpm,load,measured.front_seat_degC\n0,1,1,20\n1,1,1,20\n")
+        for option, bad, allowed in (("--floor-K", 11, "0 to 10 K"), ("--offset-K", 0, "1e-4 to 10 K"),
+                                     ("--lag-s", -1, "0 to 600 s"), ("--start-K", "nan", "0 to 10 K"),
+                                     ("--health", "maybe", "on,off")):
+            with self.subTest(option=option):
+                error = self.error_of("replay", rom, log, option, bad)
+                self.assertIn(option, error)
+                self.assertIn(allowed, error)
+        self.assertIn("--floor-K: is of the estimator", self.error_of("replay", rom, log, "--correction", "paper", "--floor-K", 1))
 
     def test_speed_and_load_choose_the_steady_state_and_need_something_that_shows_it(self):
         rom = self.assemble()

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -14,6 +15,7 @@
 #include "firmware/keep/parameters.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/read/sha256.hpp"
 #include "tests/firmware/support/machine.hpp"
 
 namespace spindle_twin::firmware {
@@ -49,6 +51,25 @@ struct InFolder {
   ~InFolder() { std::remove(plan.checkpoint_path.c_str()); }
   KeepPlan plan;
 };
+
+/// Field 5 of the payload, 14 signals of 8 bytes: a program of before wrote the first 10.
+TEST(Checkpoint, one_of_before_measured_heats_has_all_but_their_signals) {
+  const rom::Network network = tests::small_network();
+  Ran ran(network);
+  ran.checkpoint.remembered.signals[first_heat_signal] = 5.0;
+  const std::vector<std::uint8_t> now = encode_checkpoint(ran.checkpoint);
+  std::string payload(std::find(now.begin(), now.end(), std::uint8_t{'\n'}) + 1, now.end());
+  const std::size_t at = payload.find("\x2a\x70");
+  ASSERT_NE(at, std::string::npos);
+  payload.erase(at + 2 + 8 * first_heat_signal, 8 * slots::heats);
+  payload[at + 1] = static_cast<char>(8 * first_heat_signal);
+  const std::string file = "spindle-twin checkpoint 1 " + rom::sha256_hex(payload) + "\n" + payload;
+  const Checkpoint back = decode_checkpoint({file.begin(), file.end()}, "x");
+  const Remembered& kept = back.remembered;
+  EXPECT_EQ(kept.nodes_K, ran.checkpoint.remembered.nodes_K);
+  EXPECT_EQ(kept.signals[0], ran.checkpoint.remembered.signals[0]);
+  EXPECT_TRUE(std::isnan(kept.signals[first_heat_signal]));
+}
 
 TEST(Checkpoint, comes_back_bit_for_bit) {
   const rom::Network network = tests::small_network();
