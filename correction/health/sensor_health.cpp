@@ -87,12 +87,14 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   if (untold_.one >= 0) {
     const HealthVerdict told{untold_.one, untold_.other};
     untold_ = {};
+    note_restart();
     return told;
   }
   if (blame.channel < 0) return {};
   const auto blamed = static_cast<std::size_t>(blame.channel);
   if (blame.partner >= 0) {
     fail_pair(blamed, static_cast<std::size_t>(blame.partner));
+    note_restart();
   } else {
     channels_[blamed].fail_by_evidence(blame.fault, updates[blamed].misfit_K, updates[blamed].deviation_K,
                                        blame.model_in_doubt);
