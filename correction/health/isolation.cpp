@@ -55,7 +55,7 @@ void Isolation::count_evidence(const std::vector<HealthUpdate>& updates, double 
     const double evidence = std::max(0.0, updates[i].evidence);
     memory.counted = settling ? evidence : evidence - std::min(evidence, fade * memory.settled);
     memory.settled = settling ? evidence : std::min(evidence, fade * memory.settled);
-    if (memory.counted <= limits.exchange_evidence) memory.calm_s = time_s;
+    if (evidence <= limits.exchange_evidence) memory.calm_s = time_s;
   }
 }
 
@@ -87,12 +87,14 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, const ModelDoub
   model_in_doubt_ = doubt.in_doubt || (doubtful >= 2 && 2 * doubtful >= judged);
   if (judged < 3 || most <= limits.drift_limit || time_s < wait_until_s_) return {};
   const auto blamed = static_cast<std::size_t>(worst);
-  const int partner = judged > 3 ? partner_of(blamed, updates, time_s, limits) : -1;
-  if (partner < 0 && most - next < limits.drift_lead) return {};
   const bool settling = time_s - restart_s_ < limits.settle_s;
-  if ((model_in_doubt_ || settling) && !explains_alone(updates, worst, partner)) return {};
-  const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
-  if (partner < 0 && settling && !rejected) return {};
+  int partner = judged > 3 ? updates[blamed].moves_like : -1;
+  if (partner < 0) {
+    if (settling) return {};
+    if (judged > 3) partner = partner_of(blamed, updates, time_s, limits);
+    if (partner < 0 && most - next < limits.drift_lead) return {};
+    if (model_in_doubt_ && !explains_alone(updates, worst, partner)) return {};
+  }
   wait_until_s_ = time_s + limits.drift_wait_s;
   if (partner >= 0) return {worst, partner, HealthFault::swapped, model_in_doubt_};
   if (time_s > first_until_s_) {
@@ -100,6 +102,7 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, const ModelDoub
     model_in_doubt_ = true;
     return {worst, -1, HealthFault::none, true, true};
   }
+  const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
   return {worst, -1, fast ? HealthFault::implausible : HealthFault::drift, model_in_doubt_};
 }

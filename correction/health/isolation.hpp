@@ -16,6 +16,7 @@ struct HealthUpdate {
   double reading_K = 0.0;
   double misfit_K = 0.0;     ///< reading − what all others say of it
   double deviation_K = 1.0;  ///< 1σ of that
+  int moves_like = -1;       ///< channel whose place it moves like (ExchangeDetector::partner_of); set by SensorHealth
 };
 
 /// Whom the evidence blames, and for what.
@@ -30,17 +31,18 @@ struct Blame {
 /// Which channel the evidence of all blames: the one with most, above drift_limit, that leads the next by drift_lead;
 /// then none for drift_wait_s. It is named by its rate: what rose within drift_least_s, or what the estimator rejected
 /// twice in a row by then, came too fast for a drift and is implausible.
-///   Two are exchanged where the evidence came within exchange_s, the second's is above exchange_evidence too, and each
-/// reading fits the other's place (left_when_exchanged); then there is no lead to ask for.
+///   It is exchanged with the channel whose place it moves like since the start, if there is one. Else with one whose
+/// evidence is above exchange_evidence too, where the first's came within exchange_s and each reading fits the other's
+/// place (left_when_exchanged). For either there is no lead to ask for.
 ///   A step of the spindle (flow, film, inlet) near one sensor looks like a fault of that sensor until the estimate has
 /// followed it. So the first verdict by evidence, an exchange aside, is laid to the model, which is to be loosened; only
 /// a second one within second_opinion_s blames the channel.
 ///   At least three must have been judged, for an exchange four: of two that disagree nobody knows which is right.
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
-/// channel, or a pair, whose evidence is more than the sum of all others'. The same holds in the first settle_s after
-/// the start or a restart of the estimator; then besides only what the estimator rejects is blamed, and the evidence
-/// gathered until their end counts no more, except for an exchange.
+/// channel, or a pair, whose evidence is more than the sum of all others', or what moves like another's place.
+///   In the first settle_s after the start or a restart of the estimator all evidence is against its priors: only what
+/// moves like another's place is blamed, and what was gathered by their end counts no more.
 class Isolation {
  public:
   /// Allocates; nothing else here does.
@@ -67,7 +69,7 @@ class Isolation {
  private:
   /// What is remembered of a channel.
   struct Memory {
-    double calm_s = 0.0;   ///< time at which there was hardly any evidence last
+    double calm_s = 0.0;   ///< time at which there was hardly any evidence last, that of the start included
     double settled = 0.0;  ///< evidence gathered while the estimator settled, as it has faded since
     double counted = 0.0;  ///< evidence without that
   };

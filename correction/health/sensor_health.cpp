@@ -77,30 +77,30 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
 }
 
 HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt) {
+  for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     considered_[i] = updates[i];
-    considered_[i].taken = updates[i].taken && channels_[i].in_use();
+    considered_[i].taken = updates[i].taken && in_use_[i];
+    considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
   }
   const Blame blame = isolation_.judge(considered_, doubt, time_s_, limits_);
   if (untold_.one >= 0) {
     const HealthVerdict told{untold_.one, untold_.other, false};
     untold_ = {};
+    note_restart();
     return told;
   }
   if (blame.channel < 0) return {};
   const auto blamed = static_cast<std::size_t>(blame.channel);
-  for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
-  // How the two have moved since the start tells the partner better than one instant does.
-  const int by_movement = exchange_.partner_of(blamed, in_use_, limits_);
-  const int partner = by_movement >= 0 ? by_movement : blame.partner;
-  if (partner < 0 && blame.first) return {-1, -1, true};
-  if (partner >= 0) {
-    fail_pair(blamed, static_cast<std::size_t>(partner));
+  if (blame.partner < 0 && blame.first) return {-1, -1, true};
+  if (blame.partner >= 0) {
+    fail_pair(blamed, static_cast<std::size_t>(blame.partner));
+    note_restart();
   } else {
     channels_[blamed].fail_by_evidence(blame.fault, updates[blamed].misfit_K, updates[blamed].deviation_K,
                                        blame.model_in_doubt);
   }
-  return {blame.channel, partner, false};
+  return {blame.channel, blame.partner, false};
 }
 
 void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }

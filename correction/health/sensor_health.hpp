@@ -33,7 +33,8 @@ class SensorHealth {
   /// have been exchanged by their movement since the update before are given too: what the estimator learnt from them
   /// is to be forgotten. May run in the cycle.
   HealthVerdict note_update(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt = {});
-  /// The estimator began anew, from its priors or otherwise; at the time of the last step. May run in the cycle.
+  /// The estimator began anew, from its priors or otherwise; at the time of the last step. A verdict on a pair, after
+  /// which the estimator goes back in time, is such a beginning by itself. May run in the cycle.
   void note_restart();
 
   /// Latched channels may return, by way of the probation; counters of failures begin anew. May run in the cycle.

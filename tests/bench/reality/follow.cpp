@@ -22,7 +22,7 @@ firmware::CyclePlan default_plan(double cycle_s) {
     plan.sensors[s].configured = true;
     plan.sensors[s].stale_after_s = std::max(plan.sensors[s].stale_after_s, 1.5 * cycle_s);
   }
-  for (std::size_t s = 0; s < firmware::first_optional_signal; ++s) {
+  for (std::size_t s = 0; s < static_cast<std::size_t>(firmware::Signal::current); ++s) {
     plan.signals[s].source = firmware::SignalSource::plc;
     plan.signals[s].stale_after_s = std::max(3.0, 1.5 * cycle_s);
   }

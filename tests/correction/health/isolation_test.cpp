@@ -52,14 +52,24 @@ TEST(Isolation, drift_is_no_verdict_in_the_first_quarter_of_an_hour_nor_after_a_
   EXPECT_EQ(restarted.go({0, 60, 0, 0}, 890.0).channel, -1);
 }
 
-TEST(Isolation, what_the_estimator_rejects_is_blamed_at_the_start_too_if_it_stands_alone) {
-  for (const double others : {0.0, 12.0}) {
+TEST(Isolation, at_the_start_only_what_moves_like_anothers_place_is_blamed) {
+  for (const int moves_like : {-1, 3}) {
     Rising rising(4);
     rising.updates[1].rejected_in_a_row = 2;
-    const Blame blame = rising.go({others, 35, others, others}, 300.0);
-    EXPECT_EQ(blame.channel, others > 0.0 ? -1 : 1);
-    EXPECT_EQ(blame.fault, others > 0.0 ? HealthFault::none : HealthFault::implausible);
+    rising.updates[1].moves_like = moves_like;
+    const Blame blame = rising.go({12, 35, 12, 12}, 300.0);
+    EXPECT_EQ(blame.channel, moves_like < 0 ? -1 : 1);
+    EXPECT_EQ(blame.partner, moves_like);
   }
+}
+
+TEST(Isolation, what_was_there_at_the_start_already_has_not_come_fast) {
+  Rising rising(4);
+  rising.go({0, 60, 60, 0}, 890.0);
+  rising.updates[1] = {true, 60.0, 0, 302.0, 2.0};
+  rising.updates[2] = {true, 60.0, 0, 300.0, -2.0};
+  const Blame blame = rising.go({0, 140, 60, 0}, 100.0);
+  EXPECT_EQ(blame.fault, HealthFault::drift) << "not implausible, and no exchange by the evidence of two minutes";
 }
 
 TEST(Isolation, a_misfit_that_came_within_two_minutes_is_no_drift) {
@@ -179,12 +189,12 @@ TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_
 
 TEST(Isolation, what_the_estimator_rejects_is_implausible_and_may_return) {
   Drive drive(seed);
-  drive.run_until(600.0);
+  drive.run_until(1000.0);
   std::vector<HealthUpdate> updates(6, {true, 0.0, 0});
   updates[4] = {true, 35.0, 2};
   EXPECT_EQ(drive.health.note_update(updates).failed, 4);
   EXPECT_EQ(drive.health.record(4).fault, HealthFault::implausible);
-  drive.run_until(1200.0);
+  drive.run_until(1600.0);
   EXPECT_EQ(drive.health.record(4).state, HealthState::good);
 }
 
