@@ -47,8 +47,8 @@ bool Consistency::conclude(double elapsed_s, double time_s) {
   largest_K_ = noted_K_;
   if (noted_ == 0) return false;
   nis_of_hour_ += weight(elapsed_s, hour_s) * (noted_nis_ / noted_ - nis_of_hour_);
-  rejected_share_ += weight(elapsed_s, limits_.rejected_memory_s) *
-                     (static_cast<double>(rejected_) / noted_ - rejected_share_);
+  rejected_share_ +=
+      weight(elapsed_s, limits_.rejected_memory_s) * (static_cast<double>(rejected_) / noted_ - rejected_share_);
   noted_K_ = noted_nis_ = 0.0;
   noted_ = rejected_ = 0;
   const bool above = largest_nis() > limits_.nis || rejected_share_ > limits_.rejected_share;

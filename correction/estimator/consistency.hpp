@@ -6,15 +6,15 @@ namespace spindle_twin::correction {
 
 /// When readings contradict the estimate, and how far the network is wrong at a sensor.
 struct ConsistencyLimits {
-  double floor_K = 0.03;             ///< least of the estimated floor
-  double floor_largest_K = 1.0;      ///< and its largest
+  double floor_K = 0.03;         ///< least of the estimated floor
+  double floor_largest_K = 1.0;  ///< and its largest
   double floor_memory_s = 1800.0;
-  double nis = 1.0;                  ///< squared innovation over its variance, mean over nis_memory_s: more is too much
+  double nis = 1.0;  ///< squared innovation over its variance, mean over nis_memory_s: more is too much
   double nis_memory_s = 60.0;
-  double patience_s = 60.0;          ///< above that for so long: the estimate contradicts its readings
-  double calm_nis = 0.5;             ///< back below this, for the patience as well: it fits again
+  double patience_s = 60.0;  ///< above that for so long: the estimate contradicts its readings
+  double calm_nis = 0.5;     ///< back below this, for the patience as well: it fits again
   double rejected_memory_s = 300.0;
-  double rejected_share = 0.5;       ///< of the updates in rejected_memory_s: more is a contradiction too
+  double rejected_share = 0.5;  ///< of the updates in rejected_memory_s: more is a contradiction too
 };
 
 /// Statistics of the innovations ν of each sensor, of which V = h P hᵀ + r is the variance that the filter expects:

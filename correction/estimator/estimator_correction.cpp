@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "correction/boundaries/evaluate_boundaries.hpp"
@@ -17,27 +16,14 @@ constexpr double seconds_per_hour = 3600.0;
 constexpr double fresh_s = 30.0;
 constexpr double disturbance_width_memory_s = 7200.0;
 constexpr double idle_width = 1e-3;
-const double open_width = std::getenv("TW_FIRST") ? std::atof(std::getenv("TW_FIRST")) : 2.0;
+constexpr double open_width = 2.0;
 constexpr double start_missed_memory_s = 600.0;
 constexpr double least_floor_K = 1e-3;
 
-// TUNING
-double env(const char* name, double value) { const char* t = std::getenv(name); return t ? std::atof(t) : value; }
-EstimatorOptions tuned(EstimatorOptions o) {
-  o.lag_deviation_s = env("TW_LAG", o.lag_deviation_s);
-  o.priors.disturbance = env("TW_DIST", o.priors.disturbance);
-  o.priors.start_K = env("TW_START", o.priors.start_K);
-  o.priors.start_shape_K = env("TW_SHAPE", o.priors.start_shape_K);
-  o.floor_largest_K = env("TW_FLOORMAX", o.floor_largest_K);
-  o.priors.disturbance_memory_s = env("TW_DMEM", o.priors.disturbance_memory_s);
-  o.floor_K = env("TW_FLOOR", o.floor_K);
-  return o;
-}
-// END TUNING
 ConsistencyLimits limits_of(const rom::Network& network, const EstimatorOptions& options) {
   ConsistencyLimits limits;
-  limits.floor_K = std::max(network.hand_written ? std::max(options.floor_K, options.floor_by_hand_K)
-                                                 : options.floor_K, least_floor_K);
+  limits.floor_K = std::max(network.hand_written ? std::max(options.floor_K, options.floor_by_hand_K) : options.floor_K,
+                            least_floor_K);
   limits.floor_largest_K = std::max(options.floor_largest_K, limits.floor_K);
   return limits;
 }
@@ -54,7 +40,7 @@ std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, cons
 
 EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorOptions options)
     : network_(&network),
-      options_(checked(network, tuned(std::move(options)))),
+      options_(checked(network, std::move(options))),
       coordinates_(std::make_shared<const rom::NetworkOperator>(network)),
       parameters_(network, options_.priors),
       sensitivities_(network, coordinates_, parameters_),
@@ -80,7 +66,8 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   filter_ = prior_ = SquareRootFilter(prior_mean_, covariance);
   Eigen::VectorXd width = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < p; ++i) {
-    if (parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance) width[i] = disturbance_idle_;
+    if (parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance)
+      width[i] = disturbance_idle_;
   }
   prior_.widen(width, Eigen::VectorXd::Zero(n));
   made_.unknowns = made_.displacement_row = Eigen::VectorXd::Zero(n);

@@ -24,9 +24,9 @@ struct EstimatorOptions {
   double offset_K = 0.02;
   double lag_s = 0.0;
   double lag_deviation_s = 10.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
-  double floor_K = 0.03;          ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
-  double floor_by_hand_K = 0.3;   ///< the same of a hand-written network, which nobody could measure
-  double floor_largest_K = 1.0;   ///< the estimated one ends here
+  double floor_K = 0.03;  ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
+  double floor_by_hand_K = 0.3;  ///< the same of a hand-written network, which nobody could measure
+  double floor_largest_K = 1.0;  ///< the estimated one ends here
   double curvature = 0.5;  ///< κ, share of what a straight line leaves out of the ln factors that counts; 0: linear
   double correlation_s = 60.0;  ///< errors closer than this in time count as one
   double offset_walk_K_per_root_hour = 0.002;
@@ -214,7 +214,9 @@ class EstimatorCorrection {
   void loosen(double widest_K);
   void open_start(double widest_K, double shapes_share, double groups_share);
   void look_at_the_start();
-  void widen_disturbances();
+  /// Unexplained heats become wider, at least `first` of their prior's deviations.
+  void widen_disturbances(double first);
+  /// The length that waits is further off than its variance allows for.
   bool displacement_contradicts();
   bool update(double time_s);
   /// z from the filter, within its limits, and the state with it. Whether θ moved.
@@ -242,7 +244,7 @@ class EstimatorCorrection {
   double fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
   /// Of a start after a pause: > 0, its parameter forgets; when the start was opened.
   double start_memory_s_ = 0.0, widened_s_ = 0.0;
-  Eigen::VectorXd start_missed_;  ///< 1σ of what the effect of each start parameter may miss, when it was opened
+  Eigen::VectorXd start_missed_;    ///< 1σ of what the effect of each start parameter may miss, when it was opened
   double disturbance_width_ = 1.0;  ///< of the unexplained heats, times their prior's
   double disturbance_idle_ = 1.0;   ///< the same while nothing speaks for any
   bool contradicted_ = false;       ///< told so

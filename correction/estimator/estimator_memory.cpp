@@ -14,7 +14,7 @@ constexpr double unseen_memory_s = 600.0;
 constexpr double fresh_s = 30.0;
 
 constexpr std::size_t per_channel = 2;  // lag slope, floor
-constexpr std::size_t of_start = 3;  // and one per start parameter
+constexpr std::size_t of_start = 3;     // and one per start parameter
 
 }  // namespace
 
@@ -53,7 +53,8 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   };
   if (!started_ || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, channels_.size() * p) ||
       !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
-      !fits(state.channels, channels_.size() * per_channel) || !fits(state.start, of_start + static_cast<std::size_t>(start_missed_.size()))) {
+      !fits(state.channels, channels_.size() * per_channel) ||
+      !fits(state.start, of_start + static_cast<std::size_t>(start_missed_.size()))) {
     return false;
   }
   const auto size = static_cast<Eigen::Index>(n);
@@ -63,8 +64,7 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
       state.sensitivities.data(), sensitivities_.transposed().rows(), coordinates_->nodes()));
   theta_ = filter_.mean().head(parameters_.count());
   for (std::size_t s = 0; s < channels_.size(); ++s) {
-    const Eigen::VectorXd shown =
-        Eigen::Map<const Eigen::VectorXd>(state.lagged.data() + s * p, parameters_.count());
+    const Eigen::VectorXd shown = Eigen::Map<const Eigen::VectorXd>(state.lagged.data() + s * p, parameters_.count());
     channels_[s].restore(shown, state.channels[s * per_channel]);
     consistency_.set_floor(static_cast<Eigen::Index>(s), state.channels[s * per_channel + 1]);
     const Eigen::Index b = offset_at(static_cast<Eigen::Index>(s));

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "correction/estimator/estimator_correction.hpp"
@@ -10,23 +9,29 @@ namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Largest step of an ln factor by one reading: as far as a straight line stands for e^θ.
-static const double straight = std::getenv("TW_STRAIGHT") ? std::atof(std::getenv("TW_STRAIGHT")) : 0.3;
+constexpr double straight = 0.3;
 constexpr double longest_lag_s = 120.0;
 
 // How the estimate is loosened.
-constexpr double least_start_K = 0.2;      // σ of the uniform start
-static const double start_groups_share = std::getenv("TW_SGR") ? std::atof(std::getenv("TW_SGR")) : 0.5;  // of that, per thermal group
+constexpr double least_start_K = 0.2;       // σ of the uniform start
+constexpr double start_groups_share = 0.5;  // of that, per thermal group
 constexpr double untared_K = 0.2;           // σ of a class A PT100 without tare (IEC 60751)
+// Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
+// the widest. A length tells of the nose what no sensor does, so it opens them further.
 constexpr double disturbance_step = 3.0;
-static const double disturbance_first = std::getenv("TW_FIRST") ? std::atof(std::getenv("TW_FIRST")) : 2.0;
+constexpr double disturbance_first = 2.0;
+constexpr double disturbance_by_length = 4.0;
 constexpr double disturbance_widest = 30.0;
-static const double displacement_nis = std::getenv("TW_DNIS") ? std::atof(std::getenv("TW_DNIS")) : 4.0;
+constexpr double displacement_nis = 2.0;  // squared innovation of a length over its variance, from which it opens them
 
 // A start of which nothing is known.
 constexpr double isothermal = 3.0;  // deviations of one reading within which the sensors stand at one temperature
-static const double shape_missed = std::getenv("TW_CSH") ? std::atof(std::getenv("TW_CSH")) : 0.1;
-static const double open_shapes_share = std::getenv("TW_OSH") ? std::atof(std::getenv("TW_OSH")) : 1.0;
-static const double open_groups_share = std::getenv("TW_OGR") ? std::atof(std::getenv("TW_OGR")) : 0.25;
+// Of the largest reading off the mean: σ of the steady rises, whose hottest place no sensor sees, and of each group;
+// and what a group's own temperature differences add to either. Larger ones change nothing (warm_restart of
+// tests/bench/reality_campaign), smaller ones leave the truth outside.
+constexpr double open_shapes_share = 2.0;
+constexpr double open_groups_share = 1.0;
+constexpr double shape_missed = 0.3;
 
 }  // namespace
 
@@ -135,9 +140,9 @@ void EstimatorCorrection::fuse_tares() {
   }
 }
 
-void EstimatorCorrection::widen_disturbances() {
+void EstimatorCorrection::widen_disturbances(double first) {
   if (!parameters_.has_disturbances()) return;
-  disturbance_width_ = std::clamp(disturbance_step * disturbance_width_, disturbance_first, disturbance_widest);
+  disturbance_width_ = std::clamp(disturbance_step * disturbance_width_, first, disturbance_widest);
   for (std::size_t g = 0; g < parameters_.groups().size(); ++g) {
     const Eigen::Index slot = parameters_.disturbance(static_cast<Eigen::Index>(g));
     const double wanted = disturbance_width_ * parameters_.list()[static_cast<std::size_t>(slot)].deviation;
@@ -172,10 +177,11 @@ void EstimatorCorrection::loosen(double widest_K) {
     if (deviation > 0.0) keep_[i] = std::max(1.0, filter_.scale()[i] / deviation);
   }
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(channels_.size()); ++s) {
-    const double wanted_K = std::min(0.5 * open_K, untared_K), b = keep_[offset_at(s)] * filter_.deviation(offset_at(s));
+    const double wanted_K = std::min(0.5 * open_K, untared_K),
+                 b = keep_[offset_at(s)] * filter_.deviation(offset_at(s));
     growth_[offset_at(s)] = std::max(0.0, wanted_K * wanted_K - b * b);
   }
-  widen_disturbances();
+  widen_disturbances(disturbance_first);
   open_start(open_K, start_groups_share, start_groups_share);
   filter_.widen(keep_, growth_);
   start_memory_s_ = 0.0;
@@ -232,7 +238,7 @@ bool EstimatorCorrection::update(double time_s) {
   if (displacement_contradicts()) {
     keep_.setOnes();
     growth_.setZero();
-    widen_disturbances();
+    widen_disturbances(disturbance_by_length);
     filter_.widen(keep_, growth_);
   }
   fuse_sensors(time_s);

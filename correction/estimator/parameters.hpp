@@ -51,14 +51,14 @@ struct EstimatorPriors {
   double bearing_mean_per_K = 0.010;
   double bearing_per_K = 0.005;
   double speed_exponent = 0.15;
-  double start_K = 0.2;        ///< of the whole spindle at the start; 0: the start is known, no start parameter at all
+  double start_K = 0.2;         ///< of the whole spindle at the start; 0: the start is known, no start parameter at all
   double start_shape_K = 0.05;  ///< the same of each other way in which it may have been warmer (start_shapes)
   /// Heat that no source explains, one per thermal group: share of all nominal heats together, 1σ; 0: none. Of
   /// hand-written networks, whose structure is a guess, the second.
   double disturbance = 0.01;
   double disturbance_by_hand = 0.1;
   double disturbance_memory_s = 3600.0;
-  double capacity = 0.3;  ///< ln factors of the nodes' capacities, hand-written networks only
+  double capacity = 0.3;                     ///< ln factors of the nodes' capacities, hand-written networks only
   double heat_walk_per_root_min = 0.003;     ///< of the ln factors, as the next two
   double contact_walk_per_root_min = 0.005;  ///< joints settle and loosen with load and temperature
   double film_walk_per_root_min = 0.003;

@@ -60,9 +60,9 @@ class SensorChannel {
 
  private:
   Eigen::VectorXd internal_, before_, shown_;
-  double temperature_K_ = 0.0;  // of the model at the sensor
-  double shown_K_ = 0.0;        // what the sensor would show of it
-  double lag_slope_ = 0.0;      // d(shown)/dτ
+  double temperature_K_ = 0.0;                                      // of the model at the sensor
+  double shown_K_ = 0.0;                                            // what the sensor would show of it
+  double lag_slope_ = 0.0;                                          // d(shown)/dτ
   double readings_K_ = 0.0, residuals_K_ = 0.0, lag_slopes_ = 0.0;  // sums
   int samples_ = 0;
 };

@@ -52,8 +52,8 @@ std::vector<ThermalGroup> thermal_groups(const rom::Network& network, std::size_
     for (std::size_t a = 0; a < groups.size(); ++a) {
       const Eigen::VectorXd from = exchange * groups[a].indicator;
       for (std::size_t b = a + 1; b < groups.size(); ++b) {
-        const double rate = -from.dot(groups[b].indicator) *
-                            (1.0 / groups[a].capacity_J_per_K + 1.0 / groups[b].capacity_J_per_K);
+        const double rate =
+            -from.dot(groups[b].indicator) * (1.0 / groups[a].capacity_J_per_K + 1.0 / groups[b].capacity_J_per_K);
         if (rate <= fastest) continue;
         fastest = rate;
         first = a;

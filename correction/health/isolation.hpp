@@ -35,8 +35,8 @@ struct Blame {
 /// evidence is above exchange_evidence too, where the first's came within exchange_s and each reading fits the other's
 /// place (left_when_exchanged). For either there is no lead to ask for.
 ///   A step of the spindle (flow, film, inlet) near one sensor looks like a fault of that sensor until the estimate has
-/// followed it. So the first verdict by evidence, an exchange aside, is laid to the model, which is to be loosened; only
-/// a second one within second_opinion_s blames the channel.
+/// followed it. So the first verdict by evidence, an exchange aside, is laid to the model, which is to be loosened;
+/// only a second one within second_opinion_s blames the channel.
 ///   At least three must have been judged, for an exchange four: of two that disagree nobody knows which is right.
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a

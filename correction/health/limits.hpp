@@ -44,10 +44,10 @@ struct HealthLimits {
   double drift_least_s = 120.0;  ///< evidence that rose faster is no drift: of 10 K/h that is 0.3 K, a jump
   double second_opinion_s = 7200.0;  ///< a first verdict within this time loosens the estimate instead: two hours, as
                                      ///< long as a spindle takes to settle after a step
-  double doubt_share = 0.5;     ///< of drift_limit: if half of the channels are above it the model is in doubt
-  double review_s = 600.0;       ///< so young a verdict of drift is looked at again,
-  double review_deviations = 3.0;  ///< and taken back where the misfit is within so many σ,
-  double review_share = 0.5;       ///< and no more than this share of what it was, for return_after_s
+  double doubt_share = 0.5;          ///< of drift_limit: if half of the channels are above it the model is in doubt
+  double review_s = 600.0;           ///< so young a verdict of drift is looked at again,
+  double review_deviations = 3.0;    ///< and taken back where the misfit is within so many σ,
+  double review_share = 0.5;         ///< and no more than this share of what it was, for return_after_s
 
   // Exchange by movement (exchange_detector.hpp), measured on 32 virtual spindles.
   double swap_limit = 30.0;       ///< −2 ln of the ratio of likelihoods, as drift_limit

@@ -1,7 +1,6 @@
 #include "correction/health/unexplained_heat.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cmath>
 
 namespace spindle_twin::correction {
@@ -10,7 +9,7 @@ namespace {
 constexpr double most_surprise = 9.0;
 constexpr double memory_s = 3600.0;
 /// A likelihood ratio of e^3: with one trial an hour that a healthy spindle hardly reaches.
-const double enough = std::getenv("TW_ENOUGH") ? std::atof(std::getenv("TW_ENOUGH")) : 60.0;
+constexpr double enough = 60.0;
 
 double surprise(double innovation, double variance) {
   return std::fmin(innovation * innovation / variance, most_surprise);

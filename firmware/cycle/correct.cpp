@@ -111,6 +111,8 @@ Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, con
     corrector.paper.emplace(network, *plan.paper, [&] { return make_stepper(network); });
   } else if (plan.estimator) {
     add_estimator(network, plan, corrector);
+    // Of the same sizes as the estimator's, so that switching it off and on allocates nothing.
+    if (corrector.estimator) corrector.none = corrector.estimator->parameters().make_factors(network);
     if (corrector.estimator) readings = static_cast<Eigen::Index>(corrector.estimator->sensors().size());
   }
   corrector.measured_K = Eigen::VectorXd::Constant(readings, not_a_value);

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace spindle_twin::firmware {
 namespace {
@@ -188,19 +186,9 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
                                             misfit.misfit_K,
                                             misfit.deviation_K};
   }
-  if (std::getenv("TW_DEBUG")) { // TUNING
-    std::fprintf(stderr, "DBG %ld", estimator.updates());
-    for (size_t c = 0; c < corrector.channels.size(); ++c) std::fprintf(stderr, " %.2f/%.2f", watch.others->misfit(c).evidence, estimator.consistency().nis(c));
-    std::fprintf(stderr, " heat %.2f nose sd %.2f hour %.3f\n", watch.heat ? watch.heat->evidence() : 0.0, 1e6*estimator.deviations().deformations_m[0], estimator.consistency().nis_of_hour());
-  }
   const correction::HealthVerdict verdict = watch.health->note_update(
       watch.updates, {estimator.consistency().in_doubt(), estimator.consistency().in_doubt_since_s()});
   estimator.set_alternatives(watch.others->alternatives(estimator));
-  if (verdict.failed >= 0 && std::getenv("TW_VERDICT")) { // TUNING
-    std::fprintf(stderr, "VERDICT at %ld s sensor %d partner %d fault %d:", 10*estimator.updates(), verdict.failed, verdict.partner, (int)watch.health->record(verdict.failed).fault);
-    for (size_t c = 0; c < corrector.channels.size(); ++c) std::fprintf(stderr, " %.1f/%.2f", watch.others->misfit(c).evidence, estimator.consistency().nis(c));
-    std::fprintf(stderr, " doubt %d\n", (int)watch.health->model_in_doubt());
-  }
   if (verdict.loosen) estimator.note_contradiction();
   if (verdict.failed < 0) return;
   if (verdict.partner >= 0) {

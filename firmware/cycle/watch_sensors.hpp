@@ -15,8 +15,8 @@ namespace spindle_twin::firmware {
 
 /// Health of the sensors at the key points, and their tare.
 struct SensorWatch {
-  std::optional<correction::SensorHealth> health;  ///< empty: not asked for
-  std::optional<correction::LeaveOneOut> others;   ///< with an estimator that corrects
+  std::optional<correction::SensorHealth> health;   ///< empty: not asked for
+  std::optional<correction::LeaveOneOut> others;    ///< with an estimator that corrects
   std::optional<correction::UnexplainedHeat> heat;  ///< likewise, where the network is certified
   std::optional<correction::IsothermalTare> resting;
   correction::SensorTare tare;
