@@ -83,6 +83,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   rises_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.sources.size()));
   corrected_K_ = nodes_K_ = Eigen::VectorXd::Zero(nodes);
   tare_deviation_K_ = Eigen::VectorXd::Zero(m);
+  known_flow_kg_per_s_ = network.boundaries.operating.flow_kg_per_s;
   Eigen::VectorXd internal = Eigen::VectorXd::Zero(nodes);
   for (const EstimatorSensor& sensor : options_.sensors) {
     sensitivities_.internal_row(sensor.row, internal);
@@ -145,6 +146,7 @@ void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, con
   due_s_ = time_s + options_.period_s;
   fresh_until_s_ = time_s + fresh_s;
   nodes_K_ = corrected_K_ = nodes;
+  known_flow_kg_per_s_ = operating.flow_kg_per_s;
   publish_factors(operating);
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
 }
@@ -233,6 +235,7 @@ EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
   const bool fresh = sample.time_s < fresh_until_s_;
   if (due || fresh || period_.differs(sample.operating)) close_period(sample.time_s);
   if (start_unseen_) look_at_the_start();
+  widen_films(sample.operating);
   EstimatorStep result;
   if (due) {
     result.corrected = result.state_corrected = update(sample.time_s);

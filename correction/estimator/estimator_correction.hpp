@@ -214,6 +214,8 @@ class EstimatorCorrection {
   void loosen(double widest_K);
   void open_start(double widest_K, double shapes_share, double groups_share);
   void look_at_the_start();
+  /// A flow that was told to have changed leaves the films of its circuit as open as their prior.
+  void widen_films(const rom::OperatingState& operating);
   /// Unexplained heats become wider, at least `first` of their prior's deviations.
   void widen_disturbances(double first);
   /// The length that waits is further off than its variance allows for.
@@ -241,6 +243,7 @@ class EstimatorCorrection {
   Eigen::VectorXd tare_deviation_K_;  ///< of the sensors that wait for fuse_tares(); 0: none
   Eigen::VectorXd bias_K_, rises_K_, nodes_K_, corrected_K_;
   rom::CorrectionFactors factors_;
+  Eigen::VectorXd known_flow_kg_per_s_;  ///< that the films were learnt at
   double fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
   /// Of a start after a pause: > 0, its parameter forgets; when the start was opened.
   double start_memory_s_ = 0.0, widened_s_ = 0.0;

@@ -24,6 +24,8 @@ constexpr double disturbance_by_length = 4.0;
 constexpr double disturbance_widest = 30.0;
 constexpr double displacement_nis = 2.0;  // squared innovation of a length over its variance, from which it opens them
 
+constexpr double new_flow_share = 0.1;  // a film learnt at one flow is another at a flow that differs by more
+
 // A start of which nothing is known.
 constexpr double isothermal = 3.0;  // deviations of one reading within which the sensors stand at one temperature
 // Of the largest reading off the mean: σ of the steady rises, whose hottest place no sensor sees, and of each group;
@@ -190,6 +192,26 @@ void EstimatorCorrection::loosen(double widest_K) {
     sensitivities_.of_row(channel.internal(), place_);
     if (parameters_.start() >= 0) channel.set_sensitivity_from(parameters_.start(), place_);
   }
+  note_curvature();
+}
+
+void EstimatorCorrection::widen_films(const rom::OperatingState& operating) {
+  bool changed = false;
+  keep_.setOnes();
+  growth_.setZero();
+  for (Eigen::Index c = 0; c < known_flow_kg_per_s_.size(); ++c) {
+    double& known = known_flow_kg_per_s_[c];
+    const double now = operating.flow_kg_per_s[c];
+    if (!(std::abs(now - known) > new_flow_share * std::max(std::abs(now), std::abs(known)))) continue;
+    known = now;
+    changed = true;
+    for (const int segment : network_->boundaries.circuits[static_cast<std::size_t>(c)].segments) {
+      const int slot = parameters_.conductance(segment);
+      if (slot >= 0) keep_[slot] = std::max(1.0, filter_.scale()[slot] / filter_.deviation(slot));
+    }
+  }
+  if (!changed) return;
+  filter_.widen(keep_, growth_);
   note_curvature();
 }
 

@@ -42,7 +42,14 @@ correction::EstimatorPriors read_priors(const rom::TomlTable& table) {
   priors.bearing_mean_per_K = table.number_or("bearing_mean_per_K", priors.bearing_mean_per_K, rom::between(0.0, 0.1));
   priors.bearing_per_K = table.number_or("bearing_per_K", priors.bearing_per_K, rom::between(0.0, 0.1));
   priors.speed_exponent = table.number_or("speed_exponent", priors.speed_exponent, rom::between(0.0, 1.0));
-  priors.start_K = table.number_or("start_K", priors.start_K, rom::between(0.0, 10.0));
+  priors.start_K = table.number_or("start_K", priors.start_K, rom::between(0.0, 100.0));
+  priors.start_shape_K = table.number_or("start_shape_K", priors.start_shape_K, rom::between(0.0, 100.0));
+  priors.disturbance = table.number_or("disturbance", priors.disturbance, rom::between(0.0, 1.0));
+  priors.disturbance_by_hand =
+      table.number_or("disturbance_by_hand", priors.disturbance_by_hand, rom::between(0.0, 1.0));
+  priors.disturbance_memory_s =
+      table.number_or("disturbance_memory_s", priors.disturbance_memory_s, rom::between(60.0, 1e9));
+  priors.capacity = table.number_or("capacity", priors.capacity, rom::between(0.0, 1.0));
   priors.heat_walk_per_root_min =
       table.number_or("heat_walk_per_root_min", priors.heat_walk_per_root_min, rom::between(0.0, 1.0));
   priors.contact_walk_per_root_min =
@@ -61,7 +68,10 @@ void read_estimator(const rom::TomlTable& table, Config& config) {
   options.noise_K = table.number_or("noise_K", options.noise_K, noise_range_K);
   options.offset_K = table.number_or("offset_K", options.offset_K, offset_range_K);
   options.lag_s = table.number_or("lag_s", options.lag_s, lag_range_s);
+  options.lag_deviation_s = table.number_or("lag_deviation_s", options.lag_deviation_s, rom::between(0.0, 120.0));
   options.floor_K = table.number_or("floor_K", options.floor_K, rom::between(0.0, 10.0));
+  options.floor_by_hand_K = table.number_or("floor_by_hand_K", options.floor_by_hand_K, rom::between(0.0, 10.0));
+  options.floor_largest_K = table.number_or("floor_largest_K", options.floor_largest_K, rom::between(0.0, 100.0));
   options.correlation_s = table.number_or("correlation_s", options.correlation_s, rom::between(0.0, 3600.0));
   options.offset_walk_K_per_root_hour =
       table.number_or("offset_walk_K_per_root_hour", options.offset_walk_K_per_root_hour, rom::between(0.0, 1.0));
