@@ -142,7 +142,7 @@ void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, con
   }
   started_ = start_unseen_ = true;
   period_.drop();
-  fused_s_ = seen_s_ = time_s;
+  reset_s_ = fused_s_ = seen_s_ = time_s;
   due_s_ = time_s + options_.period_s;
   fresh_until_s_ = time_s + fresh_s;
   nodes_K_ = corrected_K_ = nodes;

@@ -23,7 +23,7 @@ struct EstimatorOptions {
   double noise_K = 0.03;   ///< of the sensors that are made from key points
   double offset_K = 0.02;
   double lag_s = 0.0;
-  double lag_deviation_s = 10.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
+  double lag_deviation_s = 20.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
   double floor_K = 0.03;  ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
   double floor_by_hand_K = 0.3;  ///< the same of a hand-written network, which nobody could measure
   double floor_largest_K = 1.0;  ///< the estimated one ends here
@@ -168,6 +168,8 @@ class EstimatorCorrection {
   Eigen::MatrixXd covariance() const { return filter_.covariance(); }
   /// dT/dθ, N x p. Allocates.
   Eigen::MatrixXd sensitivities_K() const { return sensitivities_.in_kelvin(); }
+  /// Time since reset(), to the last sample.
+  double age_s() const { return seen_s_ - reset_s_; }
   long updates() const { return updates_; }
   /// Periods whose sensitivities could not be carried on; 0 in good health.
   long failures() const { return failures_; }
@@ -244,7 +246,7 @@ class EstimatorCorrection {
   Eigen::VectorXd bias_K_, rises_K_, nodes_K_, corrected_K_;
   rom::CorrectionFactors factors_;
   Eigen::VectorXd known_flow_kg_per_s_;  ///< that the films were learnt at
-  double fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
+  double reset_s_ = 0.0, fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
   /// Of a start after a pause: > 0, its parameter forgets; when the start was opened.
   double start_memory_s_ = 0.0, widened_s_ = 0.0;
   Eigen::VectorXd start_missed_;    ///< 1σ of what the effect of each start parameter may miss, when it was opened

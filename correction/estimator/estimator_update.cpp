@@ -188,6 +188,11 @@ void EstimatorCorrection::loosen(double widest_K) {
   filter_.widen(keep_, growth_);
   start_memory_s_ = 0.0;
   sensitivities_.restart(parameters_);
+  // What the start has done until now is in the state.
+  row_ = filter_.mean();
+  row_.segment(parameters_.count() - parameters_.starts(), parameters_.starts()).setZero();
+  filter_.set_mean(row_);
+  made_.unknowns = row_;
   for (SensorChannel& channel : channels_) {
     sensitivities_.of_row(channel.internal(), place_);
     if (parameters_.start() >= 0) channel.set_sensitivity_from(parameters_.start(), place_);

@@ -103,6 +103,19 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   return {blame.channel, blame.partner, false};
 }
 
+HealthVerdict SensorHealth::note_contradiction() {
+  for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const int partner = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
+    if (partner < 0 || exchange_.partner_of(static_cast<std::size_t>(partner), in_use_, limits_) != static_cast<int>(i))
+      continue;
+    fail_pair(i, static_cast<std::size_t>(partner));
+    note_restart();
+    return {static_cast<int>(i), partner, false};
+  }
+  return {};
+}
+
 void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }
 
 void SensorHealth::acknowledge() {

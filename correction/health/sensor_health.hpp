@@ -29,6 +29,10 @@ class SensorHealth {
   /// One sample per channel at time_s, h_s >= 0 after the one before (0 at the first). May run in the cycle.
   void step(const std::vector<HealthSample>& samples, double time_s, double h_s);
 
+  /// The readings have contradicted the estimate for a minute: two channels each of which has moved like the other's
+  /// place since the start are the reason where there are such, and fail as swapped. May run in the cycle.
+  HealthVerdict note_contradiction();
+
   /// After each update of the estimator, one entry per channel, at the time of the last step. Two that were found to
   /// have been exchanged by their movement since the update before are given too: what the estimator learnt from them
   /// is to be forgotten. May run in the cycle.

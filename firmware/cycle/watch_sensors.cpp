@@ -65,6 +65,20 @@ bool explained_by_heat(const rom::OperatingState& operating, Model& model, Senso
   return true;
 }
 
+/// No filter has done without the two that were swapped: the estimate goes back to what it was before, within half an
+/// hour after the start to the priors.
+void leave_pair_out(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+                    Corrector& corrector) {
+  constexpr double young_s = 1800.0;
+  correction::EstimatorCorrection& estimator = *corrector.estimator;
+  const bool young = estimator.age_s() < young_s;
+  estimator.adopt(young ? estimator.prior() : watch.others->before(estimator), operating);
+  follow_estimator(estimator, watch);
+  model.stepper->set_temperatures(estimator.corrected_nodes_K());
+  with_biases(operating, corrector);
+  note_corrected(network, model, watch);
+}
+
 }  // namespace
 
 void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch) {
@@ -166,7 +180,9 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
     // What the filters without a sensor were sure of goes with what the estimator was sure of.
     watch.seen_loosened = estimator.loosened();
     follow_estimator(estimator, watch);
+    const bool swapped = watch.health->note_contradiction().partner >= 0;
     watch.health->note_restart();
+    if (swapped) leave_pair_out(network, operating, model, watch, corrector);
     return;
   }
   watch.others->update(estimator);
@@ -192,14 +208,13 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   if (verdict.loosen) estimator.note_contradiction();
   if (verdict.failed < 0) return;
   if (verdict.partner >= 0) {
-    estimator.adopt(watch.others->before(estimator), operating);
-    follow_estimator(estimator, watch);
-  } else {
-    const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(verdict.failed));
-    estimator.adopt(watch.others->without(channel), operating);
-    watch.others->settle_on(channel);
-    if (watch.heat) watch.heat->follow(estimator);
+    leave_pair_out(network, operating, model, watch, corrector);
+    return;
   }
+  const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(verdict.failed));
+  estimator.adopt(watch.others->without(channel), operating);
+  watch.others->settle_on(channel);
+  if (watch.heat) watch.heat->follow(estimator);
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
   with_biases(operating, corrector);
   note_corrected(network, model, watch);
