@@ -50,6 +50,8 @@ class Trial {
     std::normal_distribution<double> normal(0.0, 1.0);
     for (Eigen::Index i = 0; i < pair_.truth.size(); ++i) {
       const Parameter& parameter = parameters()[static_cast<std::size_t>(i)];
+      // Of a certified network nothing is left to explain: such heats are shut there.
+      if (parameter.kind == ParameterKind::disturbance && !network.hand_written) continue;
       pair_.truth[i] = parameter.mean + parameter.deviation * std::clamp(normal(pair_.random), -1.5, 1.5);
     }
   }
