@@ -13,7 +13,11 @@ HeldPeriod::HeldPeriod(const rom::Network& network, std::shared_ptr<const rom::N
       held_(network.boundaries.operating),
       corrected_(held_),
       values_(make_boundary_values(network.boundaries)),
-      start_K_(Eigen::VectorXd::Zero(coordinates_->nodes())) {}
+      start_K_(Eigen::VectorXd::Zero(coordinates_->nodes())) {
+  // Room for those of the factors; without, evaluating them would allocate in the first period.
+  values_.node_heat_W = Eigen::VectorXd::Zero(coordinates_->nodes());
+  values_.capacity_factor = Eigen::VectorXd::Ones(coordinates_->nodes());
+}
 
 void HeldPeriod::open(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating,
                       const rom::CorrectionFactors& factors, const Eigen::VectorXd& environment_bias_K) {

@@ -76,6 +76,8 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   }
   if (parameters.has_capacities()) inertia_ = Eigen::VectorXd::Ones(n);
   law_values_ = make_boundary_values(network.boundaries);
+  law_values_.node_heat_W = Eigen::VectorXd::Zero(n);
+  law_values_.capacity_factor = Eigen::VectorXd::Ones(n);
   law_inputs_ = Eigen::VectorXd::Zero(operator_->laws().rows().cols());
   law_slopes_ = Eigen::MatrixXd::Zero(operator_->laws().count(), static_cast<Eigen::Index>(rom::law_readings));
 }

@@ -40,8 +40,8 @@ LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
       keep_(Eigen::VectorXd::Ones(estimator.prior().size())),
       growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
       row_(growth_),
-      bounded_(Eigen::VectorXd::Zero(estimator.parameters().count())),
-      alternatives_(Eigen::MatrixXd::Zero(bounded_.size(), static_cast<Eigen::Index>(filters_.size()))) {
+      bounded_(growth_),
+      alternatives_(Eigen::MatrixXd::Zero(estimator.parameters().count(), static_cast<Eigen::Index>(filters_.size()))) {
   for (Kept& kept : kept_) kept.filter = estimator.prior();
 }
 
@@ -129,11 +129,9 @@ double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Inde
       filter.update(row_, innovation, made.displacement_variance_m2);
     }
   }
-  for (Eigen::Index i = 0; i < bounded_.size(); ++i) {
-    const Parameter& parameter = estimator.parameters().list()[static_cast<std::size_t>(i)];
-    bounded_[i] = std::clamp(filter.mean()[i], parameter.minimum, parameter.maximum);
-  }
-  filter.set_first(bounded_);
+  bounded_ = filter.mean();
+  estimator.bound(bounded_);
+  filter.set_mean(bounded_);
   return surprised;
 }
 

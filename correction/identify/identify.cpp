@@ -142,7 +142,7 @@ EstimatorPriors constant_priors() {
   priors.bearing_mean_per_K = 0.0;
   priors.bearing_per_K = 0.0;
   priors.speed_exponent = 0.0;
-  priors.start_K = 0.0;
+  priors.start_K = priors.disturbance = priors.disturbance_by_hand = 0.0;
   priors.heat_walk_per_root_min = priors.contact_walk_per_root_min = priors.film_walk_per_root_min = 0.0;
   priors.centred = false;
   return priors;

@@ -26,6 +26,7 @@ TEST_P(EstimatorOfShape, step_never_calls_the_heap) {
   const long before = rom::tests::heap_calls();
   for (int second = 0; second <= 60; ++second) {
     if (second == 25) estimator.note_displacement(0, 1e-5, 1e-6);
+    if (second == 35) estimator.note_contradiction();
     operating.speed_rpm = second < 33 ? 6000.0 : 9000.0;
     updates += estimator.step({static_cast<double>(second), measured_K, valid, nodes_K, operating}, 1.0).corrected;
   }
@@ -35,6 +36,7 @@ TEST_P(EstimatorOfShape, step_never_calls_the_heap) {
   estimator.save(state);
   EXPECT_EQ(rom::tests::heap_calls() - before, 0);
   EXPECT_EQ(updates, 6);
+  EXPECT_EQ(estimator.loosened(), 1) << "a loosening is among the steps";
   EXPECT_EQ(estimator.failures(), 0);
 }
 

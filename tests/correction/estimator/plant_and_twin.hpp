@@ -51,7 +51,7 @@ struct Pair {
         estimator(the_network, options),
         operating(the_network.boundaries.operating),
         truth(estimator.parameters().neutral()),
-        plant_factors(no_correction(the_network.boundaries)),
+        plant_factors(estimator.parameters().make_factors(the_network)),
         plant_bias_K(Eigen::VectorXd::Zero(operating.environment_K.size())),
         rises_K(Eigen::VectorXd::Zero(plant_factors.heat.size())),
         offset_K(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(estimator.sensors().size()))),

@@ -57,6 +57,39 @@ TEST(SquareRootFilter, time_adds_its_variance_and_forgets_towards_the_centre) {
   EXPECT_LT((filter.mean() - (centre + keep.cwiseProduct(prior - centre))).norm(), 1e-12);
 }
 
+TEST(SquareRootFilter, widening_scales_deviations_keeps_correlations_and_the_mean) {
+  constexpr Eigen::Index n = 6;
+  std::mt19937_64 random(13);
+  const Eigen::VectorXd prior = random_vector(random, n);
+  const Eigen::MatrixXd covariance = random_covariance(random, n);
+  SquareRootFilter filter(prior, covariance);
+  for (int k = 0; k < 8; ++k) filter.update(random_vector(random, n), 0.1, 0.05);
+  const Eigen::VectorXd mean = filter.mean();
+  const Eigen::MatrixXd narrow = filter.covariance();
+  // Back to the deviations of the prior: loosening.
+  Eigen::VectorXd factor(n);
+  for (Eigen::Index i = 0; i < n; ++i) factor[i] = filter.scale()[i] / filter.deviation(i);
+  ASSERT_GT(factor.maxCoeff(), 1.5);
+  filter.widen(factor, Eigen::VectorXd::Zero(n));
+  EXPECT_EQ(filter.mean(), mean);
+  const Eigen::MatrixXd wide = filter.covariance();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    EXPECT_NEAR(filter.deviation(i), std::sqrt(covariance(i, i)), 1e-12);
+    for (Eigen::Index j = 0; j < i; ++j) {
+      EXPECT_NEAR(wide(i, j) / std::sqrt(wide(i, i) * wide(j, j)),
+                  narrow(i, j) / std::sqrt(narrow(i, i) * narrow(j, j)), 1e-10);
+    }
+  }
+  // A factor of 0 cuts an entry off, the added variance is all that it has then.
+  const Eigen::VectorXd cut = Eigen::VectorXd::Ones(n) - Eigen::VectorXd::Unit(n, 2);
+  filter.widen(cut, 0.49 * Eigen::VectorXd::Unit(n, 2));
+  Eigen::MatrixXd expected = wide;
+  expected.row(2).setZero();
+  expected.col(2).setZero();
+  expected(2, 2) = 0.49;
+  EXPECT_LT((filter.covariance() - expected).norm(), 1e-10 * expected.norm());
+}
+
 TEST(SquareRootFilter, covariance_stays_positive_over_three_days_of_nearly_perfect_readings) {
   constexpr Eigen::Index n = 20;
   constexpr int updates = 3 * 8640;

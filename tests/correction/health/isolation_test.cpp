@@ -9,17 +9,23 @@ namespace {
 
 constexpr std::uint64_t seed = 20;
 
-/// Channels whose estimator began a quarter of an hour ago and more.
+/// Channels whose estimator began a quarter of an hour ago and more, the first verdict laid to the model.
 SensorHealth settled(std::size_t channels) {
   SensorHealth health(std::vector<HealthChannel>(channels, {true, 253.15, 423.15, 0.01}), {});
   health.step(std::vector<HealthSample>(channels), 1000.0, 1000.0);
+  spend_first_verdict(health, channels);
+  health.step(std::vector<HealthSample>(channels), 1200.0, 200.0);
   return health;
 }
 
-/// Updates every ten seconds, in which evidence goes in a straight line.
+/// Updates every ten seconds, in which evidence goes in a straight line. The first verdict was laid to the model.
 struct Rising {
   explicit Rising(std::size_t channels) : isolation(channels), updates(channels) {
     for (HealthUpdate& update : updates) update = {true, 0.0, 0, 300.0, 1.0};
+    std::vector<HealthUpdate> contradicting = updates;
+    contradicting[1] = {true, 40.0, 2, 300.0, 1.0};
+    first = isolation.judge(contradicting, doubt, time_s, {});
+    isolation.judge(updates, doubt, time_s, {});
   }
   /// Until the evidence has become `to`; the first blame on the way.
   Blame go(const std::vector<double>& to, double seconds) {
@@ -39,7 +45,33 @@ struct Rising {
   std::vector<HealthUpdate> updates;
   ModelDoubt doubt;
   double time_s = 0.0;
+  Blame first;
 };
+
+TEST(Isolation, the_first_verdict_is_laid_to_the_model_and_only_a_second_one_within_two_hours_blames_the_channel) {
+  const HealthLimits limits;
+  for (const double pause_s : {300.0, 0.5 * limits.second_opinion_s, 1.1 * limits.second_opinion_s}) {
+    Rising rising(4);
+    EXPECT_TRUE(rising.first.first);
+    EXPECT_TRUE(rising.first.model_in_doubt);
+    EXPECT_EQ(rising.first.fault, HealthFault::none);
+    rising.go({0, 0, 0, 0}, pause_s);
+    rising.updates[1].rejected_in_a_row = 2;
+    const Blame second = rising.go({0, 40, 0, 0}, 100.0);
+    EXPECT_EQ(second.channel, 1);
+    EXPECT_EQ(second.first, pause_s > limits.second_opinion_s) << pause_s;
+    EXPECT_EQ(second.fault, second.first ? HealthFault::none : HealthFault::implausible);
+  }
+  // What health makes of it: nobody fails, the estimate is to be loosened.
+  SensorHealth health(std::vector<HealthChannel>(4, {true, 253.15, 423.15, 0.01}), {});
+  health.step(std::vector<HealthSample>(4), 1000.0, 1000.0);
+  std::vector<HealthUpdate> updates(4, {true, 0.0, 0});
+  updates[1] = {true, 40.0, 0};
+  const HealthVerdict verdict = health.note_update(updates);
+  EXPECT_EQ(verdict.failed, -1);
+  EXPECT_TRUE(verdict.loosen);
+  EXPECT_EQ(health.record(1).state, HealthState::good);
+}
 
 TEST(Isolation, drift_is_no_verdict_in_the_first_quarter_of_an_hour_nor_after_a_restart_of_the_estimator) {
   Rising rising(4);
@@ -106,9 +138,9 @@ TEST(Isolation, when_half_of_the_channels_have_evidence_against_them_it_is_the_m
   }
   Rising two_of_three(3);
   two_of_three.go({0, 0, 0}, 1200.0);
-  two_of_three.go({8, 0, 0}, 600.0);
+  two_of_three.go({16, 0, 0}, 600.0);
   EXPECT_FALSE(two_of_three.isolation.model_in_doubt()) << "one is no half, whatever the others are";
-  two_of_three.go({8, 8, 0}, 600.0);
+  two_of_three.go({16, 16, 0}, 600.0);
   EXPECT_TRUE(two_of_three.isolation.model_in_doubt());
 }
 
@@ -172,6 +204,8 @@ TEST(Isolation, two_that_contradict_the_others_together_are_exchanged_where_each
 TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_a_neighbour) {
   for (const double rise_s : {60.0, 600.0}) {
     Drive drive(seed);
+    drive.run_until(700.0);
+    spend_first_verdict(drive.health, 6);
     drive.run_until(900.0);
     std::vector<HealthUpdate> updates(6, {true, 0.0, 0, 300.0, 0.0});
     updates[0] = {true, 20.0, 0, 300.3, 0.3};
@@ -190,6 +224,8 @@ TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_
 TEST(Isolation, what_the_estimator_rejects_is_implausible_and_may_return) {
   Drive drive(seed);
   drive.run_until(1000.0);
+  spend_first_verdict(drive.health, 6);
+  drive.run_until(1200.0);
   std::vector<HealthUpdate> updates(6, {true, 0.0, 0});
   updates[4] = {true, 35.0, 2};
   EXPECT_EQ(drive.health.note_update(updates).failed, 4);

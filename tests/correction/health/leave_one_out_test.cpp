@@ -78,17 +78,16 @@ TEST(LeaveOneOut, evidence_is_what_an_update_surprises_all_less_what_it_surprise
     all += std::pow(estimator.record(s).innovation_K, 2) / estimator.record(s).variance_K2;
   }
   // The other three at once, by their joint covariance, instead of one after the other.
-  const Eigen::Index p = made.theta.size();
-  Eigen::VectorXd keep(p + 4), growth = Eigen::VectorXd::Zero(p + 4);
+  const Eigen::Index n = made.unknowns.size();
+  Eigen::VectorXd keep(n), growth = Eigen::VectorXd::Zero(n);
   estimator.passing_of_time(made.elapsed_s, keep, growth);
   without.pass_time(estimator.prior().mean(), keep, growth);
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, p + 4);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(3, n);
   Eigen::VectorXd innovation_K(3);
   Eigen::Index at = 0;
   for (const Eigen::Index s : {0, 2, 3}) {
-    rows.row(at).head(p) = made.rows.col(s).transpose();
-    rows(at, p + s) = 1.0;
-    innovation_K[at] = made.residual_K[s] + made.rows.col(s).dot(made.theta) - rows.row(at).dot(without.mean());
+    rows.row(at) = made.rows.col(s).transpose();
+    innovation_K[at] = made.innovation_K[s] - rows.row(at).dot(without.mean() - made.unknowns);
     ++at;
   }
   Eigen::MatrixXd joint_K2 = rows * without.covariance() * rows.transpose();

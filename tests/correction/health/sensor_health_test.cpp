@@ -66,6 +66,8 @@ TEST(Health, when_most_channels_leave_their_course_at_once_it_is_not_the_channel
 struct Blamed {
   explicit Blamed(bool in_doubt) : drive(seed) {
     drive.steady = true;
+    drive.run_until(3600.0);
+    spend_first_verdict(drive.health, 6);
     drive.run_until(4000.0);
     std::vector<HealthUpdate> updates(6, {true, 0.0, 0, 300.0, 0.0, 0.1});
     updates[2] = {true, 40.0, 0, 300.0, 0.8, 0.1};

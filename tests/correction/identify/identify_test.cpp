@@ -49,6 +49,7 @@ TEST(Identify, equals_what_the_filter_publishes_on_a_run_without_surprises) {
   EstimatorOptions filter;
   filter.priors = options.priors;
   filter.offset_walk_K_per_root_hour = 0.0;
+  filter.lag_deviation_s = 0.0;
   filter.curvature = 0.0;
   filter.sensors = key_point_sensors(network, filter);
   filter.sensors = {filter.sensors[0], filter.sensors[2]};

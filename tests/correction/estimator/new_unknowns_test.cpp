@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/firmware/support/small_network.hpp"
+
+/// Unknowns beside heats, contacts and films: heats that no source explains, capacities, and lags of the sensors.
+namespace spindle_twin::correction::test {
+namespace {
+
+rom::Network small_by_hand() {
+  rom::Network network = spindle_twin::tests::small_network();
+  network.hand_written = true;
+  network.certificate = {};
+  return network;
+}
+
+/// Two nodes in line: 60 W into the first, a film of 10 W/K to the surroundings on the second; a sensor on each.
+rom::Network two_nodes() {
+  constexpr double start_K = 300.15;
+  rom::Network network;
+  network.spindle = "two nodes";
+  network.description_hash = std::string(64, 48);
+  network.hand_written = true;
+  network.nodes = {{"rotor", "", 0.0, 0.0}, {"housing", "", 0.0, 0.0}};
+  network.capacity_J_per_K = Eigen::Vector2d(1500.0, 4000.0).asDiagonal();
+  network.conduction_W_per_K = 12.0 * (Eigen::Matrix2d() << 1.0, -1.0, -1.0, 1.0).finished();
+  network.source_distribution = Eigen::Vector2d(1.0, 0.0);
+  rom::Boundaries& boundaries = network.boundaries;
+  boundaries.reference_speed_rpm = 6000.0;
+  boundaries.reference_temperature_K = start_K;
+  boundaries.environments = {{"ambient", rom::EnvironmentKind::ambient}};
+  boundaries.operating = {6000.0, 1.0, Eigen::VectorXd::Constant(1, start_K)};
+  boundaries.sources = {{"rotor", 60.0, {0.0, {}, 1.0, true}}};
+  rom::Conductance film;
+  film.name = "film";
+  film.kind = rom::ConductanceKind::environment_film;
+  film.nominal_W_per_m2K = 10.0;
+  film.area_m2 = 1.0;
+  film.environment = 0;
+  boundaries.conductances = {film};
+  network.factors_m = {Eigen::Vector2d(0.0, 1.0)};
+  network.key_points = {{"rotor", "", 0.0, 0.0, Eigen::Vector2d(1.0, 0.0)},
+                        {"housing", "", 0.0, 0.0, Eigen::Vector2d(0.0, 1.0)}};
+  network.deformations = {{"nose", Eigen::Vector2d(3e-7, 4e-7)}};
+  return network;
+}
+
+/// Sensors that are as good as they say, on a network whose structure is right.
+EstimatorOptions small_floor() {
+  EstimatorOptions options;
+  options.floor_by_hand_K = options.floor_K;
+  return options;
+}
+
+void run_in_steps(Pair& pair, double end_s) {
+  const rom::OperatingState nominal = pair.operating;
+  while (pair.time_s < end_s - 1e-9) {
+    const bool busy = std::fmod(pair.time_s, 2400.0) < 1200.0;
+    pair.operating.speed_rpm = busy ? nominal.speed_rpm : 0.4 * nominal.speed_rpm;
+    pair.operating.load = busy ? nominal.load : 0.3;
+    pair.cycle();
+  }
+  pair.operating = nominal;
+}
+
+void expect_within_two_sigma(const Pair& pair, int parameter) {
+  const ParameterEstimate found = pair.estimator.estimate(parameter);
+  EXPECT_NEAR(found.value, pair.truth[parameter], 2.0 * found.deviation)
+      << pair.estimator.parameters().list()[static_cast<std::size_t>(parameter)].name;
+}
+
+TEST(UnexplainedHeatParameter, a_heat_of_known_watts_into_a_group_of_a_hand_written_network_is_found) {
+  const rom::Network network = small_by_hand();
+  for (const double heat_W : {30.0, -20.0}) {
+    Pair pair(network, small_floor());
+    pair.noise_K = 0.03;
+    pair.truth = pair.estimator.parameters().mean();
+    const int slot = pair.parameter("unexplained heat middle");
+    pair.truth[slot] = heat_W;
+    run_in_steps(pair, 4.0 * 3600.0);
+    expect_within_two_sigma(pair, slot);
+    EXPECT_LT(pair.estimator.estimate(slot).deviation, pair.estimator.estimate(slot).prior_deviation);
+    EXPECT_LT(pair.sensor_error_K(), 0.1);
+    EXPECT_EQ(pair.estimator.failures(), 0);
+  }
+}
+
+TEST(UnexplainedHeatParameter, of_a_certified_network_is_shut_until_readings_contradict) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  pair.noise_K = 0.03;
+  pair.truth = pair.estimator.parameters().mean();
+  const int slot = pair.parameter("unexplained heat plate 1");
+  pair.run_until(600.0);
+  EXPECT_FALSE(pair.estimator.heats_are_open());
+  EXPECT_LT(pair.estimator.estimate(slot).deviation, 0.01 * pair.estimator.estimate(slot).prior_deviation);
+  pair.valid.setConstant(false);
+  pair.estimator.note_contradiction();
+  pair.run_until(622.0);
+  EXPECT_EQ(pair.estimator.loosened(), 1);
+  EXPECT_TRUE(pair.estimator.heats_are_open());
+  EXPECT_GT(pair.estimator.estimate(slot).deviation, pair.estimator.estimate(slot).prior_deviation);
+}
+
+TEST(CapacityParameter, of_a_hand_written_network_is_found_within_ten_per_cent) {
+  const rom::Network network = two_nodes();
+  for (const double sign : {1.0, -1.0}) {
+    EstimatorOptions options = small_floor();
+    options.priors.disturbance_by_hand = 0.0;
+    Pair pair(network, options);
+    pair.noise_K = 0.03;
+    const int rotor = pair.parameter("capacity rotor"), housing = pair.parameter("capacity housing");
+    pair.truth = pair.estimator.parameters().mean();
+    pair.truth[rotor] = 0.3 * sign;
+    pair.truth[housing] = -0.25 * sign;
+    run_in_steps(pair, 4.0 * 3600.0);
+    EXPECT_NEAR(pair.estimator.estimate(rotor).value, 0.3 * sign, 0.1);
+    EXPECT_NEAR(pair.estimator.estimate(housing).value, -0.25 * sign, 0.1);
+    expect_within_two_sigma(pair, rotor);
+    expect_within_two_sigma(pair, housing);
+  }
+}
+
+TEST(CapacityParameter, belongs_to_hand_written_networks_with_lumped_nodes_only) {
+  const auto has_capacities = [](const rom::Network& network) {
+    return ParameterModel(network, EstimatorPriors{}).has_capacities();
+  };
+  EXPECT_TRUE(has_capacities(small_by_hand()));
+  EXPECT_FALSE(has_capacities(plates()));
+  rom::Network full = plates();
+  full.hand_written = true;
+  EXPECT_FALSE(has_capacities(full)) << "its capacity matrix is not diagonal";
+}
+
+TEST(LagParameter, of_a_sensor_that_nobody_told_of_is_found) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  pair.noise_K = 0.03;
+  pair.truth = pair.estimator.parameters().mean();
+  constexpr double true_s = 20.0;
+  double shown_K = network.boundaries.reference_temperature_K, before_K = shown_K;
+  pair.tamper = [&](Eigen::VectorXd& readings_K) {
+    shown_K = lag(shown_K, before_K, readings_K[0], pair.cycle_s, true_s);
+    before_K = readings_K[0];
+    readings_K[0] = shown_K;
+  };
+  EXPECT_EQ(pair.estimator.lag_s(0), 0.0);
+  run_in_steps(pair, 3.0 * 3600.0);
+  const Eigen::Index sensors = pair.measured_K.size(), slot = pair.estimator.parameters().count() + sensors;
+  ASSERT_EQ(pair.estimator.filter().size(), pair.estimator.parameters().count() + 2 * sensors);
+  const double deviation_s = pair.estimator.filter().deviation(slot);
+  EXPECT_NEAR(pair.estimator.lag_s(0), true_s, 2.0 * deviation_s);
+  EXPECT_LT(deviation_s, 0.5 * EstimatorOptions{}.lag_deviation_s);
+  EXPECT_LT(pair.sensor_error_K(), 0.1);
+}
+
+/// What one heats or cools for hours: all that could be known is known.
+TEST(Loosening, keeps_correlations_and_reaches_the_deviations_of_the_priors) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  pair.noise_K = 0.03;
+  pair.truth = pair.estimator.parameters().mean();
+  pair.run_until(3602.0);
+  pair.valid.setConstant(false);  // nothing narrows it again
+  pair.run_until(3612.0);
+  const Eigen::MatrixXd before = pair.estimator.covariance();
+  pair.estimator.note_contradiction();
+  pair.run_until(3622.0);
+  ASSERT_EQ(pair.estimator.loosened(), 1);
+  const Eigen::MatrixXd after = pair.estimator.covariance();
+  const ParameterModel& parameters = pair.estimator.parameters();
+  const auto correlation = [](const Eigen::MatrixXd& covariance, Eigen::Index i, Eigen::Index j) {
+    return covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
+  };
+  int correlated = 0;
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
+    const double deviation = std::sqrt(after(i, i));
+    EXPECT_GE(deviation, 0.999 * parameter.deviation) << parameter.name;
+    EXPECT_GE(deviation, 0.999 * std::sqrt(before(i, i))) << parameter.name;
+    const bool plain = !parameters.is_start(i) && parameter.kind != ParameterKind::disturbance;
+    if (!plain) continue;
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double was = correlation(before, i, j), is = correlation(after, i, j);
+      if (parameters.list()[static_cast<std::size_t>(j)].kind == ParameterKind::disturbance) continue;
+      EXPECT_NEAR(is, was, 0.02) << parameter.name << " and " << parameters.list()[static_cast<std::size_t>(j)].name;
+      correlated += std::abs(was) > 0.2 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(correlated, 3);
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test

@@ -1,0 +1,109 @@
+#include "correction/health/unexplained_heat.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/rom/heap_calls.hpp"
+
+namespace spindle_twin::correction::test {
+namespace {
+
+/// Plant and twin of a certified network, and the second filter.
+struct Suspected {
+  explicit Suspected(const rom::Network& network, double heat_W) : pair(network, {}), second(pair.estimator) {
+    pair.noise_K = 0.03;
+    pair.truth = pair.estimator.parameters().mean();
+    pair.truth[pair.parameter("unexplained heat plate 1")] = heat_W;
+    pair.cycle();
+    second.follow(pair.estimator);
+  }
+  /// Until there is evidence enough.
+  bool run_until(double end_s) {
+    while (pair.time_s < end_s) {
+      const double in_programme_s = std::fmod(pair.time_s, 2400.0);
+      pair.operating.speed_rpm = in_programme_s < 1200.0 ? 6000.0 : 1500.0;
+      pair.cycle();
+      if (pair.estimator.loosened() != loosened) {
+        loosened = pair.estimator.loosened();
+        second.follow(pair.estimator);
+      }
+      if (pair.estimator.updates() == updates) continue;
+      updates = pair.estimator.updates();
+      enough = second.update(pair.estimator);
+      largest = std::max(largest, second.evidence());
+      if (enough) break;
+    }
+    return enough;
+  }
+  Pair pair;
+  UnexplainedHeat second;
+  long updates = 0, loosened = 0;
+  double largest = 0.0;
+  bool enough = false;
+};
+
+TEST(UnexplainedHeat, following_makes_the_heats_as_wide_as_open_ones_and_leaves_all_else) {
+  const rom::Network network = plates();
+  Suspected suspected(network, 0.0);
+  suspected.run_until(600.0);
+  const EstimatorCorrection& estimator = suspected.pair.estimator;
+  suspected.second.follow(estimator);
+  EXPECT_EQ(suspected.second.evidence(), 0.0);
+  EXPECT_EQ(suspected.second.filter().mean(), estimator.filter().mean());
+  const ParameterModel& parameters = estimator.parameters();
+  ASSERT_GT(parameters.group_count(), 1);
+  EXPECT_FALSE(estimator.heats_are_open());
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
+    const double deviation = suspected.second.filter().deviation(i);
+    if (parameter.kind == ParameterKind::disturbance) {
+      EXPECT_NEAR(deviation, estimator.open_heat_W(parameter.index), 1e-9 * deviation) << parameter.name;
+      EXPECT_LT(estimator.filter().deviation(i), 0.01 * deviation) << parameter.name;
+    } else {
+      EXPECT_NEAR(deviation, estimator.filter().deviation(i), 1e-9 * deviation) << parameter.name;
+    }
+  }
+}
+
+TEST(UnexplainedHeat, evidence_rises_with_a_true_one_and_not_without) {
+  const rom::Network network = plates();
+  Suspected healthy(network, 0.0);
+  EXPECT_FALSE(healthy.run_until(3.0 * 3600.0));
+  EXPECT_LT(healthy.largest, 10.0);
+  // It comes when the parameters have been learnt.
+  Suspected heated(network, 0.0);
+  heated.run_until(2400.0);
+  heated.pair.truth[heated.pair.parameter("unexplained heat plate 1")] = 40.0;
+  EXPECT_TRUE(heated.run_until(2.0 * 3600.0)) << heated.largest;
+  EXPECT_GT(heated.largest, 2.0 * healthy.largest);
+}
+
+TEST(UnexplainedHeat, opened_heats_are_those_of_the_second_filter_and_the_watts_are_found) {
+  const rom::Network network = plates();
+  Suspected heated(network, 0.0);
+  heated.run_until(2400.0);
+  const int slot = heated.pair.parameter("unexplained heat plate 1");
+  heated.pair.truth[slot] = 40.0;
+  ASSERT_TRUE(heated.run_until(2.0 * 3600.0));
+  heated.pair.estimator.open_heats(heated.second.filter(), heated.pair.operating);
+  heated.pair.twin.stepper.set_temperatures(heated.pair.estimator.corrected_nodes_K());
+  EXPECT_TRUE(heated.pair.estimator.heats_are_open());
+  EXPECT_EQ(heated.pair.estimator.filter().mean(), heated.second.filter().mean());
+  const ParameterEstimate at_once = heated.pair.estimator.estimate(slot);
+  EXPECT_GT(at_once.value, 0.0);
+  EXPECT_GT(at_once.deviation, 0.1 * at_once.prior_deviation);
+}
+
+TEST(UnexplainedHeat, update_and_follow_never_call_the_heap) {
+  const rom::Network network = plates();
+  Suspected suspected(network, 0.0);
+  suspected.run_until(60.0);
+  const long before = rom::tests::heap_calls();
+  suspected.second.update(suspected.pair.estimator);
+  suspected.second.follow(suspected.pair.estimator);
+  suspected.pair.estimator.open_heats(suspected.second.filter(), suspected.pair.operating);
+  EXPECT_EQ(rom::tests::heap_calls() - before, 0);
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test
