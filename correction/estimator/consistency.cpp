@@ -30,7 +30,7 @@ void Consistency::note(Eigen::Index sensor, double innovation_K, double variance
   const double square_K2 = innovation_K * innovation_K;
   const double ratio = std::min(square_K2 / variance_K2, most_nis);
   nis_[sensor] += weight(since_s, limits_.nis_memory_s) * (ratio - nis_[sensor]);
-  if (!rejected) {
+  if (!rejected && !in_doubt_) {
     const double least_K2 = limits_.floor_K * limits_.floor_K;
     const double most_K2 = limits_.floor_largest_K * limits_.floor_largest_K;
     double& floor_K2 = floor_K2_[sensor];
@@ -65,6 +65,7 @@ void Consistency::contradict(double time_s) {
   in_doubt_ = true;
   ++contradictions_;
   nis_.setZero();
+  floor_K2_.setConstant(limits_.floor_K * limits_.floor_K);
   rejected_share_ = above_s_ = calm_s_ = 0.0;
 }
 

@@ -21,7 +21,8 @@ struct ConsistencyLimits {
 ///   NIS_s     mean of ν²/V over a minute, of readings that the gate rejected too (Bar-Shalom: normalised innovation
 ///             squared). The errors of a minute count as one in r, so a healthy sensor stays far below 1.
 ///   floor_s²  mean of ν² − (V − floor²) over half an hour, between the limits: what the network, its structure or the
-///             sensor's place is wrong by, from the innovations themselves (Mehra, IEEE Trans. AC 17, 1972)
+///             sensor's place is wrong by, from the innovations themselves (Mehra, IEEE Trans. AC 17, 1972); while the
+///             estimate is in doubt they say more of it than of the network, and the floor is at its least
 ///   contradiction: some NIS_s above its limit, or more than half of all readings rejected, for a whole minute
 /// From a contradiction until all have been calm for as long the estimate is in doubt. All may run in the cycle but the
 /// constructor.

@@ -89,6 +89,8 @@ TEST(Checkpoint, comes_back_bit_for_bit) {
   EXPECT_EQ(b.estimator.root, a.estimator.root);
   EXPECT_EQ(b.estimator.sensitivities, a.estimator.sensitivities);
   EXPECT_EQ(b.estimator.lagged, a.estimator.lagged);
+  EXPECT_EQ(b.estimator.channels, a.estimator.channels);
+  EXPECT_EQ(b.estimator.start, a.estimator.start);
 }
 
 TEST(Checkpoint, no_damaged_bit_and_no_cut_is_taken_for_a_checkpoint) {
