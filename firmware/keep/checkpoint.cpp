@@ -85,6 +85,8 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.root = attach<way>(remembered.estimator.root);
   message.sensitivities = attach<way>(remembered.estimator.sensitivities);
   message.lagged = attach<way>(remembered.estimator.lagged);
+  message.channels = attach<way>(remembered.estimator.channels);
+  message.start = attach<way>(remembered.estimator.start);
   message.sensor_tare_K = attach<way>(remembered.sensor_tare.offset_K);
   message.sensor_tare_deviation_K = attach<way>(remembered.sensor_tare.deviation_K);
   message.sensor_tares = remembered.sensor_tare.count;
