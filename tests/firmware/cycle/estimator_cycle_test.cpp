@@ -67,6 +67,7 @@ TEST(EstimatorCycle, from_the_first_cycle_on_sigma_is_what_the_priors_make_of_th
   priors.bearing_per_K = priors.speed_exponent = priors.heat_walk_per_root_min = priors.contact_walk_per_root_min =
       priors.film_walk_per_root_min = 0.0;
   priors.start_K = 0.01;
+  priors.start_shape_K = priors.disturbance = priors.disturbance_by_hand = 0.0;
   priors.centred = false;
   constexpr double nudge = 1e-3;
   struct Nudged {
