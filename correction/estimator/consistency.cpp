@@ -7,7 +7,7 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double hour_s = 3600.0;
-constexpr double most_nis = 100.0;  // one reading does not fill the mean of a minute for an hour
+constexpr double most_nis = 12.0;  // one reading alone does not keep the mean of a minute above 1 for a minute
 
 double weight(double elapsed_s, double memory_s) { return 1.0 - std::exp(-elapsed_s / memory_s); }
 

@@ -201,6 +201,9 @@ class EstimatorCorrection {
   void note_curvature();
   double curvature_variance(const Eigen::Ref<const Eigen::VectorXd>& sensitivity) const;
 
+  /// What a straight line in a sensor's lag leaves out while the lag is open.
+  double lag_curvature_variance(Eigen::Index sensor) const;
+
   /// Row, innovation and noise of every sensor that has readings.
   void measure(double time_s);
   void measure_displacement();

@@ -11,6 +11,7 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Largest step of an ln factor by one reading: as far as a straight line stands for e^θ.
 constexpr double straight = 0.3;
 constexpr double longest_lag_s = 120.0;
+constexpr double lag_missed = 0.3;  // of what an open lag does, the share that a straight line in it leaves out
 
 // How the estimate is loosened.
 constexpr double least_start_K = 0.2;       // σ of the uniform start
@@ -41,6 +42,13 @@ double EstimatorCorrection::curvature_variance(const Eigen::Ref<const Eigen::Vec
   return sensitivity.cwiseProduct(curvature_).squaredNorm();
 }
 
+double EstimatorCorrection::lag_curvature_variance(Eigen::Index sensor) const {
+  if (!has_lags()) return 0.0;
+  const double slope_K_per_s = channels_[static_cast<std::size_t>(sensor)].mean_lag_slope();
+  const double missed_K = lag_missed * slope_K_per_s * filter_.deviation(lag_at(sensor));
+  return missed_K * missed_K;
+}
+
 void EstimatorCorrection::measure(double time_s) {
   const Eigen::Index p = parameters_.count();
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(channels_.size()); ++s) {
@@ -57,7 +65,7 @@ void EstimatorCorrection::measure(double time_s) {
     const double interval_s = std::max(time_s - channel.fused_s, options_.period_s);
     const double floor_K = consistency_.floor_K(s);
     const double one_reading_K2 = sensor.noise_K * sensor.noise_K / channel.samples() + floor_K * floor_K +
-                                  curvature_variance(channel.sensitivity());
+                                  curvature_variance(channel.sensitivity()) + lag_curvature_variance(s);
     made_.noise_K2[s] = one_reading_K2 * std::max(1.0, options_.correlation_s / interval_s);
   }
 }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double most_surprise = 9.0;
 constexpr double memory_s = 3600.0;
-/// A likelihood ratio of e^3: with one trial an hour that a healthy spindle hardly reaches.
+/// Healthy spindles reach some 40 within two hours.
 constexpr double enough = 60.0;
 
 double surprise(double innovation, double variance) {
