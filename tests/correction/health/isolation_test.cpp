@@ -205,15 +205,15 @@ TEST(Isolation, two_that_contradict_the_others_together_are_exchanged_where_each
 TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_a_neighbour) {
   for (const double rise_s : {60.0, 600.0}) {
     Drive drive(seed);
-    drive.run_until(700.0);
+    drive.run_until(1000.0);
     spend_first_verdict(drive.health, 6);
-    drive.run_until(900.0);
+    drive.run_until(1200.0);
     std::vector<HealthUpdate> updates(6, {true, 0.0, 0, 300.0, 0.0});
     updates[0] = {true, 20.0, 0, 300.3, 0.3};
     updates[1] = {true, 10.0, 0, 300.0, -0.25};
     std::vector<HealthUpdate> calm(6, {true, 0.0, 0, 300.0, 0.0});
     drive.health.note_update(calm);
-    drive.run_until(900.0 + rise_s);
+    drive.run_until(1200.0 + rise_s);
     drive.health.note_update(updates);
     updates[0].evidence = 40.0;
     const HealthVerdict verdict = drive.health.note_update(updates);
