@@ -16,6 +16,8 @@ std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan
   const correction::EstimatorOptions& estimator = *plan.estimator;
   correction::IdentifyOptions options;
   options.priors = estimator.priors;
+  // From a cold start, and as long as nothing speaks for a heat that no source explains.
+  options.priors.start_shape_K = options.priors.disturbance = options.priors.disturbance_by_hand = 0.0;
   options.sample_s = estimator.period_s;
   options.floor_K = estimator.floor_K;
   options.correlation_s = estimator.correlation_s;
