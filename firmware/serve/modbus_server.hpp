@@ -12,6 +12,7 @@
 #include "firmware/config/config.hpp"
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/serve/frame_gate.hpp"
+#include "firmware/serve/register_map.hpp"
 #include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
