@@ -9,6 +9,7 @@
 #include "firmware/keep/checkpoint.hpp"
 #include "firmware/keep/parameters.hpp"
 #include "rom/file/whole_file.hpp"
+#include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
 namespace {

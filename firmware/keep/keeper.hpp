@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/config/config.hpp"
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/keep/keep_plan.hpp"
 
 namespace spindle_twin::firmware {
 

@@ -9,10 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/config/config.hpp"
 #include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/snapshot.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
+#include "firmware/serve/serve_plan.hpp"
 #include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {

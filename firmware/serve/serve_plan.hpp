@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/serve/allow_list.hpp"
+
+namespace spindle_twin::firmware {
+
+/// What the Modbus server needs; made once from the configuration.
+struct ServePlan {
+  std::string address = "127.0.0.1";  ///< IPv4 to listen on
+  int port = 502;                     ///< 0 takes a free one (tests)
+  std::vector<AddressRange> allow;    ///< clients that are answered
+  int connections = 32;               ///< at most at once
+  double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
+};
+
+}  // namespace spindle_twin::firmware
