@@ -6,24 +6,9 @@
 #include <vector>
 
 #include "rom/laws/evaluate.hpp"
+#include "rom/laws/speed_law.hpp"
 
 namespace spindle_twin::rom {
-
-/// coefficient · x^exponent, with x = |speed| / reference speed.
-struct PowerTerm {
-  double coefficient = 0.0;
-  double exponent = 0.0;
-};
-
-/// Dimensionless factor on a nominal heat or film:
-///   scale(x, load) = constant + Σ coefficient_k · x^exponent_k + load_squared · load²,
-/// and 0 at standstill if zero_at_standstill. Defaults give the constant 1.
-struct SpeedLaw {
-  double constant = 1.0;
-  std::vector<PowerTerm> speed_terms;
-  double load_squared = 0.0;
-  bool zero_at_standstill = false;
-};
 
 /// What the contact law of an interference fit needs, worked out offline from Lamé's thick-walled rings:
 ///   dP = pressure_per_inner_rise · dT_inner − pressure_per_outer_rise · dT_outer   [Pa]

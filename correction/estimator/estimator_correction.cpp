@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/check_options.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::correction {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/inputs_changed.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::correction {
 

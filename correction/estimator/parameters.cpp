@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::correction {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::correction {
 namespace {

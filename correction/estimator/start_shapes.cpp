@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::correction {
 namespace {

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/sensitivities.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -70,14 +70,14 @@ struct Run {
   double growth_m = 0.0;
 };
 
-Run run(const rom::Network& network, const ParameterModel& parameters, const Schedule& schedule,
+Run run(const rom::Network& network, const ParameterModel& parameters, const rom::Schedule& schedule,
         const std::vector<SensorPlace>& places, const IdentifyOptions& options) {
   const auto coordinates = std::make_shared<const rom::NetworkOperator>(network);
   Sensitivities sensitivities(network, coordinates, parameters);
   sensitivities.start(parameters);
   const auto stepper = rom::make_runtime_stepper(network);
-  rom::CorrectionFactors factors = no_correction(network.boundaries);
-  rom::BoundaryValues values = make_boundary_values(network.boundaries);
+  rom::CorrectionFactors factors = rom::no_correction(network.boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(network.boundaries);
   rom::OperatingState state = network.boundaries.operating;
   Eigen::VectorXd bias_K = Eigen::VectorXd::Zero(state.environment_K.size());
   Eigen::VectorXd rises_K = Eigen::VectorXd::Zero(factors.heat.size());
@@ -97,7 +97,7 @@ Run run(const rom::Network& network, const ParameterModel& parameters, const Sch
     state_at(schedule, begin_s + 0.5 * period_s, state);
     sensitivities.source_rises(start_K, rises_K);
     parameters.apply(theta, state.speed_rpm, rises_K, factors, bias_K);
-    evaluate_boundaries(network.boundaries, state, factors, values);
+    rom::evaluate_boundaries(network.boundaries, state, factors, values);
     if (stepper->advance(period_s, values) != rom::StepStatus::ok) {
       throw std::runtime_error("the network has no solution at " + std::to_string(begin_s) + " s");
     }
@@ -174,8 +174,8 @@ std::vector<SensorPlace> find_places(const rom::Network& network, const std::vec
   return found;
 }
 
-Identification identify(const rom::Network& network, const std::vector<SensorPlace>& sensors, const Schedule& schedule,
-                        const IdentifyOptions& options) {
+Identification identify(const rom::Network& network, const std::vector<SensorPlace>& sensors,
+                        const rom::Schedule& schedule, const IdentifyOptions& options) {
   if (network.deformations.empty()) throw rom::InputError({}, "deformations", "the network has none to be sure of");
   const ParameterModel parameters(network, options.priors);
   std::vector<SensorPlace> places = sensor_places(network);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "correction/boundaries/schedule.hpp"
 #include "correction/estimator/estimator_correction.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::correction {
@@ -64,7 +64,7 @@ struct Identification {
 ///   P⁻¹ = P₀⁻¹ + Σ_t Σ_s hᵀh / r,  h = l_s S(t),    σ² = l S(end) P S(end)ᵀ lᵀ with l the first deformation's row.
 /// No reading is used, so it tells before any sensor is bought what a set of them can know.
 /// Throws rom::InputError for a network without deformation, std::runtime_error if the network cannot be integrated.
-Identification identify(const rom::Network& network, const std::vector<SensorPlace>& sensors, const Schedule& schedule,
-                        const IdentifyOptions& options);
+Identification identify(const rom::Network& network, const std::vector<SensorPlace>& sensors,
+                        const rom::Schedule& schedule, const IdentifyOptions& options);
 
 }  // namespace spindle_twin::correction

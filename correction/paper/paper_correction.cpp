@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/paper/check_options.hpp"
 #include "correction/paper/joint_law.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/integrate/network_operator.hpp"
-#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -78,8 +78,8 @@ struct PaperCorrection::Impl {
     const auto key_points = static_cast<Eigen::Index>(network.key_points.size());
     const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
     if (rom::has_physics(network.boundaries)) coordinates.emplace(network);
-    factors = no_correction(network.boundaries);
-    values = make_boundary_values(network.boundaries);
+    factors = rom::no_correction(network.boundaries);
+    values = rom::make_boundary_values(network.boundaries);
     rescaled_K = base_nodes_K = Eigen::VectorXd::Zero(nodes);
     start_K = Eigen::VectorXd::Zero(key_points);
     base_now_K = Eigen::VectorXd::Zero(key_points);
@@ -300,7 +300,7 @@ struct PaperCorrection::Impl {
       group.base_factors.heat = factors.heat;
       group.base_factors.conductance = factors.conductance;
       for (const int source : group.members.sources) group.base_factors.heat[source] = 0.0;
-      evaluate_boundaries(network.boundaries, operating, group.base_factors, values);
+      rom::evaluate_boundaries(network.boundaries, operating, group.base_factors, values);
       if (coordinates) coordinates->laws().at_temperatures(nodes_K, values);
       values.laws.follow = false;
       if (group.base->advance(advance_s, values) != rom::StepStatus::ok) group.base_failed = true;

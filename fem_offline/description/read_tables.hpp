@@ -6,9 +6,9 @@
 
 #include "fem_offline/description/spindle.hpp"
 #include "rom/read/names.hpp"
-#include "rom/read/read_physical_law.hpp"
-#include "rom/read/read_speed_law.hpp"
 #include "rom/read/strict_toml.hpp"
+#include "rom/read_laws/read_physical_law.hpp"
+#include "rom/read_laws/read_speed_law.hpp"
 
 /// The pieces of read_spindle, one function per table of the description. All throw rom::InputError.
 namespace spindle_twin::fem_offline {

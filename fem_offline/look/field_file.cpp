@@ -8,6 +8,8 @@
 #include <fstream>
 #include <utility>
 
+#include "fem_offline/model/build_model.hpp"
+#include "fem_offline/model/discretisation.hpp"
 #include "fem_offline/model/stress.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -75,23 +77,25 @@ class HeatFlux : public dealii::DataPostprocessorVector<2> {
 
 }  // namespace
 
-void write_field_file(const std::string& path, const Spindle& spindle, const Discretisation<2>& discretisation,
-                      const Eigen::VectorXd& temperatures_K, const Eigen::VectorXd& rises_K,
-                      const Eigen::VectorXd& displacements_m, const Eigen::MatrixXd& stresses_Pa) {
+void write_field_file(const std::string& path, const FeModel& model, const Eigen::VectorXd& temperatures_K) {
+  const Discretisation<2>& discretisation = model.discretisation();
+  const Eigen::VectorXd at_nodes_K = temperatures_K.head(static_cast<Eigen::Index>(discretisation.places.size()));
+  const Eigen::VectorXd rises_K = at_nodes_K.array() - model.affine().boundaries.reference_temperature_K;
   const dealii::FESystem<2> vector_element(discretisation.element, 2);
   dealii::DoFHandler<2> vector_handler(discretisation.triangulation);
   vector_handler.distribute_dofs(vector_element);
-  const dealii::Vector<double> displacement = as_vector_field(discretisation, vector_handler, displacements_m);
-  const dealii::Vector<double> temperature = copied(temperatures_K.array() - kelvin_at_0_degC);
+  const dealii::Vector<double> displacement =
+      as_vector_field(discretisation, vector_handler, model.displacements_m(temperatures_K));
+  const dealii::Vector<double> temperature = copied(at_nodes_K.array() - kelvin_at_0_degC);
   const dealii::Vector<double> rise = copied(rises_K);
   dealii::Vector<float> part(discretisation.triangulation.n_active_cells());
   for (const auto& cell : discretisation.triangulation.active_cell_iterators()) {
     part[cell->active_cell_index()] = static_cast<float>(cell->material_id());
   }
 
-  const StressFields stress = stress_fields(stresses_Pa);
+  const StressFields stress = stress_fields(model.stresses_Pa(temperatures_K));
 
-  const HeatFlux heat_flux(spindle);
+  const HeatFlux heat_flux(model.description());
   dealii::DataOut<2> out;
   using Meaning = dealii::DataComponentInterpretation::DataComponentInterpretation;
   const std::vector<Meaning> vector_meaning(2, Meaning::component_is_part_of_vector);

@@ -24,7 +24,7 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
                                         const Eigen::VectorXd& temperatures_K, const PictureState& state) {
   constexpr double micrometres_per_metre = 1e6;
   const AffineModel& affine = model.affine();
-  const Lattice lattice = model.lattice();
+  const Lattice lattice = lattice_of(model);
   const auto nodes = static_cast<Eigen::Index>(lattice.nodes.size());
   SectionPicture picture{model.description(), model.section(), lattice, state, {}, {}, {}, {}, {}, {}, {},
                          model.quality()};

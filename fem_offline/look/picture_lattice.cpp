@@ -4,11 +4,13 @@
 #include <cmath>
 #include <map>
 
+#include "fem_offline/model/build_model.hpp"
 #include "fem_offline/model/discretisation.hpp"
 
 namespace spindle_twin::fem_offline {
 
-Lattice make_lattice(const Discretisation<2>& discretisation) {
+Lattice lattice_of(const FeModel& model) {
+  const Discretisation<2>& discretisation = model.discretisation();
   Lattice lattice;
   lattice.degree = static_cast<int>(discretisation.element.degree);
   for (const DofPlace& place : discretisation.places) lattice.nodes.push_back({place.r_m, place.z_m});

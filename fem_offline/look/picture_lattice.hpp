@@ -10,8 +10,7 @@
 
 namespace spindle_twin::fem_offline {
 
-template <int dim>
-struct Discretisation;
+class FeModel;
 
 /// The nodes of one element in rows and columns, (degree + 1)² of them, and its part.
 struct LatticeCell {
@@ -26,7 +25,8 @@ struct Lattice {
   std::vector<LatticeCell> cells;
 };
 
-Lattice make_lattice(const Discretisation<2>& discretisation);
+/// Its nodes are the FE unknowns.
+Lattice lattice_of(const FeModel& model);
 
 using LatticeEdge = std::pair<int, int>;
 using LatticeTriangle = std::array<int, 3>;

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "fem_offline/description/spindle.hpp"
+#include "fem_offline/sparse/sparse_matrix.hpp"
 #include "rom/boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
-
-using SparseMatrix = Eigen::SparseMatrix<double>;  // column-major, both triangles stored
 
 /// Where an unknown sits. Air volumes follow the FE nodes and have part = -1.
 struct DofPlace {

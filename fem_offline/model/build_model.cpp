@@ -4,7 +4,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "fem_offline/look/field_file.hpp"
 #include "fem_offline/model/discretisation.hpp"
 #include "fem_offline/model/exchange_terms.hpp"
 #include "fem_offline/model/field_error.hpp"
@@ -195,7 +194,8 @@ const AffineModel& FeModel::affine() const { return impl_->affine; }
 const std::vector<PartQuality>& FeModel::quality() const { return impl_->quality; }
 const Spindle& FeModel::description() const { return impl_->described; }
 const Section& FeModel::section() const { return impl_->outlined; }
-Lattice FeModel::lattice() const { return make_lattice(impl_->discretisation); }
+const Discretisation<2>& FeModel::discretisation() const { return impl_->discretisation; }
+std::size_t FeModel::element_count() const { return impl_->discretisation.triangulation.n_active_cells(); }
 
 FieldError FeModel::error_against(const ExactField& exact, const Eigen::VectorXd& nodal) const {
   return field_error(impl_->discretisation, nodal, exact);
@@ -224,14 +224,6 @@ std::vector<ProbedStress> FeModel::probed_stresses(const Eigen::VectorXd& temper
     probed.push_back({probe.name, impl_->stress_at(nodal_Pa, probe.part, probe.at)});
   }
   return probed;
-}
-
-void FeModel::write_vtu(const std::string& directory, const std::string& name,
-                        const Eigen::VectorXd& temperatures_K) const {
-  const auto count = static_cast<Eigen::Index>(impl_->discretisation.places.size());
-  const Eigen::VectorXd at_nodes_K = temperatures_K.head(count);
-  write_field_file(directory + "/" + name + ".vtu", impl_->described, impl_->discretisation, at_nodes_K,
-                   impl_->rises_K(temperatures_K), displacements_m(temperatures_K), stresses_Pa(temperatures_K));
 }
 
 FeModel build_fe_model(const std::string& spindle_path) {

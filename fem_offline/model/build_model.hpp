@@ -1,10 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "fem_offline/look/picture_lattice.hpp"
 #include "fem_offline/mesh/mesh_quality.hpp"
 #include "fem_offline/mesh/section.hpp"
 #include "fem_offline/model/affine_model.hpp"
@@ -17,6 +18,9 @@ struct ProbedStress {
   std::string name;
   Stress stress;
 };
+
+template <int dim>
+struct Discretisation;
 
 /// The FE model behind an AffineModel: keeps mesh and dof numbering so that fields can be written.
 class FeModel {
@@ -31,8 +35,9 @@ class FeModel {
   const std::vector<PartQuality>& quality() const;
   const Spindle& description() const;
   const Section& section() const;
-  /// The mesh as pictures need it; its nodes are the FE unknowns.
-  Lattice lattice() const;
+  /// Mesh, elements and unknowns (model/discretisation.hpp).
+  const Discretisation<2>& discretisation() const;
+  std::size_t element_count() const;
 
   /// L2 errors of a field given at the unknowns (air volumes ignored) against a closed form.
   FieldError error_against(const ExactField& exact, const Eigen::VectorXd& nodal) const;
@@ -47,9 +52,6 @@ class FeModel {
   Stress stress_at(std::size_t part, const Point& at, const Eigen::VectorXd& temperatures_K) const;
   /// At the description's stress probes.
   std::vector<ProbedStress> probed_stresses(const Eigen::VectorXd& temperatures_K) const;
-
-  /// Writes DIR/<name>.vtu with temperature (degC), rise (K), part, displacement (m) and stress (Pa).
-  void write_vtu(const std::string& directory, const std::string& name, const Eigen::VectorXd& temperatures_K) const;
 
  private:
   struct Impl;

@@ -3,7 +3,7 @@
 #include "fem_offline/mesh/piece_track.hpp"
 #include "fem_offline/model/exchange_terms.hpp"
 #include "fem_offline/model/thermoelastic.hpp"
-#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 
 namespace spindle_twin::fem_offline {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/dense_model.hpp"
 #include "fem_offline/reduce/nodal.hpp"
 #include "fem_offline/reduce/parallel.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -50,12 +50,12 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));
-    rom::CorrectionFactors factors = correction::no_correction(boundaries);
+    rom::CorrectionFactors factors = rom::no_correction(boundaries);
     factors.conductance = random_conductance_factors(boundaries, options.box, set % 5 < 2, random);
-    rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+    rom::BoundaryValues values = rom::make_boundary_values(boundaries);
     HeldModel held;
     const auto apply = [&](const rom::OperatingState& state) {
-      correction::evaluate_boundaries(boundaries, state, factors, values);
+      rom::evaluate_boundaries(boundaries, state, factors, values);
       hold_inputs(model, boundaries, segments, values, 0.0, held);
     };
     const auto solve = [&](double rate_per_s, const Eigen::VectorXd& before_K) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -59,7 +59,7 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
   const ParameterBox& box = options.box;
   RandomStream random(seed, options.purpose, index);
   DriveCase result;
-  result.factors = correction::no_correction(boundaries);
+  result.factors = rom::no_correction(boundaries);
   result.factors.conductance = random_conductance_factors(boundaries, box, false, random);
   result.initial_temperature_K =
       boundaries.reference_temperature_K + random.uniform(-environment_spread_K, environment_spread_K);

@@ -8,8 +8,8 @@
 
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
-#include "fem_offline/solve/cholesky.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 
 /// LAPACK: Cholesky factor with complete pivoting of a positive semidefinite matrix.
 extern "C" void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* pivots, int* rank,

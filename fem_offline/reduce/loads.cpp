@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
 
 namespace spindle_twin::fem_offline {
 

@@ -4,10 +4,10 @@
 #include <array>
 #include <stdexcept>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -18,15 +18,15 @@ constexpr double longest_warm_up_interval_s = 64.0;
 Eigen::MatrixXd warm_up(const AffineModel& model) {
   const rom::Boundaries& boundaries = model.boundaries;
   DriveCase drive;
-  drive.factors = correction::no_correction(boundaries);
+  drive.factors = rom::no_correction(boundaries);
   drive.initial_temperature_K = boundaries.reference_temperature_K;
   for (double at_s = 0.0; at_s < longest_warm_up_interval_s;) {
     drive.intervals.push_back({std::max(1.0, at_s), boundaries.operating, Eigen::VectorXd(), at_s});
     at_s += drive.intervals.back().duration_s;
   }
   Eigen::MatrixXd outputs = run_fe_model(model, drive, longest_warm_up_interval_s).outputs;
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, boundaries.operating, drive.factors, values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, drive.factors, values);
   outputs.conservativeResize(Eigen::NoChange, outputs.cols() + 1);
   outputs.rightCols(1) = fe_outputs(model, solve_steady(model, values));
   return outputs;

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -99,7 +99,7 @@ double heat_unbalanced(const rom::Network& network, const DriveCase& drive) {
   const rom::Boundaries& boundaries = network.boundaries;
   const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
   const Eigen::VectorXd stored_J_per_K = capacity.colwise().sum();
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::CorrectionFactors factors = drive.factors;
   HeldNetwork held(network);
   Eigen::VectorXd rise_K =
@@ -108,7 +108,7 @@ double heat_unbalanced(const rom::Network& network, const DriveCase& drive) {
   double heat_J = 0.0, left_J = 0.0, given_J = 0.0;
   for (const HeldInterval& interval : drive.intervals) {
     if (interval.conductance_factors.size() > 0) factors.conductance = interval.conductance_factors;
-    correction::evaluate_boundaries(boundaries, interval.state, factors, values);
+    rom::evaluate_boundaries(boundaries, interval.state, factors, values);
     held.hold(values);
     const double h_s = interval.duration_s;
     const Eigen::PartialPivLU<Eigen::MatrixXd> stage(capacity + gamma * h_s * held.conduction);
@@ -133,8 +133,8 @@ NetworkChecks check_laws(const rom::Network& network, const std::vector<DriveCas
   checks.asymmetry = std::max(asymmetry(network.capacity_J_per_K), asymmetry(network.conduction_W_per_K));
   checks.capacity_definite = is_definite(network.capacity_J_per_K);
   const rom::Boundaries& boundaries = network.boundaries;
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
   Eigen::MatrixXd conduction = network.conduction_W_per_K;
   for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
     const Eigen::MatrixXd& factor = network.factors_m[j];

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/laws/channel_law.hpp"
-#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::fem_offline {
 

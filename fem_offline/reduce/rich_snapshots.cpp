@@ -5,9 +5,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -62,14 +62,14 @@ RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries
   const bool symmetric = segments.count() == 0;
   RandomStream random(options.seed, StreamPurpose::rich_snapshots, set);
   const bool corner = random.uniform(0.0, 1.0) < corner_share;
-  rom::CorrectionFactors factors = correction::no_correction(boundaries);
+  rom::CorrectionFactors factors = rom::no_correction(boundaries);
   factors.conductance = random_conductance_factors(boundaries, options.box, corner, random);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   HeldModel held;
   const auto jump = [&] {
     rom::OperatingState state = random_state(boundaries, options.box, environment_spread_K, random);
     if (random.uniform(0.0, 1.0) < rest_share) state.speed_rpm = state.load = 0.0;
-    correction::evaluate_boundaries(boundaries, state, factors, values);
+    rom::evaluate_boundaries(boundaries, state, factors, values);
     hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
   };
 

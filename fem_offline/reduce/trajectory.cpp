@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 
@@ -22,12 +22,12 @@ double fe_step_for_s(const HeldInterval& interval, double longest_s) {
 /// Inputs of every interval in turn.
 template <typename Visit>
 void follow(const rom::Boundaries& boundaries, const DriveCase& drive, const Visit& visit) {
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::CorrectionFactors factors = drive.factors;
   for (std::size_t i = 0; i < drive.intervals.size(); ++i) {
     const HeldInterval& interval = drive.intervals[i];
     if (interval.conductance_factors.size() > 0) factors.conductance = interval.conductance_factors;
-    correction::evaluate_boundaries(boundaries, interval.state, factors, values);
+    rom::evaluate_boundaries(boundaries, interval.state, factors, values);
     values.laws.follow =
         false;  // the FE model holds them at their nominal temperatures, and the basis is what is judged
     visit(static_cast<Eigen::Index>(i), interval, values);

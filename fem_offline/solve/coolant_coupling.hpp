@@ -4,7 +4,7 @@
 #include <Eigen/SparseCore>
 
 #include "fem_offline/model/affine_model.hpp"
-#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 #include "rom/integrate/coolant.hpp"
 
 namespace spindle_twin::fem_offline {

@@ -7,10 +7,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "fem_offline/solve/follow_schedule.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/schedule.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -75,9 +75,9 @@ double figure_of(const FeModel& fe, const Instant& instant, const Expectation& e
 /// The steady field, or the one that the description imposes.
 Instant steady(const AffineModel& model) {
   Instant instant;
-  instant.values = correction::make_boundary_values(model.boundaries);
-  correction::evaluate_boundaries(model.boundaries, model.boundaries.operating,
-                                  correction::no_correction(model.boundaries), instant.values);
+  instant.values = rom::make_boundary_values(model.boundaries);
+  rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries),
+                           instant.values);
   if (model.imposed_rises_K) {
     instant.temperatures_K = model.imposed_rises_K->array() + model.boundaries.reference_temperature_K;
   } else {
@@ -93,13 +93,13 @@ std::map<double, Instant> along_schedule(const AffineModel& model, const Verific
     if (expected.time_s) instants[*expected.time_s];
   }
   if (instants.empty()) return instants;
-  const correction::Schedule schedule = verification.schedule.empty()
-                                            ? correction::constant_schedule(model.boundaries, instants.rbegin()->first)
-                                            : correction::read_schedule(verification.schedule, model.boundaries);
+  const rom::Schedule schedule = verification.schedule.empty()
+                                     ? rom::constant_schedule(model.boundaries, instants.rbegin()->first)
+                                     : rom::read_schedule(verification.schedule, model.boundaries);
   FeStepper stepper(model);
   double time_s = 0.0;
   for (auto& [until_s, instant] : instants) {
-    instant.values = correction::make_boundary_values(model.boundaries);
+    instant.values = rom::make_boundary_values(model.boundaries);
     follow_schedule(model.boundaries, schedule, time_s, until_s, verification.max_step_s, stepper, instant.values);
     instant.temperatures_K = stepper.temperatures_K();
     time_s = until_s;

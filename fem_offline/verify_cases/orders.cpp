@@ -3,10 +3,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "fem_offline/solve/cholesky.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 #include "fem_offline/verify_cases/fem_case.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -45,9 +45,8 @@ Eigen::VectorXd solved_with_boundary(const AffineModel& model, const ExactField&
     const DofPlace& place = model.places[static_cast<std::size_t>(i)];
     wanted[i] = exact.value({place.r_m, place.z_m});
   }
-  rom::BoundaryValues values = correction::make_boundary_values(model.boundaries);
-  correction::evaluate_boundaries(model.boundaries, model.boundaries.operating,
-                                  correction::no_correction(model.boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(model.boundaries);
+  rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
   ThermalSystem system(model);
   system.set_conductances(values.conductance_W_per_m2K);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(count);
@@ -153,7 +152,7 @@ std::vector<CaseResult> run_orders(const std::string& directory) {
       elastic = spindle.imposed_temperature.has_value();
       const FeModel fe(spindle, build_section(spindle));
       const ExactField exact = harmonic();
-      measured.push_back({1.0 / std::sqrt(static_cast<double>(fe.lattice().cells.size())),
+      measured.push_back({1.0 / std::sqrt(static_cast<double>(fe.element_count())),
                           elastic ? displacement_error(fe, spindle)
                                   : fe.error_against(exact, solved_with_boundary(fe.affine(), exact)),
                           elastic ? stress_error(fe, spindle) : 0.0});

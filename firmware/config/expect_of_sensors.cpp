@@ -32,7 +32,7 @@ std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan
     options.offset_K = std::max(options.offset_K, plan.sensors[k].offset_K);
   }
   const correction::Identification found =
-      correction::identify(network, sensors, correction::constant_schedule(network.boundaries, hour_s), options);
+      correction::identify(network, sensors, rom::constant_schedule(network.boundaries, hour_s), options);
   std::vector<correction::Parameter> parameters;
   std::vector<correction::ParameterEstimate> estimates;
   for (const correction::IdentifiedParameter& parameter : found.parameters) {

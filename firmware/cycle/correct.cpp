@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -102,7 +102,7 @@ CorrectedInputs run_paper(const SensedInputs& sensed, const Judgement& judgement
 
 Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper) {
   Corrector corrector;
-  corrector.none = correction::no_correction(network.boundaries);
+  corrector.none = rom::no_correction(network.boundaries);
   corrector.operating = network.boundaries.operating;
   corrector.clock_rate = plan.clock_rate;
   corrector.freeze = bits(CorrectionFreeze::waiting);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/integrate/output_uncertainty.hpp"
-#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::firmware {
 namespace {

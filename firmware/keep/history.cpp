@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
 
 namespace spindle_twin::firmware {
 namespace {

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "host_tools/commands/commands.hpp"
-#include "host_tools/commands/network_facts.hpp"
+#include "host_tools/inspection/network_facts.hpp"
 #include "rom/read/input_error.hpp"
 
 // spindle-twin diff old.rom new.rom

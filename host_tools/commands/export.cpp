@@ -3,11 +3,11 @@
 #include <memory>
 #include <string>
 
-#include "correction/boundaries/schedule.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/fmu/write_fmu.hpp"
 #include "host_tools/network_files/matrix_files.hpp"
 #include "host_tools/network_files/spice_netlist.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
@@ -38,9 +38,8 @@ struct Options {
 void export_network(const Options& options) {
   const rom::Network network = rom::read_network(options.input);
   if (!options.netlist.empty()) {
-    const correction::Schedule schedule = options.schedule.empty()
-                                              ? correction::constant_schedule(network.boundaries, hour_s)
-                                              : correction::read_schedule(options.schedule, network.boundaries);
+    const rom::Schedule schedule = options.schedule.empty() ? rom::constant_schedule(network.boundaries, hour_s)
+                                                            : rom::read_schedule(options.schedule, network.boundaries);
     const std::string data_file = std::filesystem::path(options.netlist).stem().string() + ".data";
     rom::write_whole_file(options.netlist, spice_netlist(network, schedule, data_file, options.schedule));
     std::printf("ngspice netlist in %s: %zu nodes, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(),

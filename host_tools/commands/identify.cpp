@@ -98,9 +98,9 @@ void print_table(const rom::Network& network, const std::vector<correction::Sens
 
 void run(const Options& options) {
   const rom::Network network = rom::read_network(options.network);
-  const correction::Schedule schedule = options.schedule.empty()
-                                            ? correction::constant_schedule(network.boundaries, 3600.0 * options.hours)
-                                            : correction::read_schedule(options.schedule, network.boundaries);
+  const rom::Schedule schedule = options.schedule.empty()
+                                     ? rom::constant_schedule(network.boundaries, 3600.0 * options.hours)
+                                     : rom::read_schedule(options.schedule, network.boundaries);
   std::vector<std::string> names = options.sensors;
   if (names.empty()) {
     for (const rom::KeyPoint& point : network.key_points) names.push_back(point.name);

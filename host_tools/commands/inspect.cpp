@@ -5,7 +5,7 @@
 
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
-#include "host_tools/commands/inspection.hpp"
+#include "host_tools/inspection/inspection.hpp"
 #include "host_tools/network_page/page_data.hpp"
 #include "host_tools/network_page/steady_state.hpp"
 #include "rom/file/whole_file.hpp"

@@ -4,10 +4,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
@@ -77,21 +77,21 @@ void simulate(const Options& options) {
   rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.network);
   const rom::Boundaries& boundaries = network.boundaries;
-  const correction::Schedule schedule = correction::read_schedule(options.schedule, boundaries);
-  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  const rom::Schedule schedule = rom::read_schedule(options.schedule, boundaries);
+  const rom::CorrectionFactors factors = rom::no_correction(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::NetworkOutputs outputs = rom::make_network_outputs(network);
   rom::OperatingState state = boundaries.operating;
   const auto stepper = rom::make_runtime_stepper(network);
   const rom::NetworkOperator channels(network);
 
   const auto hold = [&](double time_s) {
-    correction::state_at(schedule, time_s, state);
-    correction::evaluate_boundaries(boundaries, state, factors, values);
+    rom::state_at(schedule, time_s, state);
+    rom::evaluate_boundaries(boundaries, state, factors, values);
   };
   hold(0.0);
   stepper->set_temperatures(
-      Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), correction::rest_temperature_K(boundaries, state)));
+      Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), rom::rest_temperature_K(boundaries, state)));
   std::string table = header(network);
   const auto add_row_at = [&](double time_s) {
     const Eigen::VectorXd& nodes_K = stepper->temperatures_K();

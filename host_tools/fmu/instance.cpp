@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
@@ -47,7 +47,7 @@ FmuInstance::FmuInstance(const std::string& guid, const std::string& resource_lo
   network_ = rom::decode_network(bytes, file);
   variables_ = fmu_variables(network_);
   operator_ = std::make_unique<rom::NetworkOperator>(network_);
-  values_ = correction::make_boundary_values(network_.boundaries);
+  values_ = rom::make_boundary_values(network_.boundaries);
   outputs_ = rom::make_network_outputs(network_);
   reset();
 }
@@ -55,7 +55,7 @@ FmuInstance::FmuInstance(const std::string& guid, const std::string& resource_lo
 void FmuInstance::reset() {
   stepper_ = rom::make_runtime_stepper(network_);
   operating_ = network_.boundaries.operating;
-  factors_ = correction::no_correction(network_.boundaries);
+  factors_ = rom::no_correction(network_.boundaries);
   state_ = make_state();
   fresh_ = false;
 }
@@ -135,7 +135,7 @@ void FmuInstance::apply_inputs() {
         break;
     }
   }
-  correction::evaluate_boundaries(network_.boundaries, operating_, factors_, values_);
+  rom::evaluate_boundaries(network_.boundaries, operating_, factors_, values_);
 }
 
 void FmuInstance::refresh() {

@@ -1,7 +1,7 @@
 #include "host_tools/fmu/variables.hpp"
 
-#include "correction/boundaries/schedule.hpp"
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/read/sha256.hpp"
 
 namespace spindle_twin::host_tools {
@@ -52,7 +52,7 @@ std::vector<FmuVariable> fmu_variables(const rom::Network& network) {
              "measured watts of a heat source", boundaries.sources[heat].nominal_W, index);
   }
   list.add(fixed_parameter, start_temperature_K, "start_temperature", "K", "uniform temperature at the start",
-           correction::rest_temperature_K(boundaries, operating));
+           rom::rest_temperature_K(boundaries, operating));
   list.add_each(tunable_parameter, heat_factor, "heat_factor", "", "factor on a heat source", boundaries.sources, one);
   list.add_each(tunable_parameter, conductance_factor, "conductance_factor", "", "factor on a contact or film",
                 boundaries.conductances, one);

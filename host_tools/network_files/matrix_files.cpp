@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <unsupported/Eigen/SparseExtra>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -109,8 +109,8 @@ Json conductances_json(const rom::Network& network, const rom::BoundaryValues& v
 
 Json manifest(const rom::Network& network) {
   const rom::Boundaries& boundaries = network.boundaries;
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
   Json json{{"spindle", network.spindle},
             {"description_sha256", network.description_hash},
             {"reference_temperature_K", boundaries.reference_temperature_K},

@@ -8,8 +8,8 @@
 #include <set>
 #include <vector>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -42,14 +42,14 @@ struct Course {
   std::vector<rom::OperatingState> states;
 };
 
-Course course_of(const rom::Boundaries& boundaries, const correction::Schedule& schedule) {
+Course course_of(const rom::Boundaries& boundaries, const rom::Schedule& schedule) {
   Course course;
-  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
-  for (const correction::ScheduleRow& row : schedule.rows) {
+  const rom::CorrectionFactors factors = rom::no_correction(boundaries);
+  for (const rom::ScheduleRow& row : schedule.rows) {
     course.time_s.push_back(row.time_s);
     course.states.push_back(row.state);
-    course.values.push_back(correction::make_boundary_values(boundaries));
-    correction::evaluate_boundaries(boundaries, row.state, factors, course.values.back());
+    course.values.push_back(rom::make_boundary_values(boundaries));
+    rom::evaluate_boundaries(boundaries, row.state, factors, course.values.back());
   }
   // The last row is the end: nothing begins there.
   course.values.back().heat_W = (course.values.end() - 2)->heat_W;
@@ -60,7 +60,7 @@ Course course_of(const rom::Boundaries& boundaries, const correction::Schedule& 
 
 class Netlist {
  public:
-  Netlist(const rom::Network& network, const correction::Schedule& schedule)
+  Netlist(const rom::Network& network, const rom::Schedule& schedule)
       : network_(network), course_(course_of(network.boundaries, schedule)) {}
 
   std::string write(const std::string& data_file, const std::string& file);
@@ -316,7 +316,7 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
   outputs();
 
   const double start_rise_K =
-      correction::rest_temperature_K(boundaries, course_.states.front()) - boundaries.reference_temperature_K;
+      rom::rest_temperature_K(boundaries, course_.states.front()) - boundaries.reference_temperature_K;
   add("");
   for (Index i = 0; i < network_.capacity_J_per_K.rows(); ++i) {
     add(".ic v(", node(i), ")=", number(start_rise_K));
@@ -333,8 +333,8 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
 
 }  // namespace
 
-std::string spice_netlist(const rom::Network& network, const correction::Schedule& schedule,
-                          const std::string& data_file, const std::string& file) {
+std::string spice_netlist(const rom::Network& network, const rom::Schedule& schedule, const std::string& data_file,
+                          const std::string& file) {
   return Netlist(network, schedule).write(data_file, file);
 }
 

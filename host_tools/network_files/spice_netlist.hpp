@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "correction/boundaries/schedule.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::host_tools {
@@ -19,7 +19,7 @@ namespace spindle_twin::host_tools {
 /// The run starts at rest as `spindle-twin simulate` does, writes `<data_file>` (time and all outputs) and ends with
 /// the schedule. Throws rom::InputError if a circuit's flow changes its sign along the schedule; `file` is only for
 /// messages.
-std::string spice_netlist(const rom::Network& network, const correction::Schedule& schedule,
-                          const std::string& data_file, const std::string& file);
+std::string spice_netlist(const rom::Network& network, const rom::Schedule& schedule, const std::string& data_file,
+                          const std::string& file);
 
 }  // namespace spindle_twin::host_tools

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "correction/boundaries/schedule.hpp"
-#include "host_tools/commands/inspection.hpp"
+#include "host_tools/inspection/inspection.hpp"
 #include "host_tools/network_page/steady_state.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -101,7 +101,7 @@ Json network_page_data(const rom::Network& network, const rom::OperatingState& s
     throw rom::InputError({file, 0}, "--html", "no steady state: nothing leads the heat to an environment");
   }
   const SteadyState& steady = *found;
-  const double rest_K = correction::rest_temperature_K(boundaries, state);
+  const double rest_K = rom::rest_temperature_K(boundaries, state);
 
   Json data{{"spindle", network.spindle},           {"description_sha256", network.description_hash},
             {"hand_written", network.hand_written}, {"rest_degC", rest_K - kelvin_at_0_degC},

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "host_tools/commands/inspection.hpp"
+#include "host_tools/inspection/inspection.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/sensitivity.hpp"
 
@@ -146,11 +146,11 @@ std::optional<SteadyState> steady_state(const rom::Network& network, const rom::
   SteadyState steady{network,
                      state,
                      bodies_of(network),
-                     correction::make_boundary_values(boundaries),
+                     rom::make_boundary_values(boundaries),
                      std::make_shared<const rom::NetworkOperator>(network),
                      {},
                      {}};
-  correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), steady.values);
+  rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), steady.values);
   steady.temperatures_K = rom::steady_temperatures_K(steady.coordinates, steady.values);
   steady.coordinates->laws().at_temperatures(steady.temperatures_K, steady.values);
   if (!steady.temperatures_K.allFinite() || steady.temperatures_K.cwiseAbs().maxCoeff() > 1e6) return std::nullopt;

@@ -7,7 +7,7 @@
 
 #include "firmware/keep/history.hpp"
 #include "host_tools/replay/replay.hpp"
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/read/csv_table.hpp"
 
 namespace spindle_twin::host_tools {

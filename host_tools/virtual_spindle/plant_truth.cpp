@@ -6,8 +6,8 @@
 #include <ostream>
 #include <utility>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/paper/joint_law.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -82,7 +82,7 @@ ContactSpread parse_contact_spread(const std::string& text) {
 }
 
 rom::CorrectionFactors hidden_factors(const rom::Boundaries& boundaries, const HiddenTruth& truth) {
-  rom::CorrectionFactors factors = correction::no_correction(boundaries);
+  rom::CorrectionFactors factors = rom::no_correction(boundaries);
   std::vector<std::string> heats;
   for (const rom::HeatSource& source : boundaries.sources) heats.push_back(source.name);
   // Contacts and films share one list; an empty name marks an entry that the option does not reach.
@@ -110,13 +110,13 @@ rom::CorrectionFactors hidden_factors(const rom::Boundaries& boundaries, const H
   return factors;
 }
 
-Plant::Plant(const fem_offline::AffineModel& model, const HiddenTruth& truth, correction::Schedule schedule)
+Plant::Plant(const fem_offline::AffineModel& model, const HiddenTruth& truth, rom::Schedule schedule)
     : model_(model),
       truth_(truth),
       schedule_(std::move(schedule)),
       hidden_(hidden_factors(model.boundaries, truth)),
       present_(hidden_),
-      values_(correction::make_boundary_values(model.boundaries)),
+      values_(rom::make_boundary_values(model.boundaries)),
       stepper_(model),
       offset_K_(model.key_points.size(), 0.0),
       random_(truth.seed) {
@@ -124,7 +124,7 @@ Plant::Plant(const fem_offline::AffineModel& model, const HiddenTruth& truth, co
             [this](std::size_t i, double value) { offset_K_[i] += value; });
   stepper_.set_uniform_temperature(model.boundaries.reference_temperature_K);
   snapshot_.operating = model.boundaries.operating;
-  correction::state_at(schedule_, 0.0, snapshot_.operating);
+  rom::state_at(schedule_, 0.0, snapshot_.operating);
   snapshot_.measured_degC.resize(model.key_points.size());
   snapshot_.key_point_degC.resize(model.key_points.size());
   snapshot_.part_max_degC.resize(model.parts.size());
@@ -134,12 +134,12 @@ Plant::Plant(const fem_offline::AffineModel& model, const HiddenTruth& truth, co
 
 void Plant::advance(double step_s) {
   if (truth_.joint_law && snapshot_.time_s >= joints_due_s_) update_joints();
-  correction::state_at(schedule_, snapshot_.time_s, snapshot_.operating);
-  correction::evaluate_boundaries(model_.boundaries, snapshot_.operating, present_, values_);
+  rom::state_at(schedule_, snapshot_.time_s, snapshot_.operating);
+  rom::evaluate_boundaries(model_.boundaries, snapshot_.operating, present_, values_);
   stepper_.advance(step_s, step_s, values_);
   snapshot_.time_s += step_s;
   ++snapshot_.steps;
-  correction::state_at(schedule_, snapshot_.time_s, snapshot_.operating);
+  rom::state_at(schedule_, snapshot_.time_s, snapshot_.operating);
   observe();
 }
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "correction/boundaries/schedule.hpp"
 #include "fem_offline/model/affine_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/schedule.hpp"
 
 /// A simulated spindle whose temperatures come from the FE model itself, with a truth that no twin is told.
 namespace spindle_twin::host_tools {
@@ -61,7 +61,7 @@ struct PlantSnapshot {
 class Plant {
  public:
   /// `model` must outlive this. Everything starts at the description's reference temperature.
-  Plant(const fem_offline::AffineModel& model, const HiddenTruth& truth, correction::Schedule schedule);
+  Plant(const fem_offline::AffineModel& model, const HiddenTruth& truth, rom::Schedule schedule);
 
   /// One step of model time; after the schedule's end its last row holds.
   void advance(double step_s);
@@ -74,7 +74,7 @@ class Plant {
 
   const fem_offline::AffineModel& model_;
   HiddenTruth truth_;
-  correction::Schedule schedule_;
+  rom::Schedule schedule_;
   rom::CorrectionFactors hidden_;   ///< constant part
   rom::CorrectionFactors present_;  ///< times the joint law
   rom::BoundaryValues values_;

@@ -5,8 +5,8 @@
 
 #include "rom/network.hpp"
 #include "rom/read/names.hpp"
-#include "rom/read/read_physical_law.hpp"
 #include "rom/read/strict_toml.hpp"
+#include "rom/read_laws/read_physical_law.hpp"
 
 /// The pieces of read_by_hand, one function per group of tables; used there only. All throw InputError.
 namespace spindle_twin::rom {

@@ -6,8 +6,8 @@
 
 #include "rom/by_hand/draft.hpp"
 #include "rom/file/rom_file.hpp"
-#include "rom/read/read_speed_law.hpp"
 #include "rom/read/sha256.hpp"
+#include "rom/read_laws/read_speed_law.hpp"
 
 namespace spindle_twin::rom {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "rom/by_hand/draft.hpp"
-#include "rom/read/read_speed_law.hpp"
+#include "rom/read_laws/read_speed_law.hpp"
 
 namespace spindle_twin::rom {
 namespace {

@@ -1,9 +1,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/by_hand/draft.hpp"
-#include "rom/laws/held_law.hpp"
-#include "rom/read/read_speed_law.hpp"
+#include "rom/read_laws/read_speed_law.hpp"
 
 namespace spindle_twin::rom {
 namespace {

@@ -3,11 +3,11 @@
 #include <cstring>
 #include <limits>
 
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/file/decode_certificate.hpp"
 #include "rom/file/decode_fields.hpp"
 #include "rom/file/decode_law.hpp"
 #include "rom/file/rom.pb.h"
-#include "rom/laws/held_law.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/laws/channel_law.hpp"
-#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::rom {
 namespace {

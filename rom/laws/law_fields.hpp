@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "rom/laws/evaluate.hpp"
-#include "rom/read/strict_toml.hpp"
+#include "rom/range.hpp"
 
 /// One list of every law's numbers, from which descriptions are read, files written and checked, and networks shown and
 /// compared. Not for the cycle.

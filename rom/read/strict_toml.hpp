@@ -2,28 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "rom/range.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {
-
-/// Allowed interval of a number. Every number must be finite besides.
-struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool min_excluded = false;
-  bool max_excluded = false;
-};
-
-inline constexpr Range any_number{};
-inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true, false};
-inline constexpr Range not_negative{0.0, std::numeric_limits<double>::infinity(), false, false};
-constexpr Range between(double min, double max) { return {min, max, false, false}; }
 
 /// One table of a TOML document, read strictly: every getter checks type and range, remembers the key as allowed, and
 /// throws InputError with file, line, the key's full name and what is allowed. Getters without a default throw when the

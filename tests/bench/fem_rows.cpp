@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/mesh/section_mesh.hpp"
-#include "fem_offline/solve/cholesky.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "tests/bench/rows.hpp"
 
 namespace spindle_twin::bench {
@@ -105,9 +105,9 @@ Size measure_size(double element_size_mm) {
       thread_seconds(repeats, [&] { fem_offline::mesh_section(model->description(), model->section()); });
   const double assembly_s = model_s - mesh_s;
   const AffineModel& affine = model->affine();
-  rom::BoundaryValues values = correction::make_boundary_values(affine.boundaries);
-  correction::evaluate_boundaries(affine.boundaries, affine.boundaries.operating,
-                                  correction::no_correction(affine.boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(affine.boundaries);
+  rom::evaluate_boundaries(affine.boundaries, affine.boundaries.operating, rom::no_correction(affine.boundaries),
+                           values);
 
   std::optional<fem_offline::ThermalSystem> system;
   const double pattern_s = thread_seconds(repeats, [&] { system.emplace(affine); });
@@ -155,8 +155,8 @@ double step_seconds(const std::string& spindle_path) {
   constexpr int steps = 100, repeats = 5;
   const fem_offline::FeModel model = fem_offline::build_fe_model(spindle_path);
   const rom::Boundaries& boundaries = model.affine().boundaries;
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
   fem_offline::FeStepper stepper(model.affine());
   stepper.advance(step_s, step_s, values);
   return thread_seconds(repeats, [&] { stepper.advance(steps * step_s, step_s, values); }) / steps;

@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <memory>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
 #include "fem_offline/reduce/choose_size.hpp"
 #include "fem_offline/reduce/verify.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "tests/bench/rows.hpp"
@@ -43,11 +43,11 @@ double seconds_of_bare_products(Eigen::Index nodes) {
 double seconds_of_held_hour(const rom::Network& network) {
   const rom::Boundaries& boundaries = network.boundaries;
   rom::CvodeStepper stepper(std::make_shared<const rom::NetworkOperator>(network));
-  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  const rom::CorrectionFactors factors = rom::no_correction(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   const auto run_an_hour = [&] {
     for (int second = 0; second < seconds_per_hour; ++second) {
-      correction::evaluate_boundaries(boundaries, boundaries.operating, factors, values);
+      rom::evaluate_boundaries(boundaries, boundaries.operating, factors, values);
       stepper.advance(1.0, values);
     }
   };
@@ -58,12 +58,12 @@ double seconds_of_held_hour(const rom::Network& network) {
 /// Runs `advance(values, period_s)` over an hour in steps of `period_s`.
 template <class Advance>
 void drive_an_hour(const rom::Boundaries& boundaries, int period_s, const Advance& advance) {
-  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  const rom::CorrectionFactors factors = rom::no_correction(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::OperatingState state = boundaries.operating;
   for (int second = 0; second < seconds_per_hour; second += period_s) {
     at_second(second, state);
-    correction::evaluate_boundaries(boundaries, state, factors, values);
+    rom::evaluate_boundaries(boundaries, state, factors, values);
     advance(values, static_cast<double>(period_s));
   }
 }
@@ -108,9 +108,9 @@ void print_network_rows() {
   const double model_s =
       process_seconds([&] { model = std::make_unique<fem_offline::FeModel>(reference_model(element_size_mm, false)); });
   const fem_offline::AffineModel& affine = model->affine();
-  rom::BoundaryValues operating = correction::make_boundary_values(affine.boundaries);
-  correction::evaluate_boundaries(affine.boundaries, affine.boundaries.operating,
-                                  correction::no_correction(affine.boundaries), operating);
+  rom::BoundaryValues operating = rom::make_boundary_values(affine.boundaries);
+  rom::evaluate_boundaries(affine.boundaries, affine.boundaries.operating, rom::no_correction(affine.boundaries),
+                           operating);
   const double steady_s = thread_seconds(3, [&] { fem_offline::solve_steady(affine, operating); });
   const DefaultBuild built = build_by_default(affine);
   const rom::Network& network = built.network;
@@ -143,15 +143,15 @@ void print_network_rows() {
 double schedule_seconds(const std::string& network_path, const std::string& schedule_path) {
   const rom::Network network = rom::read_network(network_path);
   const rom::Boundaries& boundaries = network.boundaries;
-  const correction::Schedule schedule = correction::read_schedule(schedule_path, boundaries);
-  const rom::CorrectionFactors factors = correction::no_correction(boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  const rom::Schedule schedule = rom::read_schedule(schedule_path, boundaries);
+  const rom::CorrectionFactors factors = rom::no_correction(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::OperatingState state = boundaries.operating;
   rom::CvodeStepper stepper(std::make_shared<const rom::NetworkOperator>(network));
   return thread_seconds(1, [&] {
     for (double time_s = 0.0; time_s < schedule.end_s; time_s += 1.0) {
-      correction::state_at(schedule, time_s + 0.5, state);
-      correction::evaluate_boundaries(boundaries, state, factors, values);
+      rom::state_at(schedule, time_s + 0.5, state);
+      rom::evaluate_boundaries(boundaries, state, factors, values);
       stepper.advance(1.0, values);
     }
   });

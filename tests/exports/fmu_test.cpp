@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
 #include "host_tools/fmu/write_fmu.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
@@ -78,13 +78,13 @@ TEST_F(Fmu, gives_the_runtimes_own_numbers_bit_for_bit) {
   begin(slave);
   const auto stepper = rom::make_runtime_stepper(network_);
   rom::NetworkOutputs outputs = rom::make_network_outputs(network_);
-  rom::BoundaryValues values = correction::make_boundary_values(network_.boundaries);
-  const double rest_K = correction::rest_temperature_K(network_.boundaries, network_.boundaries.operating);
+  rom::BoundaryValues values = rom::make_boundary_values(network_.boundaries);
+  const double rest_K = rom::rest_temperature_K(network_.boundaries, network_.boundaries.operating);
   stepper->set_temperatures(Eigen::VectorXd::Constant(network_.capacity_J_per_K.rows(), rest_K));
   for (int second = 0; second < 120; ++second) {
     ASSERT_EQ(step(slave, second), fmi2OK) << importer_->messages.back();
-    correction::evaluate_boundaries(network_.boundaries, state_at(network_.boundaries, second),
-                                    correction::no_correction(network_.boundaries), values);
+    rom::evaluate_boundaries(network_.boundaries, state_at(network_.boundaries, second),
+                             rom::no_correction(network_.boundaries), values);
     ASSERT_EQ(stepper->advance(1.0, values), rom::StepStatus::ok);
     rom::evaluate_outputs(network_, stepper->temperatures_K(), outputs);
     ASSERT_EQ(nose_m(slave), outputs.deformations_m[0]) << "after " << second + 1 << " s";
@@ -118,17 +118,17 @@ TEST(FmuWithCircuit, outlet_and_heat_are_the_runtimes_own_while_the_flow_stops_a
     ASSERT_EQ(FMI2_CALL(importer, fmi2ExitInitializationMode)(slave), fmi2OK);
     const auto coordinates = std::make_shared<const rom::NetworkOperator>(network);
     const auto stepper = rom::make_runtime_stepper(network);
-    rom::BoundaryValues values = correction::make_boundary_values(network.boundaries);
+    rom::BoundaryValues values = rom::make_boundary_values(network.boundaries);
     rom::OperatingState state = network.boundaries.operating;
-    stepper->set_temperatures(Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(),
-                                                        correction::rest_temperature_K(network.boundaries, state)));
+    stepper->set_temperatures(
+        Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), rom::rest_temperature_K(network.boundaries, state)));
     constexpr std::array<double, 3> flows_kg_per_s{0.03, 0.0, -0.02};
     double most_heat_W = 0.0;
     for (int second = 0; second < 90; ++second) {
       state.flow_kg_per_s[0] = flows_kg_per_s[static_cast<std::size_t>(second / 30)];
       ASSERT_EQ(importer.set(slave, "flow.helix", state.flow_kg_per_s[0]), fmi2OK);
       ASSERT_EQ(FMI2_CALL(importer, fmi2DoStep)(slave, second, 1.0, 1), fmi2OK);
-      correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
+      rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
       ASSERT_EQ(stepper->advance(1.0, values), rom::StepStatus::ok);
       const rom::CoolantOutlets coolant = rom::coolant_outlets(*coordinates, values, stepper->temperatures_K());
       ASSERT_EQ(importer.get(slave, "coolant_outlet.helix"), coolant.outlet_K[0]) << "after " << second + 1 << " s";

@@ -52,7 +52,7 @@ rom::Network two_nodes() {
 }
 
 std::string netlist_of(const rom::Network& network) {
-  return spice_netlist(network, correction::constant_schedule(network.boundaries, 3600.0), "net.data", "day.csv");
+  return spice_netlist(network, rom::constant_schedule(network.boundaries, 3600.0), "net.data", "day.csv");
 }
 
 TEST(SpiceNetlist, elements_are_the_entries_of_the_matrices) {
@@ -92,7 +92,7 @@ TEST(SpiceNetlist, liquid_goes_from_segment_to_segment) {
 
 TEST(SpiceNetlist, flow_that_turns_along_the_schedule_is_refused) {
   const rom::Network network = rom::tests::make_network_with_circuit({}, 9);
-  correction::Schedule schedule = correction::constant_schedule(network.boundaries, 3600.0);
+  rom::Schedule schedule = rom::constant_schedule(network.boundaries, 3600.0);
   schedule.rows.insert(schedule.rows.begin() + 1, schedule.rows.front());
   schedule.rows[1].time_s = 1800.0;
   schedule.rows[1].state.flow_kg_per_s[0] = -0.01;

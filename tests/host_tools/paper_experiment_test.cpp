@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <vector>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/estimator_correction.hpp"
 #include "correction/paper/paper_correction.hpp"
 #include "fem_offline/mesh/section.hpp"
@@ -14,6 +13,7 @@
 #include "firmware/config/config.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "host_tools/virtual_spindle/plant_truth.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 
@@ -65,7 +65,7 @@ class PaperExperiment : public ::testing::Test {
     hidden.noise_K = 0.03;
     hidden.seed = static_cast<std::uint64_t>(seed);
     hidden.offsets_K = {{"inner", 0.02}, {"outer", -0.02}};
-    Plant plant(model, hidden, correction::constant_schedule(model.boundaries, 1.0));
+    Plant plant(model, hidden, rom::constant_schedule(model.boundaries, 1.0));
     Truth truth;
     for (int second = 0; second <= duration_s; ++second) {
       truth.seconds.push_back(plant.snapshot());
@@ -80,8 +80,8 @@ class PaperExperiment : public ::testing::Test {
     correction::PaperCorrection law(*network, options != nullptr ? *options : correction::PaperOptions{},
                                     [] { return rom::make_runtime_stepper(*network); });
     rom::NetworkOutputs outputs = rom::make_network_outputs(*network);
-    rom::BoundaryValues values = correction::make_boundary_values(network->boundaries);
-    const rom::CorrectionFactors none = correction::no_correction(network->boundaries);
+    rom::BoundaryValues values = rom::make_boundary_values(network->boundaries);
+    const rom::CorrectionFactors none = rom::no_correction(network->boundaries);
     const auto key_points = static_cast<Eigen::Index>(network->key_points.size());
     const auto valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(key_points, true).eval();
     Eigen::VectorXd measured_K(key_points);
@@ -101,8 +101,8 @@ class PaperExperiment : public ::testing::Test {
                      1.0);
         if (step.state_rescaled) stepper->set_temperatures(law.rescaled_nodes_K());
       }
-      correction::evaluate_boundaries(network->boundaries, network->boundaries.operating,
-                                      options != nullptr ? law.factors() : none, values);
+      rom::evaluate_boundaries(network->boundaries, network->boundaries.operating,
+                               options != nullptr ? law.factors() : none, values);
       EXPECT_EQ(stepper->advance(1.0, values), rom::StepStatus::ok);
     }
     result.push_back(outputs.deformations_m[0]);
@@ -114,7 +114,7 @@ class PaperExperiment : public ::testing::Test {
     const auto stepper = rom::make_runtime_stepper(*network);
     correction::EstimatorCorrection estimator(*network, {});
     rom::NetworkOutputs outputs = rom::make_network_outputs(*network);
-    rom::BoundaryValues values = correction::make_boundary_values(network->boundaries);
+    rom::BoundaryValues values = rom::make_boundary_values(network->boundaries);
     const auto key_points = static_cast<Eigen::Index>(network->key_points.size());
     const auto valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(key_points, true).eval();
     Eigen::VectorXd measured_K(key_points);
@@ -132,7 +132,7 @@ class PaperExperiment : public ::testing::Test {
       for (const double kelvin : outputs.key_points_K) result.push_back(kelvin - kelvin_at_0_degC);
       rom::OperatingState operating = network->boundaries.operating;
       operating.environment_K += estimator.environment_bias_K();
-      correction::evaluate_boundaries(network->boundaries, operating, estimator.factors(), values);
+      rom::evaluate_boundaries(network->boundaries, operating, estimator.factors(), values);
       EXPECT_EQ(stepper->advance(1.0, values), rom::StepStatus::ok);
     }
     result.push_back(outputs.deformations_m[0]);

@@ -5,11 +5,11 @@
 #include <fstream>
 #include <sstream>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
-#include "rom/laws/held_law.hpp"
 #include "rom/laws/law_fields.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -77,9 +77,9 @@ Eigen::VectorXd rate_K_per_s(const Network& network, const Eigen::VectorXd& temp
 TEST(ByHandLaws, example_meets_an_independent_integration) {
   const Network network = read_by_hand(example);
   ASSERT_TRUE(has_physics(network.boundaries));
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating,
-                                  correction::no_correction(network.boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
+                           values);
   const auto shared = std::make_shared<const NetworkOperator>(network);
   CvodeStepper stepper(shared);
   Eigen::VectorXd temperatures_K = Eigen::VectorXd::Constant(shared->nodes(), 293.15);
@@ -109,9 +109,9 @@ TEST(ByHandLaws, example_meets_an_independent_integration) {
 TEST(ByHandLaws, heats_go_where_physics_lets_them) {
   const Network network = read_by_hand(example);
   const NetworkOperator coordinates(network);
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
   const auto at = [&](const OperatingState& state, double degC) {
-    correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
+    rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
     coordinates.laws().at_temperatures(Eigen::VectorXd::Constant(coordinates.nodes(), degC + 273.15), values);
     return values.heat_W;
   };

@@ -3,13 +3,13 @@
 #include <cmath>
 #include <limits>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
-#include "rom/laws/held_law.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -65,10 +65,10 @@ std::string refusal(const std::string& text) {
 }
 
 BoundaryValues values_of(const Network& network, const OperatingState& state, double conductance_factor = 1.0) {
-  CorrectionFactors factors = correction::no_correction(network.boundaries);
+  CorrectionFactors factors = rom::no_correction(network.boundaries);
   factors.conductance[0] = conductance_factor;
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, state, factors, values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, state, factors, values);
   return values;
 }
 
@@ -112,13 +112,13 @@ TEST(ByHandMotor, a_measured_heat_is_what_was_read_and_its_law_where_nothing_was
   OperatingState state = network.boundaries.operating;
   ASSERT_EQ(state.heat_W.size(), 1);
   EXPECT_TRUE(std::isnan(state.heat_W[0]));
-  CorrectionFactors factors = correction::no_correction(network.boundaries);
+  CorrectionFactors factors = rom::no_correction(network.boundaries);
   factors.heat[0] = 1.1;
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
   const auto heat_W = [&](double speed_rpm, const Eigen::VectorXd& read_W) {
     state.speed_rpm = speed_rpm;
     state.heat_W = read_W;
-    correction::evaluate_boundaries(network.boundaries, state, factors, values);
+    rom::evaluate_boundaries(network.boundaries, state, factors, values);
     return values.heat_W[0];
   };
   EXPECT_NEAR(heat_W(500.0, Eigen::VectorXd::Constant(1, nan)), 1.1 * 15.0, 1e-12);
@@ -133,14 +133,14 @@ TEST(ByHandMotor, heat_balance_closes_over_a_schedule_of_watts) {
   const spindle_twin::tests::TemporaryFolder folder;
   const std::string path =
       folder.write("day.csv", "time_s,speed_rpm,load,heat.loss_W\n0,0,0,80\n400,0,0,10\n900,0,0,0\n1500,0,0,0\n");
-  const correction::Schedule schedule = correction::read_schedule(path, network.boundaries);
+  const rom::Schedule schedule = rom::read_schedule(path, network.boundaries);
   OperatingState state = network.boundaries.operating;
   CvodeStepper stepper(std::make_shared<const NetworkOperator>(network));
   const Eigen::VectorXd start_K = Eigen::VectorXd::Constant(2, 293.15);
   stepper.set_temperatures(start_K);
   double given_J = 0.0, taken_J = 0.0;
   for (int second = 0; second < 1500; ++second) {
-    correction::state_at(schedule, second, state);
+    rom::state_at(schedule, second, state);
     const BoundaryValues values = values_of(network, state);
     given_J += values.heat_W[0];
     const double before_K = stepper.temperatures_K()[1];

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <functional>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
@@ -74,9 +74,9 @@ std::string error_of(const std::string& text) {
 }
 
 BoundaryValues nominal(const Network& network) {
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating,
-                                  correction::no_correction(network.boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
+                           values);
   return values;
 }
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/exact_stepper.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
@@ -19,8 +19,8 @@ namespace spindle_twin::rom::tests {
 namespace {
 
 BoundaryValues values_at(const Network& network, const OperatingState& state) {
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
   return values;
 }
 
@@ -31,8 +31,8 @@ class FlowCycle {
       : network_(network),
         random_(seed),
         state_(network.boundaries.operating),
-        factors_(correction::no_correction(network.boundaries)),
-        values_(correction::make_boundary_values(network.boundaries)) {}
+        factors_(rom::no_correction(network.boundaries)),
+        values_(rom::make_boundary_values(network.boundaries)) {}
 
   const BoundaryValues& next() {
     if (--left_ < 0) {
@@ -43,7 +43,7 @@ class FlowCycle {
       if (uniform(0.0, 1.0) < 0.2) state_.flow_kg_per_s[0] = 0.0;
       for (double& factor : factors_.conductance) factor = std::exp(uniform(-2.3, 2.3));
     }
-    correction::evaluate_boundaries(network_.boundaries, state_, factors_, values_);
+    rom::evaluate_boundaries(network_.boundaries, state_, factors_, values_);
     return values_;
   }
 
@@ -80,8 +80,8 @@ Boundaries chain_boundaries(int segments) {
 CoolantOutlets march(const Boundaries& boundaries, const Eigen::VectorXd& wall_K, double flow_kg_per_s) {
   OperatingState state = boundaries.operating;
   state.flow_kg_per_s[0] = flow_kg_per_s;
-  BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), values);
   CoolantOutlets outlets{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1)};
   march_coolant(coolant_segments(boundaries), values, wall_K, outlets);
   return outlets;
@@ -111,8 +111,8 @@ TEST(Coolant, upstream_matrix_and_march_are_one_law) {
   for (const double flow_kg_per_s : {0.013, -0.013}) {
     OperatingState state = boundaries.operating;
     state.flow_kg_per_s[0] = flow_kg_per_s;
-    BoundaryValues values = correction::make_boundary_values(boundaries);
-    correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), values);
+    BoundaryValues values = rom::make_boundary_values(boundaries);
+    rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), values);
     Eigen::MatrixXd upstream = Eigen::MatrixXd::Zero(4, 4);
     coolant_upstream(coolant_segments(boundaries), values, upstream);
     const Eigen::VectorXd inlet_K = 293.15 + (upstream * (wall_K.array() - 293.15).matrix()).array();

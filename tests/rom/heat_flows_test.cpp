@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/sensitivity.hpp"
 #include "tests/rom/synthetic_network.hpp"
@@ -13,9 +13,9 @@ namespace spindle_twin::rom {
 namespace {
 
 BoundaryValues operating_values(const Network& network) {
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating,
-                                  correction::no_correction(network.boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
+                           values);
   return values;
 }
 

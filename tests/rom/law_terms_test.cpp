@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/integrate/exact_stepper.hpp"
@@ -22,7 +22,7 @@ namespace {
 
 /// Factors that differ from one, so that one left out shows.
 CorrectionFactors uneven_factors(const Boundaries& boundaries) {
-  CorrectionFactors factors = correction::no_correction(boundaries);
+  CorrectionFactors factors = rom::no_correction(boundaries);
   for (Eigen::Index i = 0; i < factors.heat.size(); ++i) factors.heat[i] = 0.8 + 0.05 * static_cast<double>(i);
   for (Eigen::Index j = 0; j < factors.conductance.size(); ++j) {
     factors.conductance[j] = 1.3 - 0.04 * static_cast<double>(j);
@@ -35,8 +35,8 @@ BoundaryValues values_at(const Network& network, double flow_kg_per_s, double sp
   state.speed_rpm = speed_rpm;
   state.load = 0.7;
   if (state.flow_kg_per_s.size() > 0) state.flow_kg_per_s[0] = flow_kg_per_s;
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, state, uneven_factors(network.boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, state, uneven_factors(network.boundaries), values);
   return values;
 }
 
@@ -143,9 +143,9 @@ TEST(LawTerms, heat_balance_closes) {
 TEST(LawTerms, one_node_with_copper_meets_its_closed_form) {
   const Network network = make_copper_node();
   const auto shared = std::make_shared<const NetworkOperator>(network);
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating,
-                                  correction::no_correction(network.boundaries), values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
+                           values);
   const double cold_W = 3.0 * 100.0 * 0.4, by_K = 0.00393 * cold_W, film_W_per_K = 25.0, capacity_J_per_K = 1000.0;
   const double steady_K = (cold_W - by_K * 293.15 + film_W_per_K * 300.0) / (film_W_per_K - by_K);
   const double rate_per_s = (film_W_per_K - by_K) / capacity_J_per_K;
@@ -269,10 +269,10 @@ TEST(LawTerms, steady_sensitivities_include_the_feedback) {
   const Boundaries& boundaries = network.boundaries;
   const auto shared = std::make_shared<const NetworkOperator>(network);
   const Eigen::VectorXd& row = network.deformations[0].row_m_per_K;
-  CorrectionFactors factors = correction::no_correction(boundaries);
-  BoundaryValues values = correction::make_boundary_values(boundaries);
+  CorrectionFactors factors = rom::no_correction(boundaries);
+  BoundaryValues values = rom::make_boundary_values(boundaries);
   const auto output_m = [&] {
-    correction::evaluate_boundaries(boundaries, boundaries.operating, factors, values);
+    rom::evaluate_boundaries(boundaries, boundaries.operating, factors, values);
     return row.dot(steady_temperatures_K(shared, values));
   };
   output_m();
@@ -301,14 +301,14 @@ TEST(LawTerms, a_cycle_takes_nothing_from_the_heap) {
   const auto shared = std::make_shared<const NetworkOperator>(network);
   CvodeStepper stepper(shared);
   NetworkOutputs outputs = make_network_outputs(network);
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  const CorrectionFactors factors = correction::no_correction(network.boundaries);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  const CorrectionFactors factors = rom::no_correction(network.boundaries);
   OperatingState state = network.boundaries.operating;
   const auto cycle = [&](int k) {
     state.speed_rpm = k % 20 < 10 ? 6000.0 : 3000.0 + 10.0 * k;
     state.flow_kg_per_s[0] = k % 30 < 15 ? 0.03 : -0.01;
     if (k > 40) state.current_A = 12.0;
-    correction::evaluate_boundaries(network.boundaries, state, factors, values);
+    rom::evaluate_boundaries(network.boundaries, state, factors, values);
     EXPECT_EQ(stepper.advance(1.0, values), StepStatus::ok);
     shared->laws().at_temperatures(stepper.temperatures_K(), values);
     evaluate_outputs(network, stepper.temperatures_K(), outputs);
@@ -323,10 +323,10 @@ TEST(LawTerms, a_law_without_a_value_stops_the_period_and_leaves_the_state) {
   Network network = make_copper_node();
   std::get<CopperLaw>(network.boundaries.sources[0].physics->law.parameters).copper.resistance_20_ohm = 1e300;
   const auto shared = std::make_shared<const NetworkOperator>(network);
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
   OperatingState state = network.boundaries.operating;
   state.current_A = 1e200;
-  correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
+  rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
   CvodeStepper stepper(shared);
   stepper.set_temperatures(Eigen::VectorXd::Constant(1, 305.0));
   EXPECT_EQ(stepper.advance(1.0, values), StepStatus::not_finite);

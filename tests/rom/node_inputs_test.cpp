@@ -5,7 +5,7 @@
 #include <memory>
 #include <random>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/integrate/exact_stepper.hpp"
@@ -39,14 +39,12 @@ BoundaryValues values_of(const Network& network, const CorrectionFactors& factor
   OperatingState state = network.boundaries.operating;
   state.speed_rpm = 9000.0;
   state.load = 1.0;
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, state, factors, values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, state, factors, values);
   return values;
 }
 
-BoundaryValues values_of(const Network& network) {
-  return values_of(network, correction::no_correction(network.boundaries));
-}
+BoundaryValues values_of(const Network& network) { return values_of(network, rom::no_correction(network.boundaries)); }
 
 Eigen::VectorXd drawn(Eigen::Index size, double lowest, double highest, unsigned seed) {
   std::mt19937_64 random(seed);
@@ -83,11 +81,11 @@ TEST(NodeInputs, one_node_follows_its_exponential) {
 /// Laws followed inside the step: a winding whose loss grows with its temperature, with a heat besides.
 TEST(NodeInputs, one_node_with_copper_meets_its_closed_form) {
   const Network network = make_copper_node();
-  CorrectionFactors factors = correction::no_correction(network.boundaries);
+  CorrectionFactors factors = rom::no_correction(network.boundaries);
   factors.node_heat_W = Eigen::VectorXd::Constant(1, 40.0);
   factors.capacity_factor = Eigen::VectorXd::Constant(1, 0.6);
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating, factors, values);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, factors, values);
   const double cold_W = 3.0 * 100.0 * 0.4, by_K = 0.00393 * cold_W, film_W_per_K = 25.0;
   const double steady_K = (cold_W - by_K * 293.15 + 40.0 + film_W_per_K * 300.0) / (film_W_per_K - by_K);
   const double rate_per_s = (film_W_per_K - by_K) / 600.0;
@@ -186,7 +184,7 @@ TEST(NodeInputs, right_hand_side_stores_what_the_flows_leave_and_has_its_own_jac
   const Network network = with_diagonal_capacity(make_network_with_laws());
   const auto shared = share(network);
   const Eigen::Index n = shared->nodes();
-  CorrectionFactors factors = correction::no_correction(network.boundaries);
+  CorrectionFactors factors = rom::no_correction(network.boundaries);
   factors.node_heat_W = drawn(n, -10.0, 30.0, 1);
   factors.capacity_factor = drawn(n, 0.5, 2.0, 2);
   const BoundaryValues values = values_of(network, factors);
@@ -271,17 +269,17 @@ TEST(NodeInputs, what_does_not_fit_is_refused_and_moves_nothing) {
 
 TEST(NodeInputs, boundaries_keep_the_length_that_they_had_once) {
   const Network network = make_single_node();
-  CorrectionFactors factors = correction::no_correction(network.boundaries);
+  CorrectionFactors factors = rom::no_correction(network.boundaries);
   BoundaryValues values = values_of(network, factors);
   EXPECT_EQ(values.node_heat_W.size(), 0);
   EXPECT_EQ(values.capacity_factor.size(), 0);
   factors.node_heat_W = Eigen::VectorXd::Constant(1, 7.0);
   factors.capacity_factor = Eigen::VectorXd::Constant(1, 3.0);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating, factors, values);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, factors, values);
   EXPECT_EQ(values.node_heat_W[0], 7.0);
   EXPECT_EQ(values.capacity_factor[0], 3.0);
-  correction::evaluate_boundaries(network.boundaries, network.boundaries.operating,
-                                  correction::no_correction(network.boundaries), values);
+  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
+                           values);
   EXPECT_EQ(values.node_heat_W, Eigen::VectorXd::Zero(1));
   EXPECT_EQ(values.capacity_factor, Eigen::VectorXd::Ones(1));
 }
@@ -290,12 +288,12 @@ TEST(NodeInputs, no_heap_call_in_the_cycle) {
   const Network network = with_diagonal_capacity(make_network_with_laws());
   const Eigen::Index n = network.capacity_J_per_K.rows();
   const auto stepper = make_runtime_stepper(network);
-  CorrectionFactors factors = correction::no_correction(network.boundaries);
+  CorrectionFactors factors = rom::no_correction(network.boundaries);
   const CorrectionFactors none = factors;
   factors.node_heat_W = Eigen::VectorXd::Zero(n);
   factors.capacity_factor = Eigen::VectorXd::Ones(n);
   OperatingState state = network.boundaries.operating;
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
   StepStatus status = StepStatus::ok;
   long before = heap_calls();
   for (int second = 0; second < 300 && status == StepStatus::ok; ++second) {
@@ -306,7 +304,7 @@ TEST(NodeInputs, no_heap_call_in_the_cycle) {
       factors.capacity_factor[second % n] *= second % 20 == 0 ? 1.3 : 0.9999;
     }
     // The correction is switched off now and then.
-    correction::evaluate_boundaries(network.boundaries, state, second % 50 == 49 ? none : factors, values);
+    rom::evaluate_boundaries(network.boundaries, state, second % 50 == 49 ? none : factors, values);
     status = stepper->advance(1.0, values);
   }
   EXPECT_EQ(heap_calls() - before, 0);

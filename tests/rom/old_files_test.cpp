@@ -4,10 +4,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/output_uncertainty.hpp"
-#include "rom/laws/held_law.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::rom::tests {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <random>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/integrate/exact_stepper.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
@@ -17,11 +17,11 @@ namespace spindle_twin::rom::tests {
 namespace {
 
 BoundaryValues values_at(const Network& network, double speed_rpm, double load) {
-  BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  BoundaryValues values = rom::make_boundary_values(network.boundaries);
   OperatingState state = network.boundaries.operating;
   state.speed_rpm = speed_rpm;
   state.load = load;
-  correction::evaluate_boundaries(network.boundaries, state, correction::no_correction(network.boundaries), values);
+  rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
   return values;
 }
 
@@ -38,8 +38,8 @@ class DriveCycle {
         random_(seed),
         tremble_(tremble),
         state_(network.boundaries.operating),
-        factors_(correction::no_correction(network.boundaries)),
-        values_(correction::make_boundary_values(network.boundaries)) {}
+        factors_(rom::no_correction(network.boundaries)),
+        values_(rom::make_boundary_values(network.boundaries)) {}
 
   const BoundaryValues& next_second() {
     if (seconds_-- == 0) {
@@ -56,7 +56,7 @@ class DriveCycle {
     }
     state_.speed_rpm = speed_rpm_ * (1.0 + std::uniform_real_distribution<double>(-tremble_, tremble_)(random_));
     if (state_.environment_K.size() > 1) state_.environment_K[1] += 2e-3;
-    correction::evaluate_boundaries(network_.boundaries, state_, factors_, values_);
+    rom::evaluate_boundaries(network_.boundaries, state_, factors_, values_);
     return values_;
   }
 

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -14,9 +14,8 @@ inline std::string spindle_file(const std::string& name) {
 
 /// Everything at the description's operating state.
 inline rom::BoundaryValues nominal_values(const AffineModel& model) {
-  rom::BoundaryValues values = correction::make_boundary_values(model.boundaries);
-  correction::evaluate_boundaries(model.boundaries, model.boundaries.operating,
-                                  correction::no_correction(model.boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(model.boundaries);
+  rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
   return values;
 }
 

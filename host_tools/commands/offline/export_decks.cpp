@@ -1,11 +1,11 @@
 #include <cstdio>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/exchange_files/calculix_deck.hpp"
 #include "fem_offline/exchange_files/freefem_deck.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "host_tools/commands/offline/export_decks.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -61,9 +61,8 @@ void export_decks(const std::string& spindle_path, const std::string& calculix_d
   }
   const fem_offline::FeModel fe(spindle, fem_offline::build_section(spindle));
   const fem_offline::AffineModel& model = fe.affine();
-  rom::BoundaryValues values = correction::make_boundary_values(model.boundaries);
-  correction::evaluate_boundaries(model.boundaries, model.boundaries.operating,
-                                  correction::no_correction(model.boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(model.boundaries);
+  rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
   const fem_offline::DeckModel deck = fem_offline::make_deck_model(spindle, values);
   fem_offline::DeckPlan plan;
   plan.start_K = ambient_K(spindle);

@@ -96,8 +96,8 @@ void run(Options options) {
   const fem_offline::FeModel fe(spindle, fem_offline::build_section(spindle));
   const fem_offline::AffineModel& model = fe.affine();
   Plant plant(model, options.truth,
-              options.schedule.empty() ? correction::constant_schedule(model.boundaries, 1.0)
-                                       : correction::read_schedule(options.schedule, model.boundaries));
+              options.schedule.empty() ? rom::constant_schedule(model.boundaries, 1.0)
+                                       : rom::read_schedule(options.schedule, model.boundaries));
   std::ofstream log;
   if (!options.log.empty()) {
     log.open(options.log);

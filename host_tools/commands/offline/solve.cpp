@@ -8,8 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
+#include "fem_offline/look/field_file.hpp"
 #include "fem_offline/look/picture.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
@@ -17,6 +16,8 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/offline/mesh_report.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/schedule.hpp"
 
 // spindle-twin solve fem_offline/spindles/reference.toml --steady
 namespace spindle_twin::host_tools {
@@ -233,7 +234,7 @@ void write_fields(const FeModel& model, const SolveOptions& options, const Eigen
                   const fem_offline::PictureState& shown) {
   const std::string name = std::filesystem::path(options.spindle_path).stem().string();
   if (!options.vtu_directory.empty()) {
-    model.write_vtu(options.vtu_directory, name, temperatures_K);
+    fem_offline::write_field_file(options.vtu_directory + "/" + name + ".vtu", model, temperatures_K);
     std::fprintf(stderr, "fields in %s/%s.vtu\n", options.vtu_directory.c_str(), name.c_str());
   }
   if (!options.png_directory.empty()) {
@@ -252,12 +253,12 @@ void run_schedule(const FeModel& model, const SolveOptions& options) {
     throw rom::InputError({options.spindle_path, 0}, "imposed_temperature",
                           "the temperatures are given, so nothing changes along a schedule");
   }
-  const correction::Schedule schedule = correction::read_schedule(options.schedule_path, affine.boundaries);
-  const rom::CorrectionFactors factors = correction::no_correction(affine.boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(affine.boundaries);
+  const rom::Schedule schedule = rom::read_schedule(options.schedule_path, affine.boundaries);
+  const rom::CorrectionFactors factors = rom::no_correction(affine.boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(affine.boundaries);
   rom::OperatingState state = affine.boundaries.operating;
-  correction::state_at(schedule, 0.0, state);
-  correction::evaluate_boundaries(affine.boundaries, state, factors, values);
+  rom::state_at(schedule, 0.0, state);
+  rom::evaluate_boundaries(affine.boundaries, state, factors, values);
   const double start_K = ambient_K(affine.boundaries, state);
 
   fem_offline::FeStepper stepper(affine);
@@ -286,9 +287,9 @@ void run_schedule(const FeModel& model, const SolveOptions& options) {
 
 void run_field(const FeModel& model, const SolveOptions& options) {
   const AffineModel& affine = model.affine();
-  rom::BoundaryValues values = correction::make_boundary_values(affine.boundaries);
-  correction::evaluate_boundaries(affine.boundaries, affine.boundaries.operating,
-                                  correction::no_correction(affine.boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(affine.boundaries);
+  rom::evaluate_boundaries(affine.boundaries, affine.boundaries.operating, rom::no_correction(affine.boundaries),
+                           values);
   Eigen::VectorXd temperatures_K;
   double datum_K = ambient_K(affine.boundaries, affine.boundaries.operating);
   if (options.uniform_rise_K) {

@@ -3,9 +3,9 @@
 #include <numbers>
 #include <random>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/sensor_channel.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "tests/bench/campaign/campaign.hpp"
 
 namespace spindle_twin::bench {
@@ -104,8 +104,8 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
 
   fem_offline::FeStepper stepper(model);
   stepper.set_uniform_temperature(boundaries.reference_temperature_K);
-  rom::CorrectionFactors factors = correction::no_correction(boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
+  rom::CorrectionFactors factors = rom::no_correction(boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   Eigen::VectorXd bias_K = Eigen::VectorXd::Zero(environments), rises_K(boundaries.sources.size());
   const auto rotor = std::find_if(model.parts.begin(), model.parts.end(),
                                   [](const fem_offline::FePart& part) { return part.name == "rotor"; });
@@ -163,7 +163,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
       if (!parameters.is_friction(i)) continue;
       factors.heat[i] *= std::max(0.1, 1.0 - friction_per_K * rises_K[i]) / std::exp(-friction_per_K * rises_K[i]);
     }
-    correction::evaluate_boundaries(boundaries, operating, factors, values);
+    rom::evaluate_boundaries(boundaries, operating, factors, values);
     stepper.advance(step_s, step_s, values);
   }
   return truth;

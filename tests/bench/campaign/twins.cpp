@@ -1,8 +1,8 @@
 #include <cmath>
 #include <functional>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/paper/paper_correction.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "tests/bench/campaign/campaign.hpp"
@@ -26,12 +26,12 @@ struct Twin {
       : network(the_network),
         stepper(make_stepper(the_network)),
         outputs(rom::make_network_outputs(the_network)),
-        values(correction::make_boundary_values(the_network.boundaries)) {
+        values(rom::make_boundary_values(the_network.boundaries)) {
     evaluate();
   }
   void evaluate() { rom::evaluate_outputs(network, stepper->temperatures_K(), outputs); }
   void advance(double period_s, const rom::OperatingState& operating, const rom::CorrectionFactors& factors) {
-    correction::evaluate_boundaries(network.boundaries, operating, factors, values);
+    rom::evaluate_boundaries(network.boundaries, operating, factors, values);
     if (stepper->advance(period_s, values) != rom::StepStatus::ok) std::abort();
   }
   const rom::Network& network;
@@ -114,7 +114,7 @@ void follow(const rom::Network& network, const Truth& truth, correction::Estimat
 Score run_open_loop(const rom::Network& network, const Truth& truth) {
   Twin twin(network);
   Judge judge(network, static_cast<int>(network.key_points.size()));
-  const rom::CorrectionFactors none = correction::no_correction(network.boundaries);
+  const rom::CorrectionFactors none = rom::no_correction(network.boundaries);
   for (Eigen::Index k = 0; k < truth.nose_m.size(); ++k) {
     judge.note(truth, k, twin.outputs, 0.0);
     twin.advance(truth.conditions.sample_s, truth.read[static_cast<std::size_t>(k)], none);

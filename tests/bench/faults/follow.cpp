@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 
@@ -58,7 +58,7 @@ struct Twin {
   explicit Twin(const rom::Network& the_network)
       : network(the_network),
         outputs(rom::make_network_outputs(the_network)),
-        values(correction::make_boundary_values(the_network.boundaries)) {
+        values(rom::make_boundary_values(the_network.boundaries)) {
     rom::CvodeSettings settings;
     settings.tolerance_K = tolerance_K;
     stepper = rom::make_runtime_stepper(the_network, settings);
@@ -66,7 +66,7 @@ struct Twin {
   }
   void evaluate() { rom::evaluate_outputs(network, stepper->temperatures_K(), outputs); }
   void advance(const rom::OperatingState& operating, const rom::CorrectionFactors& factors, double period_s) {
-    correction::evaluate_boundaries(network.boundaries, operating, factors, values);
+    rom::evaluate_boundaries(network.boundaries, operating, factors, values);
     if (stepper->advance(period_s, values) != rom::StepStatus::ok) std::abort();
     evaluate();
   }
@@ -82,7 +82,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
   Followed result;
   result.fault = fault;
   Twin twin(network), uncorrected(network);
-  const rom::CorrectionFactors none = correction::no_correction(network.boundaries);
+  const rom::CorrectionFactors none = rom::no_correction(network.boundaries);
   correction::EstimatorCorrection estimator(network, options.estimator);
   correction::LeaveOneOut bank(estimator);
   const auto sensors = static_cast<Eigen::Index>(estimator.sensors().size());

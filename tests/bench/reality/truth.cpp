@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::bench {
 namespace {
@@ -150,8 +150,8 @@ class Run {
         hidden_(draw_hidden(boundaries_, truth.kind, truth.seed)),
         inlets_(static_cast<Eigen::Index>(boundaries_.environments.size()), truth.seed),
         stepper_(model),
-        factors_(correction::no_correction(boundaries_)),
-        values_(correction::make_boundary_values(boundaries_)) {
+        factors_(rom::no_correction(boundaries_)),
+        values_(rom::make_boundary_values(boundaries_)) {
     stepper_.set_uniform_temperature(boundaries_.reference_temperature_K);
   }
 
@@ -163,7 +163,7 @@ class Run {
       if (time_s_ >= schedule_.start_s) sample();
       inlets_.pass();
       set_factors();
-      correction::evaluate_boundaries(boundaries_, operating_, factors_, values_);
+      rom::evaluate_boundaries(boundaries_, operating_, factors_, values_);
       stepper_.advance(truth_sample_s, truth_sample_s, values_);
       last_speed_rpm_ = operating_.speed_rpm;
     }

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/sensitivities.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "tests/rom/law_network.hpp"
 

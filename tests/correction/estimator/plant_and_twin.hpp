@@ -6,8 +6,8 @@
 #include <memory>
 #include <random>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/estimator/estimator_correction.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "tests/rom/synthetic_network.hpp"

@@ -22,7 +22,7 @@ TEST(Identify, one_node_with_one_unknown_heat_has_the_closed_form) {
   options.correlation_s = 0.0;
   options.placements = 0;
   const Identification found =
-      identify(network, sensor_places(network), constant_schedule(network.boundaries, 600.0), options);
+      identify(network, sensor_places(network), rom::constant_schedule(network.boundaries, 600.0), options);
   constexpr double rise_K = 4.0, tau_s = 40.0, expansion_m_per_K = 2e-6;
   double information = 1.0 / (0.5 * 0.5);
   for (int k = 1; k <= 60; ++k) {
@@ -45,7 +45,7 @@ TEST(Identify, equals_what_the_filter_publishes_on_a_run_without_surprises) {
   options.floor_K = 0.03;
   options.placements = 0;
   const Identification found = identify(network, find_places(network, {"point 0", "point 2"}, "sensors"),
-                                        constant_schedule(network.boundaries, hour_s), options);
+                                        rom::constant_schedule(network.boundaries, hour_s), options);
   EstimatorOptions filter;
   filter.priors = options.priors;
   filter.offset_walk_K_per_root_hour = 0.0;
@@ -71,7 +71,7 @@ TEST(Identify, the_next_sensor_is_the_best_of_all_and_its_promise_holds) {
   IdentifyOptions options;
   options.priors = constant_priors();
   options.placements = 2;
-  const Schedule schedule = constant_schedule(network.boundaries, hour_s);
+  const rom::Schedule schedule = rom::constant_schedule(network.boundaries, hour_s);
   const std::vector<SensorPlace> one = find_places(network, {"point 0"}, "sensors");
   const Identification found = identify(network, one, schedule, options);
   ASSERT_EQ(found.placements.size(), 2u);

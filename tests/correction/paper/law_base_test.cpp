@@ -3,8 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/paper/paper_correction.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 
@@ -17,7 +17,7 @@ constexpr double period_s = 80.0;
 
 struct Twin {
   Twin() : shared(std::make_shared<const rom::NetworkOperator>(network)), stepper(shared) {
-    values = make_boundary_values(network.boundaries);
+    values = rom::make_boundary_values(network.boundaries);
     stepper.set_temperatures(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(network.nodes.size()),
                                                        network.boundaries.reference_temperature_K));
   }
@@ -29,7 +29,7 @@ struct Twin {
     throw std::logic_error(name);
   }
   void advance(const rom::OperatingState& state, const rom::CorrectionFactors& factors, double advance_s) {
-    evaluate_boundaries(network.boundaries, state, factors, values);
+    rom::evaluate_boundaries(network.boundaries, state, factors, values);
     ASSERT_EQ(stepper.advance(advance_s, values), rom::StepStatus::ok);
   }
   Eigen::VectorXd key_points_K() const {
@@ -65,7 +65,7 @@ TEST(LawBase, rise_over_the_base_is_what_the_groups_own_heat_has_done) {
   Twin twin;
   const Eigen::Index copper = twin.source("copper");
   PaperCorrection law = correction_of(twin, of_copper(twin));
-  const rom::CorrectionFactors described = no_correction(twin.network.boundaries);
+  const rom::CorrectionFactors described = rom::no_correction(twin.network.boundaries);
   // The same equations with no other heat, in surroundings at the datum: C dr/dt = -K(t) r + B q_copper(t).
   Twin own;
   // And what a base of its own temperatures would be.
@@ -91,7 +91,7 @@ TEST(LawBase, rise_over_the_base_is_what_the_groups_own_heat_has_done) {
     }
     twin.advance(state, described, 1.0);
     colder.advance(state, without_copper, 1.0);
-    evaluate_boundaries(own.network.boundaries, state, described, own.values);
+    rom::evaluate_boundaries(own.network.boundaries, state, described, own.values);
     own.shared->laws().at_temperatures(0.5 * (nodes_K + twin.stepper.temperatures_K()), own.values);
     own.values.laws.follow = false;
     const double copper_W = own.values.heat_W[copper];
@@ -111,7 +111,7 @@ TEST(LawBase, factor_comes_to_that_of_the_machine_though_the_heat_follows_its_te
     options.state_rescale = rescale;
     if (!rescale) options.relaxation = 0.1;
     PaperCorrection law = correction_of(twin, options);
-    rom::CorrectionFactors truth = no_correction(machine.network.boundaries);
+    rom::CorrectionFactors truth = rom::no_correction(machine.network.boundaries);
     truth.heat[copper] = 0.6;
     rom::OperatingState state = twin.network.boundaries.operating;
     state.load = 2.0;

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "correction/paper/paper_correction.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/stepper.hpp"
 #include "rom/network.hpp"
 
@@ -84,8 +84,8 @@ struct Loop {
         offset_K(Eigen::VectorXd::Zero(nodes * sensors_per_node)),
         valid(Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(nodes * sensors_per_node, true)),
         true_heat(Eigen::VectorXd::Constant(nodes, 1.0 / excess)),
-        values(make_boundary_values(network.boundaries)),
-        factors(no_correction(network.boundaries)) {}
+        values(rom::make_boundary_values(network.boundaries)),
+        factors(rom::no_correction(network.boundaries)) {}
 
   static constexpr double true_rise_K = 2.29;
 
@@ -104,10 +104,10 @@ struct Loop {
     const PaperStep result =
         correction.step({time_s, measured_K, valid, predicted_K, twin.temperatures_K(), operating}, advance_s);
     if (result.state_rescaled) twin.set_temperatures(correction.rescaled_nodes_K());
-    evaluate_boundaries(network.boundaries, operating, correction.factors(), values);
+    rom::evaluate_boundaries(network.boundaries, operating, correction.factors(), values);
     twin.advance(advance_s, values);
     factors.heat = true_heat;
-    evaluate_boundaries(network.boundaries, operating, factors, values);
+    rom::evaluate_boundaries(network.boundaries, operating, factors, values);
     plant.advance(advance_s, values);
     time_s += advance_s;
     return result;

@@ -21,10 +21,11 @@ PaperOptions guarded() {
 /// The loop's twin runs with all factors 1 for one cycle, as the daemon's does while the correction is off.
 void cycle_off(Loop& loop, double advance_s) {
   loop.correction.stand_by(loop.time_s, loop.twin.temperatures_K(), loop.operating, advance_s);
-  evaluate_boundaries(loop.network.boundaries, loop.operating, no_correction(loop.network.boundaries), loop.values);
+  rom::evaluate_boundaries(loop.network.boundaries, loop.operating, rom::no_correction(loop.network.boundaries),
+                           loop.values);
   loop.twin.advance(advance_s, loop.values);
   loop.factors.heat = loop.true_heat;
-  evaluate_boundaries(loop.network.boundaries, loop.operating, loop.factors, loop.values);
+  rom::evaluate_boundaries(loop.network.boundaries, loop.operating, loop.factors, loop.values);
   loop.plant.advance(advance_s, loop.values);
   loop.time_s += advance_s;
 }
@@ -84,10 +85,10 @@ TEST(StandBy, base_runs_with_the_factors_of_the_model) {
   ASSERT_EQ(bases.size(), 1U);
   NodeStepper model(tau_s, 2);
   NodeStepper second_alone(tau_s, 2);  // the oracle: the first heat off, all other factors 1
-  rom::BoundaryValues values = make_boundary_values(loop.network.boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(loop.network.boundaries);
   for (int second = 0; second < 500; ++second) {
     law.stand_by(second, model.temperatures_K(), loop.operating, 1.0);
-    evaluate_boundaries(loop.network.boundaries, loop.operating, law.factors(), values);
+    rom::evaluate_boundaries(loop.network.boundaries, loop.operating, law.factors(), values);
     model.advance(1.0, values);
     values.heat_W[0] = 0.0;
     second_alone.advance(1.0, values);

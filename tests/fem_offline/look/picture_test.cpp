@@ -140,7 +140,7 @@ at = [40, 3]
 )";
 
 TEST(Lattice, triangles_cover_the_section_once) {
-  const Lattice lattice = reference().lattice();
+  const Lattice lattice = lattice_of(reference());
   double drawn_m2 = 0.0;
   for (const auto& [a, b, c] : triangles_of(lattice)) {
     drawn_m2 += area_of({lattice.nodes[a], lattice.nodes[b], lattice.nodes[c]});
@@ -156,7 +156,7 @@ TEST(Lattice, triangles_cover_the_section_once) {
 }
 
 TEST(Lattice, rim_is_the_outline_of_every_part) {
-  const Lattice lattice = reference().lattice();
+  const Lattice lattice = lattice_of(reference());
   double rim_m = 0.0;
   std::map<int, int> meeting;
   for (const auto& [a, b] : edges_of(lattice, true)) {
@@ -176,7 +176,7 @@ TEST(Lattice, rim_is_the_outline_of_every_part) {
 }
 
 TEST(Isoline, of_a_linear_field_lies_on_its_line) {
-  const Lattice lattice = reference().lattice();
+  const Lattice lattice = lattice_of(reference());
   Eigen::VectorXd field(static_cast<Eigen::Index>(lattice.nodes.size()));
   for (std::size_t i = 0; i < lattice.nodes.size(); ++i) {
     field[static_cast<Eigen::Index>(i)] = 3.0 * lattice.nodes[i].r_m - 2.0 * lattice.nodes[i].z_m;
@@ -210,7 +210,7 @@ TEST(FieldColour, lightness_is_linear_in_the_share) {
 }
 
 TEST(Picture, colour_at_a_place_is_that_of_the_field_there) {
-  const Lattice lattice = reference().lattice();
+  const Lattice lattice = lattice_of(reference());
   const View view = make_view(lattice.nodes, Geometry::axisymmetric);
   Eigen::VectorXd field(static_cast<Eigen::Index>(lattice.nodes.size()));
   for (std::size_t i = 0; i < lattice.nodes.size(); ++i) field[static_cast<Eigen::Index>(i)] = lattice.nodes[i].z_m;
@@ -282,7 +282,7 @@ TEST(Picture, point_supports_springs_and_radiation_stand_beside_the_part) {
     const Eigen::VectorXd warm_K =
         Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.affine().places.size()), 300.15);
     return std::pair(write_pictures(folder, name, model, warm_K, {"uniform rise", 293.15}),
-                     make_view(model.lattice().nodes, Geometry::planar));
+                     make_view(lattice_of(model).nodes, Geometry::planar));
   };
   const auto [with, view] = drawn("with", bracket_supports);
   ASSERT_EQ(with.size(), 5U);

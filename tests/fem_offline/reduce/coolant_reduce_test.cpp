@@ -2,10 +2,10 @@
 
 #include <iostream>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/verify.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/exact_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 
@@ -53,8 +53,8 @@ TEST(CoolantNetwork, follows_the_fe_model_while_the_flow_changes_stops_and_turns
 
 TEST(CoolantNetwork, reaches_the_fe_steady_state) {
   const rom::Boundaries& boundaries = jacket().boundaries;
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
   rom::ExactStepper stepper(std::make_shared<const rom::NetworkOperator>(network()));
   for (int k = 0; k < 4; ++k) ASSERT_EQ(stepper.advance(1e5, values), rom::StepStatus::ok);
   rom::NetworkOutputs outputs = rom::make_network_outputs(network());

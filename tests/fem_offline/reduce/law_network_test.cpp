@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/verify.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/network_operator.hpp"
 #include "rom/integrate/outputs.hpp"
-#include "rom/laws/held_law.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -36,8 +36,8 @@ const rom::Network& network() {
 
 rom::BoundaryValues values_at(const rom::OperatingState& state) {
   const rom::Boundaries& boundaries = network().boundaries;
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), values);
   return values;
 }
 

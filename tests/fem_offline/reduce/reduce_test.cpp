@@ -6,8 +6,8 @@
 #include <Eigen/SparseCholesky>
 #include <set>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "grid_model.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -36,13 +36,13 @@ const rom::Network& network_60() {
 rom::BoundaryValues random_values(std::uint32_t index) {
   const rom::Boundaries& boundaries = grid().boundaries;
   RandomStream random(99, StreamPurpose::verification, index);
-  rom::CorrectionFactors factors = correction::no_correction(boundaries);
+  rom::CorrectionFactors factors = rom::no_correction(boundaries);
   factors.conductance = random_conductance_factors(boundaries, {}, false, random);
   rom::OperatingState state = boundaries.operating;
   state.speed_rpm = random.uniform(0.0, 24000.0);
   state.environment_K << random.uniform(285.0, 310.0), random.uniform(285.0, 310.0);
-  rom::BoundaryValues values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, state, factors, values);
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, state, factors, values);
   return values;
 }
 

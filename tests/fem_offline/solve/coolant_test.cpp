@@ -4,8 +4,8 @@
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -57,9 +57,8 @@ AffineModel row_of_lumps(double flow_kg_per_s) {
 }
 
 rom::BoundaryValues values_of(const AffineModel& model) {
-  rom::BoundaryValues values = correction::make_boundary_values(model.boundaries);
-  correction::evaluate_boundaries(model.boundaries, model.boundaries.operating,
-                                  correction::no_correction(model.boundaries), values);
+  rom::BoundaryValues values = rom::make_boundary_values(model.boundaries);
+  rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
   return values;
 }
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
 #include "firmware/cycle/cycle.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
@@ -47,7 +47,7 @@ inline CyclePlan estimated() {
 /// Another integration of the same network with other heat stands for the machine.
 struct Machine {
   explicit Machine(const rom::Network& of, double heat) : network(of), model(make_model(of, runtime)) {
-    factors = correction::no_correction(network.boundaries);
+    factors = rom::no_correction(network.boundaries);
     factors.heat.setConstant(heat);
     operating = network.boundaries.operating;
     model.stepper->set_temperatures(

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 
 namespace spindle_twin::firmware {
@@ -138,7 +138,7 @@ const LogStep& at_time(const std::vector<LogStep>& log, double time_s) {
 RandomMachine::RandomMachine(rom::Network network)
     : network_(std::move(network)),
       model_(make_model(network_, [](const rom::Network& of) { return rom::make_runtime_stepper(of); })),
-      none_(correction::no_correction(network_.boundaries)),
+      none_(rom::no_correction(network_.boundaries)),
       operating_(network_.boundaries.operating) {}
 
 void RandomMachine::start(double temperature_K) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::rom {
 namespace {
@@ -40,11 +40,11 @@ TEST(ChannelLaw, acts_on_segments_only_and_knows_no_direction) {
   boundaries.reference_speed_rpm = 1000.0;
   boundaries.operating.environment_K = Eigen::VectorXd::Constant(1, 293.15);
   boundaries.operating.flow_kg_per_s = Eigen::VectorXd::Constant(1, 0.01);
-  BoundaryValues forwards = correction::make_boundary_values(boundaries), backwards = forwards;
+  BoundaryValues forwards = rom::make_boundary_values(boundaries), backwards = forwards;
   OperatingState state = boundaries.operating;
-  correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), forwards);
+  rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), forwards);
   state.flow_kg_per_s *= -1.0;
-  correction::evaluate_boundaries(boundaries, state, correction::no_correction(boundaries), backwards);
+  rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), backwards);
   EXPECT_EQ(forwards.conductance_W_per_m2K[0], 300.0);
   EXPECT_NEAR(forwards.conductance_W_per_m2K[1] * 0.1, 40.0 * (1.0 - std::exp(-30.0 / 40.0)), 1e-12);
   EXPECT_EQ(forwards.conductance_W_per_m2K, backwards.conductance_W_per_m2K);

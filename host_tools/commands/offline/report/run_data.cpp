@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
@@ -49,14 +49,14 @@ void operating_of_row(const rom::CsvTable& history, std::size_t row, const rom::
 
 void run_uncorrected(const rom::Network& network, const rom::CsvTable& history, std::size_t part, RunData& run) {
   const auto stepper = rom::make_runtime_stepper(network);
-  const rom::CorrectionFactors none = correction::no_correction(network.boundaries);
-  rom::BoundaryValues values = correction::make_boundary_values(network.boundaries);
+  const rom::CorrectionFactors none = rom::no_correction(network.boundaries);
+  rom::BoundaryValues values = rom::make_boundary_values(network.boundaries);
   rom::NetworkOutputs outputs = rom::make_network_outputs(network);
   rom::OperatingState state = network.boundaries.operating;
   double time_s = 0.0;
   for (std::size_t row = 0; row < run.time_s.size(); ++row) {
     operating_of_row(history, row, network.boundaries, state);
-    correction::evaluate_boundaries(network.boundaries, state, none, values);
+    rom::evaluate_boundaries(network.boundaries, state, none, values);
     const double period_s = run.time_s[row] - time_s;
     if (period_s > 0.0 && stepper->advance(period_s, values) != rom::StepStatus::ok) {
       throw rom::InputError({history.file, static_cast<int>(row) + 2}, "",

@@ -1,10 +1,10 @@
-#include "host_tools/commands/network_facts.hpp"
+#include "host_tools/inspection/network_facts.hpp"
 
 #include <map>
 #include <optional>
 #include <sstream>
 
-#include "host_tools/commands/law_facts.hpp"
+#include "host_tools/inspection/law_facts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {

@@ -1,10 +1,10 @@
-#include "host_tools/commands/inspection.hpp"
+#include "host_tools/inspection/inspection.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <memory>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/time_constants.hpp"
 
@@ -87,9 +87,8 @@ Inspection inspect(const std::string& path) {
   result.sha256 = file.sha256;
   if (file.signed_by) result.signed_by = rom::to_hex(*file.signed_by);
   const rom::Boundaries& boundaries = result.network.boundaries;
-  result.values = correction::make_boundary_values(boundaries);
-  correction::evaluate_boundaries(boundaries, boundaries.operating, correction::no_correction(boundaries),
-                                  result.values);
+  result.values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), result.values);
   const auto coordinates = std::make_shared<const rom::NetworkOperator>(result.network);
   if (!coordinates->laws().empty()) {
     const Eigen::VectorXd steady_K = rom::steady_temperatures_K(coordinates, result.values);

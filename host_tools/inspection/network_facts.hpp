@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/commands/inspection.hpp"
+#include "host_tools/inspection/inspection.hpp"
 
 namespace spindle_twin::host_tools {
 

@@ -1,18 +1,18 @@
-#include "correction/boundaries/schedule.hpp"
+#include "rom/boundary_values/schedule.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/read/csv_table.hpp"
 
-namespace spindle_twin::correction {
+namespace spindle_twin::rom {
 namespace {
 
 constexpr double kelvin_at_0_degC = 273.15;
 
-using Setter = std::function<void(double, rom::OperatingState&)>;
+using Setter = std::function<void(double, OperatingState&)>;
 
 struct Column {
   std::string name;
@@ -21,8 +21,7 @@ struct Column {
 };
 
 /// What a schedule of these boundaries may have.
-std::vector<Column> allowed_columns(const rom::Boundaries& boundaries) {
-  using rom::OperatingState;
+std::vector<Column> allowed_columns(const Boundaries& boundaries) {
   std::vector<Column> columns = {{"time_s", {}},
                                  {"speed_rpm", [](double value, OperatingState& state) { state.speed_rpm = value; }},
                                  {"load", [](double value, OperatingState& state) { state.load = value; }}};
@@ -38,16 +37,16 @@ std::vector<Column> allowed_columns(const rom::Boundaries& boundaries) {
     const auto set = [index](double value, OperatingState& state) { state.flow_kg_per_s[index] = value; };
     columns.push_back({boundaries.circuits[c].name + "_kg_per_s", set});
   }
-  const std::vector<std::size_t> heats = rom::measured_heats(boundaries);
+  const std::vector<std::size_t> heats = measured_heats(boundaries);
   for (std::size_t h = 0; h < heats.size(); ++h) {
     const auto index = static_cast<Eigen::Index>(h);
     const auto set = [index](double value, OperatingState& state) { state.heat_W[index] = value; };
     columns.push_back({"heat." + boundaries.sources[heats[h]].name + "_W", set});
   }
-  if (rom::follows_current(boundaries)) {
+  if (follows_current(boundaries)) {
     columns.push_back({"current_A", [](double value, OperatingState& state) { state.current_A = value; }});
   }
-  if (rom::follows_power(boundaries)) {
+  if (follows_power(boundaries)) {
     columns.push_back({"power_W", [](double value, OperatingState& state) { state.power_W = value; }});
   }
   return columns;
@@ -55,7 +54,7 @@ std::vector<Column> allowed_columns(const rom::Boundaries& boundaries) {
 
 /// For every column of the file its meaning.
 std::vector<Column> read_header(const std::vector<std::string>& header, const std::vector<Column>& allowed,
-                                const rom::SourceLine& where) {
+                                const SourceLine& where) {
   std::vector<Column> columns;
   for (const std::string& name : header) {
     const auto is_it = [&](const Column& column) { return column.name == name; };
@@ -63,28 +62,28 @@ std::vector<Column> read_header(const std::vector<std::string>& header, const st
     if (found == allowed.end()) {
       std::string names;
       for (const Column& column : allowed) names += (names.empty() ? "" : ", ") + column.name;
-      throw rom::InputError(where, name, "unknown column; allowed: " + names);
+      throw InputError(where, name, "unknown column; allowed: " + names);
     }
     columns.push_back(*found);
   }
   for (const char* required : {"time_s", "speed_rpm", "load"}) {
     if (std::find(header.begin(), header.end(), required) == header.end()) {
-      throw rom::InputError(where, required, "missing column; the header needs time_s, speed_rpm and load");
+      throw InputError(where, required, "missing column; the header needs time_s, speed_rpm and load");
     }
   }
   return columns;
 }
 
-ScheduleRow read_row(const rom::CsvTable& table, std::size_t index, const std::vector<Column>& columns,
-                     const rom::OperatingState& standard) {
-  const rom::SourceLine where = table.where(index);
+ScheduleRow read_row(const CsvTable& table, std::size_t index, const std::vector<Column>& columns,
+                     const OperatingState& standard) {
+  const SourceLine where = table.where(index);
   ScheduleRow row{0.0, standard};
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const Column& column = columns[c];
     const double value = table.columns[c][index];
-    if (std::isnan(value)) throw rom::InputError(where, column.name, "'' is not a finite number with a decimal point");
+    if (std::isnan(value)) throw InputError(where, column.name, "'' is not a finite number with a decimal point");
     if (column.is_degC && value <= -kelvin_at_0_degC) {
-      throw rom::InputError(where, column.name, "is not above absolute zero, -273.15 degC");
+      throw InputError(where, column.name, "is not above absolute zero, -273.15 degC");
     }
     column.set ? column.set(value, row.state) : void(row.time_s = value);
   }
@@ -93,28 +92,28 @@ ScheduleRow read_row(const rom::CsvTable& table, std::size_t index, const std::v
 
 }  // namespace
 
-Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries) {
-  const rom::CsvTable table = rom::read_csv_table(path, rom::LastLine::whole);
+Schedule read_schedule(const std::string& path, const Boundaries& boundaries) {
+  const CsvTable table = read_csv_table(path, LastLine::whole);
   const std::vector<Column> columns = read_header(table.names, allowed_columns(boundaries), table.header());
   Schedule schedule;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     ScheduleRow row = read_row(table, i, columns, boundaries.operating);
     if (schedule.rows.empty() && row.time_s != 0.0) {
-      throw rom::InputError(table.where(i), "time_s", "the first row must be at time 0");
+      throw InputError(table.where(i), "time_s", "the first row must be at time 0");
     }
     if (!schedule.rows.empty() && row.time_s <= schedule.rows.back().time_s) {
-      throw rom::InputError(table.where(i), "time_s", "times must rise from row to row");
+      throw InputError(table.where(i), "time_s", "times must rise from row to row");
     }
     schedule.rows.push_back(std::move(row));
   }
   if (schedule.rows.size() < 2) {
-    throw rom::InputError(table.where(0), "", "a schedule needs at least two rows; the last one's time is the end");
+    throw InputError(table.where(0), "", "a schedule needs at least two rows; the last one's time is the end");
   }
   schedule.end_s = schedule.rows.back().time_s;
   return schedule;
 }
 
-void state_at(const Schedule& schedule, double time_s, rom::OperatingState& state) {
+void state_at(const Schedule& schedule, double time_s, OperatingState& state) {
   const auto& rows = schedule.rows;
   const auto next = std::upper_bound(rows.begin(), rows.end(), time_s,
                                      [](double time, const ScheduleRow& row) { return time < row.time_s; });
@@ -132,20 +131,20 @@ void state_at(const Schedule& schedule, double time_s, rom::OperatingState& stat
   }
 }
 
-Schedule constant_schedule(const rom::Boundaries& boundaries, double duration_s) {
+Schedule constant_schedule(const Boundaries& boundaries, double duration_s) {
   Schedule schedule;
   schedule.rows = {{0.0, boundaries.operating}, {duration_s, boundaries.operating}};
   schedule.end_s = duration_s;
   return schedule;
 }
 
-double rest_temperature_K(const rom::Boundaries& boundaries, const rom::OperatingState& state) {
+double rest_temperature_K(const Boundaries& boundaries, const OperatingState& state) {
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
-    if (boundaries.environments[i].kind == rom::EnvironmentKind::ambient) {
+    if (boundaries.environments[i].kind == EnvironmentKind::ambient) {
       return state.environment_K[static_cast<Eigen::Index>(i)];
     }
   }
   return state.environment_K.size() > 0 ? state.environment_K[0] : boundaries.reference_temperature_K;
 }
 
-}  // namespace spindle_twin::correction
+}  // namespace spindle_twin::rom

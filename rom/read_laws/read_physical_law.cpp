@@ -1,4 +1,4 @@
-#include "rom/read/read_physical_law.hpp"
+#include "rom/read_laws/read_physical_law.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <sstream>
 #include <utility>
 
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/laws/law_fields.hpp"
-#include "rom/read/read_speed_law.hpp"
+#include "rom/read_laws/read_speed_law.hpp"
 
 namespace spindle_twin::rom {
 namespace {

@@ -1,22 +1,22 @@
 #include <gtest/gtest.h>
 
-#include "correction/boundaries/evaluate_boundaries.hpp"
-#include "correction/boundaries/schedule.hpp"
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/schedule.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-namespace spindle_twin::correction {
+namespace spindle_twin::rom {
 namespace {
 
-rom::Boundaries make_boundaries() {
-  rom::Boundaries boundaries;
+Boundaries make_boundaries() {
+  Boundaries boundaries;
   boundaries.reference_speed_rpm = 6000.0;
-  boundaries.environments = {{"coolant", rom::EnvironmentKind::coolant}, {"ambient", rom::EnvironmentKind::ambient}};
+  boundaries.environments = {{"coolant", EnvironmentKind::coolant}, {"ambient", EnvironmentKind::ambient}};
   boundaries.operating = {6000.0, 1.0, Eigen::Vector2d(300.15, 298.15)};
-  rom::Conductance contact;
+  Conductance contact;
   contact.name = "contact";
   contact.nominal_W_per_m2K = 5000.0;
-  rom::Conductance film;
+  Conductance film;
   film.name = "film";
   film.nominal_W_per_m2K = 100.0;
   film.environment = 1;
@@ -41,7 +41,7 @@ std::string refusal(const std::string& text) {
   const ScheduleFile file(text);
   try {
     read_schedule(file.path(), make_boundaries());
-  } catch (const rom::InputError& error) {
+  } catch (const InputError& error) {
     const std::string message = error.what();
     EXPECT_EQ(message.rfind(file.path(), 0), 0u) << message;
     return message.substr(file.path().size());
@@ -50,9 +50,9 @@ std::string refusal(const std::string& text) {
 }
 
 TEST(EvaluateBoundaries, factor_times_nominal_times_law) {
-  const rom::Boundaries boundaries = make_boundaries();
-  rom::CorrectionFactors factors = no_correction(boundaries);
-  rom::BoundaryValues values = make_boundary_values(boundaries);
+  const Boundaries boundaries = make_boundaries();
+  CorrectionFactors factors = no_correction(boundaries);
+  BoundaryValues values = make_boundary_values(boundaries);
   evaluate_boundaries(boundaries, boundaries.operating, factors, values);
   EXPECT_EQ(values.conductance_W_per_m2K, Eigen::Vector2d(5000.0, 100.0));
   EXPECT_EQ(values.heat_W[0], 50.0);
@@ -60,7 +60,7 @@ TEST(EvaluateBoundaries, factor_times_nominal_times_law) {
 
   factors.heat[0] = 0.46;
   factors.conductance[0] = 2.0;
-  rom::OperatingState state = boundaries.operating;
+  OperatingState state = boundaries.operating;
   state.speed_rpm = 12000.0;
   evaluate_boundaries(boundaries, state, factors, values);
   EXPECT_NEAR(values.conductance_W_per_m2K[0], 10000.0, 1e-9);
@@ -69,12 +69,12 @@ TEST(EvaluateBoundaries, factor_times_nominal_times_law) {
 }
 
 TEST(Schedule, coolant_flow_holds_until_the_next_row_and_may_run_backwards) {
-  rom::Boundaries boundaries = make_boundaries();
+  Boundaries boundaries = make_boundaries();
   boundaries.circuits = {{"jacket", 0, 4180.0, {1}}, {"seat", 0, 4180.0, {0}}};
   boundaries.operating.flow_kg_per_s = Eigen::Vector2d(0.05, 0.01);
   const ScheduleFile file("time_s,speed_rpm,load,jacket_kg_per_s\n0,0,0,0.02\n10,0,0,-0.04\n20,0,0,0\n30,0,0,0\n");
   const Schedule schedule = read_schedule(file.path(), boundaries);
-  rom::OperatingState state = boundaries.operating;
+  OperatingState state = boundaries.operating;
   state_at(schedule, 9.0, state);
   EXPECT_EQ(state.flow_kg_per_s[0], 0.02);
   EXPECT_EQ(state.flow_kg_per_s[1], 0.01) << "a circuit that is not in the file keeps the operating state's flow";
@@ -90,7 +90,7 @@ TEST(Schedule, speed_and_load_hold_and_environments_run_linearly) {
   const Schedule schedule = read_schedule(file.path(), make_boundaries());
   ASSERT_EQ(schedule.rows.size(), 3u);
   EXPECT_EQ(schedule.end_s, 200.0);
-  rom::OperatingState state = make_boundaries().operating;
+  OperatingState state = make_boundaries().operating;
   state_at(schedule, 75.0, state);
   EXPECT_EQ(state.speed_rpm, 6000.0);
   EXPECT_EQ(state.load, 1.0);
@@ -106,19 +106,19 @@ TEST(Schedule, speed_and_load_hold_and_environments_run_linearly) {
 }
 
 TEST(Schedule, current_and_power_hold_until_the_next_row_where_a_heat_follows_them) {
-  rom::Boundaries boundaries = make_boundaries();
+  Boundaries boundaries = make_boundaries();
   const ScheduleFile current("time_s,speed_rpm,load,current_A\n0,0,0,7.5\n10,0,0,-3\n20,0,0,0\n");
   try {
     read_schedule(current.path(), boundaries);
     ADD_FAILURE() << "nothing follows the current";
-  } catch (const rom::InputError& error) {
+  } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find(":1: current_A: unknown column"), std::string::npos) << error.what();
   }
-  rom::BoundLaw copper, motor;
-  copper.law.parameters = rom::CopperLaw{};
-  motor.law.parameters = rom::MotorEfficiencyLaw{};
+  BoundLaw copper, motor;
+  copper.law.parameters = CopperLaw{};
+  motor.law.parameters = MotorEfficiencyLaw{};
   boundaries.sources.push_back({"winding", 1.0, {}, copper});
-  rom::OperatingState state = boundaries.operating;
+  OperatingState state = boundaries.operating;
   state_at(read_schedule(current.path(), boundaries), 9.0, state);
   EXPECT_EQ(state.current_A, 7.5);
   EXPECT_FALSE(state.power_W.has_value());
@@ -132,10 +132,10 @@ TEST(Schedule, current_and_power_hold_until_the_next_row_where_a_heat_follows_th
 }
 
 TEST(Schedule, constant_schedule_holds_the_operating_state) {
-  const rom::Boundaries boundaries = make_boundaries();
+  const Boundaries boundaries = make_boundaries();
   const Schedule schedule = constant_schedule(boundaries, 1800.0);
   EXPECT_EQ(schedule.end_s, 1800.0);
-  rom::OperatingState state = boundaries.operating;
+  OperatingState state = boundaries.operating;
   state_at(schedule, 900.0, state);
   EXPECT_EQ(state.speed_rpm, 6000.0);
   EXPECT_EQ(state.environment_K, boundaries.operating.environment_K);
@@ -162,8 +162,8 @@ TEST(Schedule, bad_files_are_refused_with_line_and_column) {
   EXPECT_EQ(refusal("time_s,speed_rpm,load,coolant_degC\n0,1,1,-300\n"),
             ":2: coolant_degC: is not above absolute zero, -273.15 degC");
   EXPECT_EQ(refusal(""), ": empty; a header with the names of the columns is needed");
-  EXPECT_THROW(read_schedule("/nonexistent.csv", make_boundaries()), rom::InputError);
+  EXPECT_THROW(read_schedule("/nonexistent.csv", make_boundaries()), InputError);
 }
 
 }  // namespace
-}  // namespace spindle_twin::correction
+}  // namespace spindle_twin::rom

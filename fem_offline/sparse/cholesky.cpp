@@ -1,4 +1,4 @@
-#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 
 #include <cholmod.h>
 #include <dlfcn.h>

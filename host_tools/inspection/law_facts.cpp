@@ -1,4 +1,4 @@
-#include "host_tools/commands/law_facts.hpp"
+#include "host_tools/inspection/law_facts.hpp"
 
 #include "rom/laws/law_fields.hpp"
 

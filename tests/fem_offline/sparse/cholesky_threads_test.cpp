@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "fem_offline/solve/cholesky.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {

@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include "host_tools/commands/inspection.hpp"
-#include "host_tools/commands/law_facts.hpp"
+#include "host_tools/inspection/inspection.hpp"
+#include "host_tools/inspection/law_facts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {

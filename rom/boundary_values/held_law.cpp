@@ -1,4 +1,4 @@
-#include "rom/laws/held_law.hpp"
+#include "rom/boundary_values/held_law.hpp"
 
 #include <algorithm>
 #include <limits>

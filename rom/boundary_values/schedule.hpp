@@ -5,12 +5,12 @@
 
 #include "rom/boundaries.hpp"
 
-namespace spindle_twin::correction {
+namespace spindle_twin::rom {
 
 /// One row of a schedule: what holds from time_s on.
 struct ScheduleRow {
   double time_s = 0.0;
-  rom::OperatingState state;
+  OperatingState state;
 };
 
 /// A drive cycle. Speed, load, current, power, measured heats and coolant flows hold until the next row; environment
@@ -24,18 +24,18 @@ struct Schedule {
 /// <circuit>_kg_per_s column per coolant circuit (missing ones keep the description's operating state); current_A and
 /// power_W where a heat follows them (missing ones: heats follow the load); heat.<source>_W per measured heat (missing
 /// ones: as its law says). The last row's time is the end. Throws
-/// rom::InputError with file, line and column for an unknown column, a missing one, a non-finite value, times that do
+/// InputError with file, line and column for an unknown column, a missing one, a non-finite value, times that do
 /// not rise.
-Schedule read_schedule(const std::string& path, const rom::Boundaries& boundaries);
+Schedule read_schedule(const std::string& path, const Boundaries& boundaries);
 
 /// The state at time_s (clamped to the schedule). Cycle-safe when `state` is already sized.
-void state_at(const Schedule& schedule, double time_s, rom::OperatingState& state);
+void state_at(const Schedule& schedule, double time_s, OperatingState& state);
 
 /// A schedule that holds the description's operating state for duration_s.
-Schedule constant_schedule(const rom::Boundaries& boundaries, double duration_s);
+Schedule constant_schedule(const Boundaries& boundaries, double duration_s);
 
 /// Where a spindle ends that stood long enough: the temperature of the first ambient environment, without one that of
 /// the first environment, without any the reference temperature.
-double rest_temperature_K(const rom::Boundaries& boundaries, const rom::OperatingState& state);
+double rest_temperature_K(const Boundaries& boundaries, const OperatingState& state);
 
-}  // namespace spindle_twin::correction
+}  // namespace spindle_twin::rom

@@ -3,7 +3,7 @@
 #include <Eigen/SparseCore>
 #include <memory>
 
-#include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/sparse/sparse_matrix.hpp"
 
 namespace spindle_twin::fem_offline {
 

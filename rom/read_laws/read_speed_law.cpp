@@ -1,4 +1,4 @@
-#include "rom/read/read_speed_law.hpp"
+#include "rom/read_laws/read_speed_law.hpp"
 
 #include <cmath>
 #include <sstream>

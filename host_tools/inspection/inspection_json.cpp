@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "host_tools/commands/inspection.hpp"
-#include "host_tools/commands/law_facts.hpp"
+#include "host_tools/inspection/inspection.hpp"
+#include "host_tools/inspection/law_facts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <limits>
+
+namespace spindle_twin::rom {
+
+/// Allowed interval of a number. Every number must be finite besides.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false;
+  bool max_excluded = false;
+};
+
+inline constexpr Range any_number{};
+inline constexpr Range positive{0.0, std::numeric_limits<double>::infinity(), true, false};
+inline constexpr Range not_negative{0.0, std::numeric_limits<double>::infinity(), false, false};
+constexpr Range between(double min, double max) { return {min, max, false, false}; }
+
+}  // namespace spindle_twin::rom
