@@ -1,4 +1,5 @@
 #include "fem_offline/description/read_tables.hpp"
+#include "rom/units.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,7 @@ Film read_radiation(const TomlTable& table, Names& names, const Names& surroundi
   Film film = read_film_places(table, names, surroundings, parts);
   film.kind = FilmKind::radiation;
   const double emissivity = table.number("emissivity", {0.0, 1.0, true, false});
-  const double mean_K = table.number("mean_temperature_degC", temperature_degC) + kelvin_at_0_degC;
+  const double mean_K = table.number("mean_temperature_degC", temperature_degC) + rom::zero_degC_K;
   film.coefficient_W_per_m2K = 4.0 * emissivity * stefan_boltzmann_W_per_m2K4 * mean_K * mean_K * mean_K;
   return film;
 }
@@ -161,7 +162,7 @@ Operating read_operating(const TomlTable& table, const std::vector<Surrounding>&
   Operating operating;
   operating.speed_rpm = table.number("speed_rpm", positive);
   operating.load = table.number_or("load", 1.0, not_negative);
-  operating.reference_temperature_K = table.number("reference_temperature_degC", temperature_degC) + kelvin_at_0_degC;
+  operating.reference_temperature_K = table.number("reference_temperature_degC", temperature_degC) + rom::zero_degC_K;
   operating.surrounding_K.assign(surroundings.size(), operating.reference_temperature_K);
   const auto temperatures = table.table("temperatures_degC");
   for (const auto& key : temperatures.free_keys()) {
@@ -171,7 +172,7 @@ Operating read_operating(const TomlTable& table, const std::vector<Surrounding>&
   }
   for (std::size_t i = 0; i < surroundings.size(); ++i) {
     if (surroundings[i].kind == SurroundingKind::air) continue;
-    operating.surrounding_K[i] = temperatures.number(surroundings[i].name, temperature_degC) + kelvin_at_0_degC;
+    operating.surrounding_K[i] = temperatures.number(surroundings[i].name, temperature_degC) + rom::zero_degC_K;
   }
   return operating;
 }

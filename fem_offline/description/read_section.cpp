@@ -1,4 +1,5 @@
 #include "fem_offline/description/read_tables.hpp"
+#include "rom/units.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -101,7 +102,7 @@ Part read_part(const TomlTable& table, Names& names, const Names& materials, Geo
     part.element_size_m = *size_mm * metre_per_mm;
   }
   if (const auto initial_degC = table.optional_number("initial_degC", temperature_degC)) {
-    part.initial_K = *initial_degC + kelvin_at_0_degC;
+    part.initial_K = *initial_degC + rom::zero_degC_K;
   }
   if (part.shapes.empty()) table.fail("rectangles", "a part needs at least one rectangle or polygon");
   return part;
@@ -122,7 +123,7 @@ Contact read_contact(const TomlTable& table, const Names& parts, Geometry geomet
     read.inner_radius_m = fit->number("inner_radius_mm", length_mm) * metre_per_mm;
     read.fit_radius_m = fit->number("fit_radius_mm", length_mm) * metre_per_mm;
     read.outer_radius_m = fit->number("outer_radius_mm", length_mm) * metre_per_mm;
-    read.interference_m = fit->number("interference_um", not_negative) * metre_per_um;
+    read.interference_m = fit->number("interference_um", not_negative) * rom::m_per_um;
     if (!(read.inner_radius_m < read.fit_radius_m && read.fit_radius_m < read.outer_radius_m)) {
       fit->fail("fit_radius_mm", "must lie between inner_radius_mm and outer_radius_mm");
     }

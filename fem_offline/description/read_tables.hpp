@@ -9,6 +9,7 @@
 #include "rom/read/strict_toml.hpp"
 #include "rom/read_laws/read_physical_law.hpp"
 #include "rom/read_laws/read_speed_law.hpp"
+#include "rom/units.hpp"
 
 /// The pieces of read_spindle, one function per table of the description. All throw rom::InputError.
 namespace spindle_twin::fem_offline {
@@ -18,8 +19,6 @@ using rom::read_speed_law;
 using rom::TomlTable;
 
 inline constexpr double metre_per_mm = 1e-3;
-inline constexpr double metre_per_um = 1e-6;
-inline constexpr double kelvin_at_0_degC = 273.15;
 inline constexpr rom::Range length_mm{0.0, 1e5, false, false};
 
 /// Range of a coordinate of a part or point.

@@ -7,6 +7,7 @@
 
 #include "fem_offline/exchange_files/calculix_run.hpp"
 #include "fem_offline/exchange_files/deck_files.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -17,7 +18,7 @@ struct TimeStage {
   double step_s;
 };
 
-double degC(double temperature_K) { return temperature_K - kelvin_at_0_degC; }
+double degC(double temperature_K) { return temperature_K - rom::zero_degC_K; }
 
 /// Names of sets: P part, M material, B and A the sides of a pair, G gap, I contact, V air volume.
 std::string name(char letter, std::size_t number) { return std::string(1, letter).append(std::to_string(number)); }

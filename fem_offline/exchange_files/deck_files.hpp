@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "fem_offline/exchange_files/deck_model.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
-
-inline constexpr double kelvin_at_0_degC = 273.15;
 
 /// Makes the folder. Throws rom::InputError if that is not possible.
 void make_deck_folder(const std::string& directory);

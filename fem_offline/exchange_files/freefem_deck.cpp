@@ -7,11 +7,12 @@
 #include <sstream>
 
 #include "fem_offline/exchange_files/deck_files.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
 
-double degC(double temperature_K) { return temperature_K - kelvin_at_0_degC; }
+double degC(double temperature_K) { return temperature_K - rom::zero_degC_K; }
 
 struct Edge {
   std::size_t a, b, label;
@@ -284,9 +285,9 @@ void write_report(DeckFile& file, const Deck& deck) {
       for (const std::size_t p : pieces_in(deck.model, output.part, output.face)) {
         labels += ", " + std::to_string(p + 1);
       }
-      file << "  cout << state << \" deformation_um " << output.name << " \" << " << 1e6 * output.sign << " * int1d(All"
-           << labels << ")(x * " << (output.direction == Direction::radial ? "u" : "w") << ") / int1d(All" << labels
-           << ")(x) << endl;\n";
+      file << "  cout << state << \" deformation_um " << output.name << " \" << " << rom::um_per_m * output.sign
+           << " * int1d(All" << labels << ")(x * " << (output.direction == Direction::radial ? "u" : "w")
+           << ") / int1d(All" << labels << ")(x) << endl;\n";
     }
   }
   file << "  return 0;\n}\n";

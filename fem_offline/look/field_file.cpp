@@ -12,11 +12,10 @@
 #include "fem_offline/model/discretisation.hpp"
 #include "fem_offline/model/stress.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
-
-constexpr double kelvin_at_0_degC = 273.15;
 
 dealii::Vector<double> copied(const Eigen::VectorXd& values) {
   return dealii::Vector<double>(values.begin(), values.end());
@@ -86,7 +85,7 @@ void write_field_file(const std::string& path, const FeModel& model, const Eigen
   vector_handler.distribute_dofs(vector_element);
   const dealii::Vector<double> displacement =
       as_vector_field(discretisation, vector_handler, model.displacements_m(temperatures_K));
-  const dealii::Vector<double> temperature = copied(at_nodes_K.array() - kelvin_at_0_degC);
+  const dealii::Vector<double> temperature = copied(at_nodes_K.array() - rom::zero_degC_K);
   const dealii::Vector<double> rise = copied(rises_K);
   dealii::Vector<float> part(discretisation.triangulation.n_active_cells());
   for (const auto& cell : discretisation.triangulation.active_cell_iterators()) {

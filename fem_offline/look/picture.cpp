@@ -1,6 +1,7 @@
 #include "fem_offline/look/picture.hpp"
 
 #include "fem_offline/look/picture_frame.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -22,7 +23,6 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
 
 std::vector<std::string> write_pictures(const std::string& directory, const std::string& name, const FeModel& model,
                                         const Eigen::VectorXd& temperatures_K, const PictureState& state) {
-  constexpr double micrometres_per_metre = 1e6;
   const AffineModel& affine = model.affine();
   const Lattice lattice = lattice_of(model);
   const auto nodes = static_cast<Eigen::Index>(lattice.nodes.size());
@@ -40,7 +40,7 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
   }
   const Eigen::VectorXd warmed_K = temperatures_K.array() - affine.boundaries.reference_temperature_K;
   for (const FeDeformation& output : affine.deformations) {
-    picture.deformation_um.push_back(micrometres_per_metre * output.row_m_per_K.dot(warmed_K));
+    picture.deformation_um.push_back(rom::um_per_m * output.row_m_per_K.dot(warmed_K));
   }
   for (std::size_t i = 0; i < affine.air_names.size(); ++i) {
     picture.air_rises_K.push_back(

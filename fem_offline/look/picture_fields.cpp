@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rom/units.hpp"
+
 #include "fem_offline/look/picture_frame.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -141,7 +143,7 @@ void draw_field_figure(const SectionPicture& picture, const Eigen::VectorXd& fie
 void draw_rise_picture(const SectionPicture& picture, const std::string& path) {
   FieldFigure figure{": temperature rise",
                      picture.state.title,
-                     "rise in K above " + fixed(picture.state.datum_K - 273.15, 2) + " °C",
+                     "rise in K above " + fixed(picture.state.datum_K - rom::zero_degC_K, 2) + " °C",
                      "Rise in K: least to greatest of every part (cross: hottest place of a part with a heat source)",
                      "K",
                      {},

@@ -3,11 +3,11 @@
 #include <limits>
 
 #include "fem_offline/look/picture_frame.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double micrometres_per_metre = 1e6;
 constexpr double millimetres_per_metre = 1e3;
 
 /// The node of the part that is nearest to a place.
@@ -33,9 +33,9 @@ void draw_deformed_picture(const SectionPicture& picture, const std::string& pat
   View view = make_view(picture.lattice.nodes, picture.spindle.geometry);
   const auto count = static_cast<Eigen::Index>(picture.lattice.nodes.size());
   const auto by_node = picture.displacements_m.reshaped(2, count);
-  const Eigen::VectorXd length_um = micrometres_per_metre * by_node.colwise().norm().transpose();
+  const Eigen::VectorXd length_um = rom::um_per_m * by_node.colwise().norm().transpose();
   // The longest displacement is drawn about as long as a twentieth of the section's height.
-  const double most_m = std::max(length_um.maxCoeff() / micrometres_per_metre, 1e-15);
+  const double most_m = std::max(length_um.maxCoeff() / rom::um_per_m, 1e-15);
   const double drawn_m = 0.055 * (view.frame.y1 - view.frame.y0) / view.px_per_m;
   const double exaggeration = nice_step(drawn_m / most_m, 1);
   std::vector<Point> moved = picture.lattice.nodes;
@@ -58,8 +58,8 @@ void draw_deformed_picture(const SectionPicture& picture, const std::string& pat
   const auto range = [&](int component, const std::string& name) {
     groups[0].lines.push_back({{},
                                name,
-                               fixed(micrometres_per_metre * by_node.row(component).minCoeff(), 2) + " to " +
-                                   fixed(micrometres_per_metre * by_node.row(component).maxCoeff(), 2)});
+                               fixed(rom::um_per_m * by_node.row(component).minCoeff(), 2) + " to " +
+                                   fixed(rom::um_per_m * by_node.row(component).maxCoeff(), 2)});
   };
   range(0, std::string("u_") + view.name_up() + " of all parts");
   range(1, std::string("u_") + view.name_right() + " of all parts");
@@ -68,7 +68,8 @@ void draw_deformed_picture(const SectionPicture& picture, const std::string& pat
   const std::string times = fixed(exaggeration, 0);
   draw_title(canvas, picture.spindle.name + ": deformed shape, exaggerated " + times + " times",
              picture.state.title + "; growth from the stress-free state at " +
-                 fixed(picture.spindle.operating.reference_temperature_K - 273.15, 2) + " °C; dashed red: undeformed");
+                 fixed(picture.spindle.operating.reference_temperature_K - rom::zero_degC_K, 2) +
+                 " °C; dashed red: undeformed");
   const FieldScale scale = make_scale(length_um.minCoeff(), length_um.maxCoeff());
   fill_field(canvas, view, moved, triangles_of(picture.lattice), length_um, scale);
   const std::vector<LatticeEdge> rim = edges_of(picture.lattice, true);

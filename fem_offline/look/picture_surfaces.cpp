@@ -3,6 +3,8 @@
 #include <limits>
 #include <optional>
 
+#include "rom/units.hpp"
+
 #include "fem_offline/look/picture_frame.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -113,7 +115,7 @@ LegendLine film_entry(const Spindle& spindle, std::size_t index) {
             canvas.line({box.x0, y}, {box.x1, y}, 1.8 * line_px, colour);
             canvas.line({box.x0, y}, {box.x1, y}, 0.7 * line_px, white, prescribed_dashes);
           },
-          "prescribed " + film.name, surrounding.name + " " + fixed(prescribed_K - 273.15, 1) + " °C"};
+          "prescribed " + film.name, surrounding.name + " " + fixed(prescribed_K - rom::zero_degC_K, 1) + " °C"};
 }
 
 /// Middle of the wetted faces of a segment: in a groove or bore the liquid itself.
@@ -237,7 +239,7 @@ LegendGroup circuits_legend(const Spindle& spindle) {
                              canvas.arrow({box.x0, y}, {box.x1, y}, colour);
                            },
                            circuit.name + ", " + spindle.surroundings[circuit.inlet].name + " " +
-                               fixed(spindle.operating.surrounding_K[circuit.inlet] - 273.15, 1) + " °C, " +
+                               fixed(spindle.operating.surrounding_K[circuit.inlet] - rom::zero_degC_K, 1) + " °C, " +
                                compact(grams_per_kg * std::abs(circuit.flow_kg_per_s)) + " g/s" +
                                (circuit.flow_kg_per_s < 0.0 ? " backwards" : ""),
                            range_of(least, most)});

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "rom/units.hpp"
+
 namespace spindle_twin::fem_offline {
 namespace {
 
@@ -13,7 +15,7 @@ Tolerance worst_of(const Eigen::MatrixXd& errors, const OutputLayout& layout) {
   const auto worst = [&](Eigen::Index first, Eigen::Index count) {
     return count > 0 ? errors.middleRows(first, count).maxCoeff() : 0.0;
   };
-  return {worst(0, layout.key_points), worst(layout.deformations_at(), layout.deformations) * 1e6,
+  return {worst(0, layout.key_points), worst(layout.deformations_at(), layout.deformations) * rom::um_per_m,
           worst(layout.maxima_at(), layout.parts)};
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fem_offline/reduce/parallel.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -56,7 +57,7 @@ VerifyReport summarise(const Eigen::MatrixXd& errors, const AffineModel& model, 
   VerifyReport report;
   for (const auto& column : errors.colwise()) {
     report.cases.push_back({largest(column.head(layout.key_points)),
-                            layout.deformations > 0 ? column[layout.deformations_at()] * 1e6 : 0.0,
+                            layout.deformations > 0 ? column[layout.deformations_at()] * rom::um_per_m : 0.0,
                             largest(column.segment(layout.maxima_at(), layout.parts))});
   }
   rom::Certificate& certificate = report.certificate;

@@ -11,11 +11,11 @@
 #include "fem_offline/solve/follow_schedule.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double kelvin_at_0_degC = 273.15;
 constexpr double largest_imbalance = 1e-9;
 
 /// A field with the inputs that hold beside it.
@@ -61,11 +61,11 @@ double figure_of(const FeModel& fe, const Instant& instant, const Expectation& e
   const AffineModel& model = fe.affine();
   if (expected.quantity.starts_with("stress_")) return stress_MPa(fe, instant, expected);
   if (expected.quantity == "temperature_degC") {
-    return model.key_points[place_of(model.key_points, expected.of)].row.dot(instant.temperatures_K) - kelvin_at_0_degC;
+    return model.key_points[place_of(model.key_points, expected.of)].row.dot(instant.temperatures_K) - rom::zero_degC_K;
   }
   if (expected.quantity == "deformation_um") {
     const Eigen::VectorXd rises_K = instant.temperatures_K.array() - model.boundaries.reference_temperature_K;
-    return 1e6 * model.deformations[place_of(model.deformations, expected.of)].row_m_per_K.dot(rises_K);
+    return rom::um_per_m * model.deformations[place_of(model.deformations, expected.of)].row_m_per_K.dot(rises_K);
   }
   const std::size_t index = place_of(model.boundaries.conductances, expected.of);
   const double heat_W = exchanged_W(model, instant, index);

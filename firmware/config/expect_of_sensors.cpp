@@ -6,13 +6,14 @@
 
 #include "correction/identify/identify.hpp"
 #include "firmware/keep/parameters.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 
 std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan) {
   if (!plan.estimator || !plan.estimator_corrects || network.deformations.empty()) return {};
   constexpr double hour_s = 3600.0;
-  constexpr double um_per_m = 1e6;
+  using rom::um_per_m;
   const correction::EstimatorOptions& estimator = *plan.estimator;
   correction::IdentifyOptions options;
   options.priors = estimator.priors;

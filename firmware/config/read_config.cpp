@@ -8,6 +8,7 @@
 #include "firmware/config/read_correction.hpp"
 #include "firmware/config/read_health.hpp"
 #include "rom/read/strict_toml.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -16,7 +17,7 @@ using rom::TomlTable;
 
 constexpr double coldest_degC = -50.0;
 constexpr double hottest_degC = 300.0;
-constexpr double m_per_um = 1e-6;
+using rom::m_per_um;
 
 std::string beside(const std::string& config_path, const std::string& path) {
   return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();

@@ -6,11 +6,12 @@
 #include <limits>
 
 #include "firmware/cycle/states.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 
 inline constexpr double not_a_value = std::numeric_limits<double>::quiet_NaN();
-inline constexpr double zero_degC_K = 273.15;
+using rom::zero_degC_K;
 
 /// The first value of an array of numbers that do not exist yet.
 inline constexpr struct NotValues {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "rom/boundary_values/held_law.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -107,7 +108,7 @@ std::string history_header(const rom::Network& network) {
 }
 
 std::string history_row(const Snapshot& snapshot) {
-  constexpr double um_per_m = 1e6;
+  using rom::um_per_m;
   std::string row =
       fmt::format("{:.9g},{},{},{},{},{},{},{},{}", snapshot.model_time_s, snapshot.sequence, bits(snapshot.state),
                   snapshot.quality, snapshot.fault, snapshot.overruns, snapshot.correction_enabled ? 1 : 0,

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "firmware/serve/pack.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -39,7 +40,7 @@ void take_sensors(RegisterImage& image, PlcCommand& command) {
 }
 
 void take_displacement(RegisterImage& image, PlcCommand& command) {
-  constexpr double m_per_um = 1e-6;
+  using rom::m_per_um;
   const double output = get(image, Register::command_displacement_output);
   if (get(image, Register::command_displacement_take) == 1.0) {
     command.displacement = {std::isnan(output) ? std::size_t{0} : static_cast<std::size_t>(output),

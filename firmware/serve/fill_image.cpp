@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/serve/pack.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -23,7 +24,7 @@ struct Filler {
   }
 };
 
-constexpr double um_per_m = 1e6;
+using rom::um_per_m;
 constexpr double grams_per_kg = 1e3;
 
 void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {

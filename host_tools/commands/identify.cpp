@@ -9,12 +9,12 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/units.hpp"
 
 // spindle-twin identify reference.rom --sensors inner,middle,outer
 namespace spindle_twin::host_tools {
 namespace {
 
-constexpr double micrometres_per_metre = 1e6;
 constexpr double millimetres_per_metre = 1e3;
 constexpr std::size_t shown_places = 8;
 
@@ -32,7 +32,7 @@ nlohmann::ordered_json to_json(const correction::Placement& placement) {
           {"part", placement.place.part},
           {"r_m", placement.place.r_m},
           {"z_m", placement.place.z_m},
-          {"deviation_um", micrometres_per_metre * placement.deformation_m}};
+          {"deviation_um", rom::um_per_m * placement.deformation_m}};
 }
 
 void print_json(const rom::Network& network, const std::vector<correction::SensorPlace>& sensors,
@@ -41,9 +41,9 @@ void print_json(const rom::Network& network, const std::vector<correction::Senso
   result["spindle"] = network.spindle;
   result["deformation"] = network.deformations.front().name;
   for (const correction::SensorPlace& sensor : sensors) result["sensors"].push_back(sensor.name);
-  result["growth_um"] = micrometres_per_metre * found.growth_m;
-  result["prior_deviation_um"] = micrometres_per_metre * found.prior_m;
-  result["posterior_deviation_um"] = micrometres_per_metre * found.posterior_m;
+  result["growth_um"] = rom::um_per_m * found.growth_m;
+  result["prior_deviation_um"] = rom::um_per_m * found.prior_m;
+  result["posterior_deviation_um"] = rom::um_per_m * found.posterior_m;
   for (const correction::IdentifiedParameter& parameter : found.parameters) {
     result["parameters"].push_back({{"name", parameter.name},
                                     {"kind", correction::name_of(parameter.kind)},
@@ -66,7 +66,7 @@ void print_place(const correction::Placement& placement) {
   } else {
     std::printf(" r %5.1f  z %6.1f", millimetres_per_metre * place.r_m, millimetres_per_metre * place.z_m);
   }
-  std::printf(" %9.2f um\n", micrometres_per_metre * placement.deformation_m);
+  std::printf(" %9.2f um\n", rom::um_per_m * placement.deformation_m);
 }
 
 void print_table(const rom::Network& network, const std::vector<correction::SensorPlace>& sensors,
@@ -74,9 +74,9 @@ void print_table(const rom::Network& network, const std::vector<correction::Sens
   std::string names;
   for (const correction::SensorPlace& sensor : sensors) names.append(names.empty() ? "" : ", ").append(sensor.name);
   std::printf("%s, %s at the end of the drive cycle: growth %.2f um\n", network.spindle.c_str(),
-              network.deformations.front().name.c_str(), micrometres_per_metre * found.growth_m);
-  std::printf("  standard deviation without sensors %6.2f um\n", micrometres_per_metre * found.prior_m);
-  std::printf("  with %-28s %6.2f um\n\n", names.c_str(), micrometres_per_metre * found.posterior_m);
+              network.deformations.front().name.c_str(), rom::um_per_m * found.growth_m);
+  std::printf("  standard deviation without sensors %6.2f um\n", rom::um_per_m * found.prior_m);
+  std::printf("  with %-28s %6.2f um\n\n", names.c_str(), rom::um_per_m * found.posterior_m);
   std::printf("%-50s %8s %10s %6s\n", "ln of the factor on, standard deviation", "prior", "posterior", "ratio");
   std::size_t open = 0;
   for (const correction::IdentifiedParameter& parameter : found.parameters) {

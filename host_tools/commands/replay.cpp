@@ -11,6 +11,7 @@
 #include "host_tools/replay/plan.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
+#include "rom/units.hpp"
 
 // spindle-twin replay reference.rom day.csv --correction paper -o replayed.csv
 namespace spindle_twin::host_tools {
@@ -19,8 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using firmware::fault_codes;
 using firmware::state_codes;
-
-constexpr double micrometres_per_metre = 1e6;
 
 struct Options {
   ReplayOptions replay;
@@ -91,7 +90,7 @@ void print_json(const Options& options, const rom::Network& network, const firmw
   for (std::size_t s = 0; s < state_codes.size(); ++s) json["states"][state_codes[s].name] = tally.in_state[s];
   for (std::size_t f = 0; f < fault_codes.size(); ++f) json["faults"][fault_codes[f].name] = tally.with_fault[f];
   json["sensors"] = errors_json(errors.sensors(), "K", 1.0);
-  json["deformations"] = errors_json(errors.deformations(), "um", micrometres_per_metre);
+  json["deformations"] = errors_json(errors.deformations(), "um", rom::um_per_m);
   std::printf("%s\n", json.dump(2).c_str());
 }
 
@@ -129,7 +128,7 @@ void print_table(const Options& options, const rom::Network& network, const firm
     if (tally.with_fault[f] > 0) std::printf("fault %s in %zu cycles\n", fault_codes[f].name, tally.with_fault[f]);
   }
   print_errors("sensor, error in K", errors.sensors(), 1.0);
-  print_errors("deformation, error in um", errors.deformations(), micrometres_per_metre);
+  print_errors("deformation, error in um", errors.deformations(), rom::um_per_m);
 }
 
 void run(const Options& options) {

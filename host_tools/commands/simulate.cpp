@@ -14,13 +14,11 @@
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 // spindle-twin simulate reference.rom --schedule day.csv -o out.csv
 namespace spindle_twin::host_tools {
 namespace {
-
-constexpr double kelvin_at_0_degC = 273.15;
-constexpr double micrometres_per_metre = 1e6;
 
 struct Options {
   std::string network;
@@ -61,13 +59,13 @@ void add_number(std::string& row, const char* format, double number) {
 void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outputs, const Eigen::VectorXd& heat_W,
              const rom::CoolantOutlets& coolant) {
   add_number(table, "%.10g", time_s);
-  for (const double kelvin : outputs.key_points_K) add_number(table, ",%.5f", kelvin - kelvin_at_0_degC);
-  for (const double kelvin : outputs.part_maximum_K) add_number(table, ",%.5f", kelvin - kelvin_at_0_degC);
-  for (const double metre : outputs.deformations_m) add_number(table, ",%.5f", micrometres_per_metre * metre);
+  for (const double kelvin : outputs.key_points_K) add_number(table, ",%.5f", kelvin - rom::zero_degC_K);
+  for (const double kelvin : outputs.part_maximum_K) add_number(table, ",%.5f", kelvin - rom::zero_degC_K);
+  for (const double metre : outputs.deformations_m) add_number(table, ",%.5f", rom::um_per_m * metre);
   for (const double pressure_Pa : outputs.contact_pressures_Pa) add_number(table, ",%.5f", 1e-6 * pressure_Pa);
   for (const double watt : heat_W) add_number(table, ",%.5f", watt);
   for (Eigen::Index c = 0; c < coolant.heat_W.size(); ++c) {
-    add_number(table, ",%.5f", coolant.outlet_K[c] - kelvin_at_0_degC);
+    add_number(table, ",%.5f", coolant.outlet_K[c] - rom::zero_degC_K);
     add_number(table, ",%.5f", coolant.heat_W[c]);
   }
   table += '\n';

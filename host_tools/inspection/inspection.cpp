@@ -7,6 +7,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/time_constants.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -74,7 +75,7 @@ std::vector<CertifiedOutput> certified_outputs(const rom::Network& network) {
   add("key point", network.key_points, certificate.key_points_K, "K", 1.0);
   add("part mean", network.parts, certificate.part_means_K, "K", 1.0);
   add("part maximum", network.parts, certificate.part_maxima_K, "K", 1.0);
-  add("deformation", network.deformations, certificate.deformations_m, "um", micrometres_per_metre);
+  add("deformation", network.deformations, certificate.deformations_m, "um", rom::um_per_m);
   add("contact pressure", network.contact_pressures, certificate.contact_pressures_Pa, "MPa", megapascal_per_pascal);
   return outputs;
 }

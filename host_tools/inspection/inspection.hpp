@@ -9,11 +9,10 @@
 #include "rom/boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/network.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 
-inline constexpr double kelvin_at_0_degC = 273.15;
-inline constexpr double micrometres_per_metre = 1e6;
 inline constexpr double megapascal_per_pascal = 1e-6;
 
 const char* kind_name(rom::ConductanceKind kind);

@@ -3,6 +3,7 @@
 
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/inspection/law_facts.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -16,7 +17,7 @@ nlohmann::json boundaries_json(const Inspection& result) {
   nlohmann::json json{
       {"reference_speed_rpm", boundaries.reference_speed_rpm},
       {"operating", {{"speed_rpm", boundaries.operating.speed_rpm}, {"load", boundaries.operating.load}}},
-      {"reference_temperature_degC", boundaries.reference_temperature_K - kelvin_at_0_degC},
+      {"reference_temperature_degC", boundaries.reference_temperature_K - rom::zero_degC_K},
       {"sources", nlohmann::json::array()},
       {"environments", nlohmann::json::array()},
       {"conductances", nlohmann::json::array()}};
@@ -32,7 +33,7 @@ nlohmann::json boundaries_json(const Inspection& result) {
     json["environments"].push_back(
         {{"name", boundaries.environments[i].name},
          {"kind", kind_name(boundaries.environments[i].kind)},
-         {"operating_degC", boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC}});
+         {"operating_degC", boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - rom::zero_degC_K}});
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     const rom::Conductance& conductance = boundaries.conductances[j];
@@ -70,8 +71,7 @@ void print_json(const Inspection& result, const nlohmann::json& steady_state) {
     json["parts"].push_back({{"name", part.name}, {"candidates", part.candidate_rows.rows()}});
   }
   for (const rom::DeformationOutput& output : network.deformations) {
-    json["deformations"].push_back(
-        {{"name", output.name}, {"um_per_K", micrometres_per_metre * output.row_m_per_K.sum()}});
+    json["deformations"].push_back({{"name", output.name}, {"um_per_K", rom::um_per_m * output.row_m_per_K.sum()}});
   }
   json["contact_pressures"] = nlohmann::json::array();
   for (const rom::ContactPressureOutput& output : network.contact_pressures) {
@@ -90,7 +90,7 @@ void print_json(const Inspection& result, const nlohmann::json& steady_state) {
         {"flow_kg_per_s", boundaries.operating.flow_kg_per_s[index]},
         {"heat_capacity_J_per_kgK", boundaries.circuits[c].heat_capacity_J_per_kgK},
         {"segments", segments},
-        {"outlet_degC", result.coolant.outlet_K[index] - kelvin_at_0_degC},
+        {"outlet_degC", result.coolant.outlet_K[index] - rom::zero_degC_K},
         {"heat_W", result.coolant.heat_W[index]}};
   }
   json["steady_state"] = steady_state;

@@ -2,6 +2,7 @@
 
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/inspection/law_facts.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -21,7 +22,7 @@ void print_inputs(const Inspection& result) {
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
     std::printf("%-24s %-10s %12.2f\n", boundaries.environments[i].name.c_str(),
                 kind_name(boundaries.environments[i].kind),
-                boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC);
+                boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - rom::zero_degC_K);
   }
   std::printf("\n%-44s %-17s %12s %12s %5s\n", "conductance", "kind", "W/m2K", "area mm2", "rank");
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
@@ -42,7 +43,7 @@ void print_circuits(const Inspection& result) {
     const auto index = static_cast<Eigen::Index>(c);
     std::printf("%-24s %8zu %10.4f %12.1f %12.2f %12.2f\n", boundaries.circuits[c].name.c_str(),
                 boundaries.circuits[c].segments.size(), boundaries.operating.flow_kg_per_s[index],
-                boundaries.circuits[c].heat_capacity_J_per_kgK, result.coolant.outlet_K[index] - kelvin_at_0_degC,
+                boundaries.circuits[c].heat_capacity_J_per_kgK, result.coolant.outlet_K[index] - rom::zero_degC_K,
                 result.coolant.heat_W[index]);
   }
 }
@@ -59,7 +60,7 @@ void print_outputs(const Inspection& result) {
   }
   std::printf("\n%-24s %14s\n", "deformation", "um per K");
   for (const rom::DeformationOutput& output : network.deformations) {
-    std::printf("%-24s %14.4f\n", output.name.c_str(), micrometres_per_metre * output.row_m_per_K.sum());
+    std::printf("%-24s %14.4f\n", output.name.c_str(), rom::um_per_m * output.row_m_per_K.sum());
   }
   if (network.contact_pressures.empty()) return;
   std::printf("\n%-32s %14s %14s\n", "contact pressure", "assembly MPa", "MPa per K");
@@ -145,7 +146,7 @@ void print_table(const Inspection& result) {
               network.capacity_J_per_K.sum());
   std::printf("operating    %.0f rpm, load %.2f; reference %.0f rpm, %.2f degC\n", boundaries.operating.speed_rpm,
               boundaries.operating.load, boundaries.reference_speed_rpm,
-              boundaries.reference_temperature_K - kelvin_at_0_degC);
+              boundaries.reference_temperature_K - rom::zero_degC_K);
   print_nodes(network);
   print_inputs(result);
   print_circuits(result);

@@ -1,11 +1,10 @@
 #include "host_tools/inspection/law_facts.hpp"
 
 #include "rom/laws/law_fields.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
-
-constexpr double kelvin_at_0_degC = 273.15;
 
 /// Name of the part or environment, empty where the temperature is a constant.
 std::string place_of(const rom::Network& network, const rom::LawTemperature& temperature) {
@@ -41,7 +40,7 @@ nlohmann::json law_json(const rom::Network& network, const rom::BoundLaw& law) {
     if (word.empty()) continue;
     const std::string key(word);
     if (const std::string place = place_of(network, temperature); !place.empty()) json[key] = place;
-    if (temperature.environment < 0) json[key + "_degC"] = temperature.nominal_K - kelvin_at_0_degC;
+    if (temperature.environment < 0) json[key + "_degC"] = temperature.nominal_K - rom::zero_degC_K;
   }
   if (law.pressure >= 0) {
     json["pressure"] = network.contact_pressures[static_cast<std::size_t>(law.pressure)].name;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "host_tools/inspection/law_facts.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -58,7 +59,7 @@ void add_network(const Inspection& inspection, Facts& facts) {
   facts.add("speed_rpm", boundaries.operating.speed_rpm);
   facts.add("load", boundaries.operating.load);
   facts.add("reference_speed_rpm", boundaries.reference_speed_rpm);
-  facts.add("reference_temperature_degC", boundaries.reference_temperature_K - kelvin_at_0_degC);
+  facts.add("reference_temperature_degC", boundaries.reference_temperature_K - rom::zero_degC_K);
   for (const rom::Node& node : network.nodes) {
     facts.start("node", node.name);
     facts.add("part", node.part);
@@ -83,7 +84,7 @@ void add_boundaries(const rom::Network& network, Facts& facts) {
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
     facts.start("environment", boundaries.environments[i].name);
     facts.add("kind", std::string(kind_name(boundaries.environments[i].kind)));
-    facts.add("operating_degC", boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC);
+    facts.add("operating_degC", boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] - rom::zero_degC_K);
   }
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     facts.start("source", boundaries.sources[i].name);
@@ -141,7 +142,7 @@ void add_outputs(const rom::Network& network, Facts& facts) {
   }
   for (const rom::DeformationOutput& output : network.deformations) {
     facts.start("deformation", output.name);
-    facts.add("um_per_K", micrometres_per_metre * output.row_m_per_K.sum());
+    facts.add("um_per_K", rom::um_per_m * output.row_m_per_K.sum());
     facts.add("row_m_per_K", output.row_m_per_K);
   }
   for (const rom::ContactPressureOutput& output : network.contact_pressures) {

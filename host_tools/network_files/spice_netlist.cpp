@@ -11,6 +11,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -284,7 +285,7 @@ void Netlist::outputs() {
   for (const rom::KeyPoint& point : network_.key_points) weighted(output_node("key", point.name), point.row);
   for (const rom::PartOutput& part : network_.parts) weighted(output_node("mean", part.name), part.mean_row);
   for (const rom::DeformationOutput& output : network_.deformations) {
-    weighted(output_node("deformation", output.name), 1e6 * output.row_m_per_K);
+    weighted(output_node("deformation", output.name), rom::um_per_m * output.row_m_per_K);
   }
   for (const rom::ContactPressureOutput& output : network_.contact_pressures) {
     weighted(output_node("pressure", output.name), 1e-6 * output.row_Pa_per_K);

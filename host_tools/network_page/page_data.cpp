@@ -9,6 +9,7 @@
 #include "rom/boundary_values/schedule.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -57,7 +58,7 @@ Json certificate_json(const rom::Network& network) {
     if (errors.size() != items.size()) return;
     for (std::size_t i = 0; i < items.size(); ++i) add(items[i].name + suffix, unit, errors[i], scale);
   };
-  each(network.deformations, certificate.deformations_m, "", "µm", micrometres_per_metre);
+  each(network.deformations, certificate.deformations_m, "", "µm", rom::um_per_m);
   each(network.key_points, certificate.key_points_K, "", "K", 1.0);
   each(network.parts, certificate.part_maxima_K, ", maximum", "K", 1.0);
   each(network.contact_pressures, certificate.contact_pressures_Pa, "", "MPa", megapascal_per_pascal);
@@ -104,19 +105,19 @@ Json network_page_data(const rom::Network& network, const rom::OperatingState& s
   const double rest_K = rom::rest_temperature_K(boundaries, state);
 
   Json data{{"spindle", network.spindle},           {"description_sha256", network.description_hash},
-            {"hand_written", network.hand_written}, {"rest_degC", rest_K - kelvin_at_0_degC},
+            {"hand_written", network.hand_written}, {"rest_degC", rest_K - rom::zero_degC_K},
             {"environments", Json::array()},        {"deformations", Json::array()}};
   data.update(steady_state_json(steady));
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     data["environments"].push_back({{"name", boundaries.environments[e].name},
                                     {"kind", kind_name(boundaries.environments[e].kind)},
-                                    {"degC", state.environment_K[static_cast<Index>(e)] - kelvin_at_0_degC}});
+                                    {"degC", state.environment_K[static_cast<Index>(e)] - rom::zero_degC_K}});
   }
   rom::NetworkOutputs outputs = rom::make_network_outputs(network);
   rom::evaluate_outputs(network, steady.temperatures_K, outputs);
   for (std::size_t d = 0; d < network.deformations.size(); ++d) {
     data["deformations"].push_back({{"name", network.deformations[d].name},
-                                    {"um", micrometres_per_metre * outputs.deformations_m[static_cast<Index>(d)]}});
+                                    {"um", rom::um_per_m * outputs.deformations_m[static_cast<Index>(d)]}});
   }
   data["sources"] = Json::array();
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {

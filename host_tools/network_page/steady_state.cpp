@@ -6,6 +6,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/sensitivity.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -102,7 +103,7 @@ Json balance_json(const SteadyState& steady) {
         mean_K = part.mean_row.dot(steady.temperatures_K);
     }
     rows.push_back({{"name", steady.bodies[a].name},
-                    {"mean_degC", mean_K - kelvin_at_0_degC},
+                    {"mean_degC", mean_K - rom::zero_degC_K},
                     {"source_W", steady.flows.source_W.row(row).sum()},
                     {"contact_W", contact_W},
                     {"gas_W", gas_W},
@@ -116,7 +117,7 @@ Json balance_json(const SteadyState& steady) {
 
 Json sensitivities_json(const SteadyState& steady) {
   const rom::Boundaries& boundaries = steady.network.boundaries;
-  const double to_um_per_doubling = micrometres_per_metre * std::log(2.0);
+  const double to_um_per_doubling = rom::um_per_m * std::log(2.0);
   Json list = Json::array();
   if (steady.network.deformations.empty()) return list;
   const rom::SteadySensitivities found = rom::steady_sensitivities(

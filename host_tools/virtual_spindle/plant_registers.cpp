@@ -1,4 +1,5 @@
 #include "host_tools/virtual_spindle/plant_registers.hpp"
+#include "rom/units.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +10,6 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-constexpr double kelvin_at_0_degC = 273.15;
 constexpr std::uint16_t not_fitted = 0x8000;
 constexpr std::size_t channels = 16;
 constexpr std::size_t circuits = 4;
@@ -31,10 +31,10 @@ void put_floats(PlantRegisters& registers, std::size_t address, const std::vecto
 double environment_degC(const rom::Boundaries& boundaries, const PlantSnapshot& snapshot, rom::EnvironmentKind kind) {
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     if (boundaries.environments[e].kind == kind) {
-      return snapshot.operating.environment_K[static_cast<Eigen::Index>(e)] - kelvin_at_0_degC;
+      return snapshot.operating.environment_K[static_cast<Eigen::Index>(e)] - rom::zero_degC_K;
     }
   }
-  return boundaries.reference_temperature_K - kelvin_at_0_degC;
+  return boundaries.reference_temperature_K - rom::zero_degC_K;
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 #include "correction/paper/joint_law.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
 
-constexpr double kelvin_at_0_degC = 273.15;
 constexpr double joint_update_s = 10.0;  // each update costs a factorisation; rises move by less than 0.1 K meanwhile
 constexpr double joint_exponent = 0.68;
 
@@ -163,19 +163,19 @@ void Plant::observe() {
   const Eigen::VectorXd& temperatures_K = stepper_.temperatures_K();
   std::normal_distribution<double> noise(0.0, 1.0);
   for (std::size_t k = 0; k < model_.key_points.size(); ++k) {
-    const double true_degC = model_.key_points[k].row.dot(temperatures_K) - kelvin_at_0_degC;
+    const double true_degC = model_.key_points[k].row.dot(temperatures_K) - rom::zero_degC_K;
     snapshot_.key_point_degC[k] = true_degC;
     snapshot_.measured_degC[k] = true_degC + offset_K_[k] + truth_.noise_K * noise(random_);
   }
   for (std::size_t p = 0; p < model_.parts.size(); ++p) {
     double maximum_K = temperatures_K[model_.parts[p].dofs.front()];
     for (const int dof : model_.parts[p].dofs) maximum_K = std::max(maximum_K, temperatures_K[dof]);
-    snapshot_.part_max_degC[p] = maximum_K - kelvin_at_0_degC;
+    snapshot_.part_max_degC[p] = maximum_K - rom::zero_degC_K;
   }
   for (std::size_t d = 0; d < model_.deformations.size(); ++d) {
     snapshot_.deformation_um[d] =
-        1e6 * model_.deformations[d].row_m_per_K.dot(
-                  (temperatures_K.array() - model_.boundaries.reference_temperature_K).matrix());
+        rom::um_per_m * model_.deformations[d].row_m_per_K.dot(
+                            (temperatures_K.array() - model_.boundaries.reference_temperature_K).matrix());
   }
 }
 
@@ -192,7 +192,7 @@ void write_plant_header(std::ostream& out, const fem_offline::AffineModel& model
 void write_plant_row(std::ostream& out, const PlantSnapshot& snapshot) {
   const auto old_precision = out.precision(9);
   out << snapshot.time_s << ',' << snapshot.operating.speed_rpm << ',' << snapshot.operating.load;
-  for (const double temperature_K : snapshot.operating.environment_K) out << ',' << temperature_K - kelvin_at_0_degC;
+  for (const double temperature_K : snapshot.operating.environment_K) out << ',' << temperature_K - rom::zero_degC_K;
   for (const auto* columns :
        {&snapshot.key_point_degC, &snapshot.measured_degC, &snapshot.part_max_degC, &snapshot.deformation_um}) {
     for (const double value : *columns) out << ',' << value;

@@ -6,11 +6,10 @@
 
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/read/csv_table.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 namespace {
-
-constexpr double kelvin_at_0_degC = 273.15;
 
 using Setter = std::function<void(double, OperatingState&)>;
 
@@ -27,9 +26,7 @@ std::vector<Column> allowed_columns(const Boundaries& boundaries) {
                                  {"load", [](double value, OperatingState& state) { state.load = value; }}};
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     const auto index = static_cast<Eigen::Index>(e);
-    const auto set = [index](double value, OperatingState& state) {
-      state.environment_K[index] = value + kelvin_at_0_degC;
-    };
+    const auto set = [index](double value, OperatingState& state) { state.environment_K[index] = value + zero_degC_K; };
     columns.push_back({boundaries.environments[e].name + "_degC", set, true});
   }
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
@@ -82,7 +79,7 @@ ScheduleRow read_row(const CsvTable& table, std::size_t index, const std::vector
     const Column& column = columns[c];
     const double value = table.columns[c][index];
     if (std::isnan(value)) throw InputError(where, column.name, "'' is not a finite number with a decimal point");
-    if (column.is_degC && value <= -kelvin_at_0_degC) {
+    if (column.is_degC && value <= -zero_degC_K) {
       throw InputError(where, column.name, "is not above absolute zero, -273.15 degC");
     }
     column.set ? column.set(value, row.state) : void(row.time_s = value);

@@ -7,6 +7,7 @@
 #include "rom/read/names.hpp"
 #include "rom/read/strict_toml.hpp"
 #include "rom/read_laws/read_physical_law.hpp"
+#include "rom/units.hpp"
 
 /// The pieces of read_by_hand, one function per group of tables; used there only. All throw InputError.
 namespace spindle_twin::rom {
@@ -28,7 +29,6 @@ struct Draft {
 
 inline constexpr double metre_per_mm = 1e-3;
 inline constexpr double square_metre_per_mm2 = 1e-6;
-inline constexpr double kelvin_at_0_degC = 273.15;
 inline constexpr Range area_mm2{0.0, 1e9, true, false};
 /// Where W/K are given instead of W/m²K: then the numbers are the same.
 inline constexpr double area_of_W_per_K_m2 = 1.0;

@@ -8,6 +8,7 @@
 #include "rom/file/rom_file.hpp"
 #include "rom/read/sha256.hpp"
 #include "rom/read_laws/read_speed_law.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 namespace {
@@ -67,13 +68,13 @@ void read_operating(const TomlTable& root, Draft& draft) {
   boundaries.reference_speed_rpm = table.number("speed_rpm", positive);
   boundaries.operating.speed_rpm = boundaries.reference_speed_rpm;
   boundaries.operating.load = table.number_or("load", 1.0, not_negative);
-  boundaries.reference_temperature_K = table.number("reference_temperature_degC", temperature_degC) + kelvin_at_0_degC;
+  boundaries.reference_temperature_K = table.number("reference_temperature_degC", temperature_degC) + zero_degC_K;
   const TomlTable temperatures = table.table("temperatures_degC");
   for (const std::string& key : temperatures.free_keys()) draft.surroundings.find(temperatures, key, key);
   boundaries.operating.environment_K.resize(static_cast<Eigen::Index>(boundaries.environments.size()));
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
     boundaries.operating.environment_K[static_cast<Eigen::Index>(i)] =
-        temperatures.number(boundaries.environments[i].name, temperature_degC) + kelvin_at_0_degC;
+        temperatures.number(boundaries.environments[i].name, temperature_degC) + zero_degC_K;
   }
 }
 

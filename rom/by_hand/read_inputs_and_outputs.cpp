@@ -4,6 +4,7 @@
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/by_hand/draft.hpp"
 #include "rom/read_laws/read_speed_law.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 namespace {
@@ -101,10 +102,9 @@ void read_inputs_and_outputs(const TomlTable& root, Draft& draft) {
   network.boundaries.operating.heat_W = unread_heats_W(network.boundaries);
   for (const TomlTable& table : root.tables_or_empty("key_point")) read_key_point(table, key_points, draft);
   for (const std::string& name : draft.parts) network.parts.push_back(part_output(name, draft));
-  constexpr double metre_per_um = 1e-6;
   for (const TomlTable& table : root.tables_or_empty("deformation")) {
     const std::string name = deformations.add(table);
-    network.deformations.push_back({name, metre_per_um * read_row(table, "um_per_K", between(-1e6, 1e6), draft)});
+    network.deformations.push_back({name, m_per_um * read_row(table, "um_per_K", between(-1e6, 1e6), draft)});
   }
   for (const TomlTable& table : root.tables_or_empty("contact_pressure")) {
     const std::string name = pressures.add(table);

@@ -1,4 +1,5 @@
 #include "rom/integrate/output_uncertainty.hpp"
+#include "rom/units.hpp"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +9,6 @@ namespace spindle_twin::rom {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double metre_per_um = 1e-6;
 
 /// `worst_of_all` stands in where there is no error per output.
 Eigen::VectorXd deviations(const std::vector<OutputError>& errors, std::size_t outputs, double worst_of_all) {
@@ -28,7 +28,7 @@ double certificate_deviation(const OutputError& error) { return std::hypot(0.5 *
 OutputUncertainty output_uncertainty(const Network& network) {
   const Certificate& certificate = network.certificate;
   const auto otherwise = [&](double worst) { return certificate.cases > 0 ? worst : unknown; };
-  const double nose_m = otherwise(metre_per_um * certificate.worst.nose_um);
+  const double nose_m = otherwise(m_per_um * certificate.worst.nose_um);
   const double key_points_K = otherwise(certificate.worst.key_points_K);
   const double part_maxima_K = otherwise(certificate.worst.part_max_K);
   OutputUncertainty sigma;

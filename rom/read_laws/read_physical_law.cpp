@@ -10,11 +10,10 @@
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/laws/law_fields.hpp"
 #include "rom/read_laws/read_speed_law.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 namespace {
-
-constexpr double kelvin_at_0_degC = 273.15;
 
 /// A number's key as a person writes it: written = (SI − shift) / scale.
 struct WrittenKey {
@@ -40,7 +39,7 @@ WrittenKey written_key(std::string_view name, WrittenUnit unit) {
     case WrittenUnit::degree:
       return {instead("_rad", "_deg"), std::numbers::pi / 180.0, 0.0};
     case WrittenUnit::degC:
-      return {instead("_K", "_degC"), 1.0, kelvin_at_0_degC};
+      return {instead("_K", "_degC"), 1.0, zero_degC_K};
     case WrittenUnit::si:
       break;
   }
@@ -125,20 +124,19 @@ LawTemperature read_temperature(const TomlTable& table, std::string_view word, c
                         listed(places.environments));
   }
   if (temperature.environment < 0) {
-    temperature.nominal_K = table.number(nominal_key, temperature_degC) + kelvin_at_0_degC;
+    temperature.nominal_K = table.number(nominal_key, temperature_degC) + zero_degC_K;
   }
   return temperature;
 }
 
 Lubricant read_oil(const TomlTable& table) {
-  const auto rows = table.rows_or_empty("viscosities", 2, between(-273.15, 1e6));
+  const auto rows = table.rows_or_empty("viscosities", 2, between(-zero_degC_K, 1e6));
   if (rows.size() != 2 || !(rows[0][0] < rows[1][0] && rows[0][1] > rows[1][1] && rows[1][1] > 0.3)) {
     table.fail("viscosities",
                "must be two points of the oil, [[degC, mm2/s], [degC, mm2/s]], the colder and thicker one "
                "first, both above 0.3 mm2/s");
   }
-  return lubricant_through(rows[0][0] + kelvin_at_0_degC, 1e-6 * rows[0][1], rows[1][0] + kelvin_at_0_degC,
-                           1e-6 * rows[1][1]);
+  return lubricant_through(rows[0][0] + zero_degC_K, 1e-6 * rows[0][1], rows[1][0] + zero_degC_K, 1e-6 * rows[1][1]);
 }
 
 void complete(const TomlTable& table, BearingHeatLaw& law) {
@@ -157,7 +155,7 @@ void read_displacement(const TomlTable& table, const LawPlaces& places, BoundLaw
     if (!table.has(key)) continue;
     bound.displacement = find_output(table, key, places.deformations, "deformation output");
     bound.displacement_sign = std::string(key) == "closing" ? 1.0 : -1.0;
-    bound.nominal_displacement_m = 1e-6 * table.number_or("nominal_um", 0.0);
+    bound.nominal_displacement_m = m_per_um * table.number_or("nominal_um", 0.0);
   }
 }
 

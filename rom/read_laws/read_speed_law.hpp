@@ -2,11 +2,12 @@
 
 #include "rom/boundaries.hpp"
 #include "rom/read/strict_toml.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 
 /// Allowed range of every temperature in a file.
-inline constexpr Range temperature_degC{-273.15, 1000.0, true, false};
+inline constexpr Range temperature_degC{-zero_degC_K, 1000.0, true, false};
 
 /// The table `speed_law` of `owner`, constant 1 without it: { constant ? 0, speed_terms ? [[coefficient, exponent],
 /// ...], load_squared ? 0, zero_at_standstill ? false }, all >= 0. Throws InputError unless constant, coefficients and

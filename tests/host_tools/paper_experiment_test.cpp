@@ -16,6 +16,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
+#include "rom/units.hpp"
 
 /// The demo's experiment without clocks and sockets, over several sets of joints: 6000 rpm, 1800 s, true heat 0.46 of
 /// the described, joints off by up to 2x, noise 0.03 K, offsets 0.02 K. Prints the numbers of correction/README.md.
@@ -23,7 +24,6 @@ namespace spindle_twin::host_tools {
 namespace {
 
 constexpr int duration_s = 1800;
-constexpr double kelvin_at_0_degC = 273.15;
 constexpr int joint_sets = 8;
 constexpr int settled_s = 300;
 
@@ -89,8 +89,8 @@ class PaperExperiment : public ::testing::Test {
     for (int second = 0; second <= duration_s; ++second) {
       rom::evaluate_outputs(*network, stepper->temperatures_K(), outputs);
       for (Eigen::Index k = 0; k < key_points; ++k) {
-        result.push_back(outputs.key_points_K[k] - kelvin_at_0_degC);
-        measured_K[k] = kelvin_at_0_degC +
+        result.push_back(outputs.key_points_K[k] - rom::zero_degC_K);
+        measured_K[k] = rom::zero_degC_K +
                         truth.seconds[static_cast<std::size_t>(second)].measured_degC[static_cast<std::size_t>(k)];
       }
       if (second == duration_s) break;
@@ -121,7 +121,7 @@ class PaperExperiment : public ::testing::Test {
     std::vector<double> result;
     for (int second = 0; second <= duration_s; ++second) {
       for (Eigen::Index k = 0; k < key_points; ++k) {
-        measured_K[k] = kelvin_at_0_degC +
+        measured_K[k] = rom::zero_degC_K +
                         truth.seconds[static_cast<std::size_t>(second)].measured_degC[static_cast<std::size_t>(k)];
       }
       const correction::EstimatorStep step = estimator.step(
@@ -129,7 +129,7 @@ class PaperExperiment : public ::testing::Test {
           1.0);
       if (step.state_corrected) stepper->set_temperatures(estimator.corrected_nodes_K());
       rom::evaluate_outputs(*network, stepper->temperatures_K(), outputs);
-      for (const double kelvin : outputs.key_points_K) result.push_back(kelvin - kelvin_at_0_degC);
+      for (const double kelvin : outputs.key_points_K) result.push_back(kelvin - rom::zero_degC_K);
       rom::OperatingState operating = network->boundaries.operating;
       operating.environment_K += estimator.environment_bias_K();
       rom::evaluate_boundaries(network->boundaries, operating, estimator.factors(), values);
@@ -154,7 +154,7 @@ class PaperExperiment : public ::testing::Test {
       firmware::DeviceFrame frame;
       frame.connected = true;
       for (std::size_t k = 0; k < plant.measured_degC.size(); ++k) {
-        frame.sensors[k] = {plant.measured_degC[k] + kelvin_at_0_degC, now_ns};
+        frame.sensors[k] = {plant.measured_degC[k] + rom::zero_degC_K, now_ns};
       }
       frame.signals[0] = {plant.operating.speed_rpm, now_ns};
       frame.signals[1] = {plant.operating.load, now_ns};
@@ -167,7 +167,7 @@ class PaperExperiment : public ::testing::Test {
 
   static double error_K(const Truth& truth, const std::vector<firmware::Snapshot>& twin, std::size_t second,
                         std::size_t key_point) {
-    return twin[second - 1].predicted_K[key_point] - kelvin_at_0_degC - truth.seconds[second].key_point_degC[key_point];
+    return twin[second - 1].predicted_K[key_point] - rom::zero_degC_K - truth.seconds[second].key_point_degC[key_point];
   }
 
   static Score score(const char* name, const correction::PaperOptions& options) {

@@ -1,4 +1,5 @@
 #include "host_tools/commands/offline/certificate_report.hpp"
+#include "rom/units.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,8 +8,6 @@
 
 namespace spindle_twin::host_tools {
 namespace {
-
-constexpr double micrometre_m = 1e-6;
 
 nlohmann::ordered_json errors_json(const rom::CertificateErrors& errors) {
   return {{"key_points_K", errors.key_points_K}, {"nose_um", errors.nose_um}, {"part_max_K", errors.part_max_K}};
@@ -50,7 +49,7 @@ nlohmann::ordered_json to_json(const rom::Network& network) {
       {"key_points_K", by_name(network.key_points, certificate.key_points_K, 1.0)},
       {"part_mean_K", by_name(network.parts, certificate.part_means_K, 1.0)},
       {"part_max_K", by_name(network.parts, certificate.part_maxima_K, 1.0)},
-      {"deformations_um", by_name(network.deformations, certificate.deformations_m, micrometre_m)},
+      {"deformations_um", by_name(network.deformations, certificate.deformations_m, rom::m_per_um)},
       {"contact_pressures_Pa", by_name(network.contact_pressures, certificate.contact_pressures_Pa, 1.0)}};
   return result;
 }
@@ -74,7 +73,7 @@ void print_certificate(const rom::Network& network) {
   std::printf("  %-57s %11.4f %11.4f\n", "all part maxima, K", certificate.worst.part_max_K,
               certificate.median.part_max_K);
   print_group("key point, K", network.key_points, certificate.key_points_K, 1.0, 4, with_mesh);
-  print_group("deformation, um", network.deformations, certificate.deformations_m, micrometre_m, 4, with_mesh);
+  print_group("deformation, um", network.deformations, certificate.deformations_m, rom::m_per_um, 4, with_mesh);
   print_group("contact pressure, Pa", network.contact_pressures, certificate.contact_pressures_Pa, 1.0, 0, with_mesh);
   print_group("part maximum, K", network.parts, certificate.part_maxima_K, 1.0, 4, with_mesh);
   print_group("part mean, K", network.parts, certificate.part_means_K, 1.0, 4, with_mesh);

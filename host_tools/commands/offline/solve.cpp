@@ -18,6 +18,7 @@
 #include "host_tools/commands/offline/mesh_report.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
+#include "rom/units.hpp"
 
 // spindle-twin solve fem_offline/spindles/reference.toml --steady
 namespace spindle_twin::host_tools {
@@ -26,9 +27,7 @@ namespace {
 using fem_offline::AffineModel;
 using fem_offline::FeModel;
 
-constexpr double micrometres_per_metre = 1e6;
 constexpr double megapascal_per_pascal = 1e-6;
-constexpr double kelvin_at_0_degC = 273.15;
 
 struct SolveOptions {
   std::string spindle_path;
@@ -85,7 +84,7 @@ Report report_of(const AffineModel& model, const rom::BoundaryValues& values, co
   for (const auto& point : model.key_points) report.key_points_K.push_back(point.row.dot(temperatures_K) - datum_K);
   const Eigen::VectorXd warmed_K = temperatures_K.array() - model.boundaries.reference_temperature_K;
   for (const auto& output : model.deformations) {
-    report.deformation_um.push_back(micrometres_per_metre * output.row_m_per_K.dot(warmed_K));
+    report.deformation_um.push_back(rom::um_per_m * output.row_m_per_K.dot(warmed_K));
   }
   for (const auto& output : model.contact_pressures) {
     report.contact_pressure_MPa.push_back(megapascal_per_pascal *
@@ -125,7 +124,7 @@ nlohmann::json as_json(const AffineModel& model, const Report& report) {
   for (std::size_t c = 0; c < model.boundaries.circuits.size(); ++c) {
     const auto index = static_cast<Eigen::Index>(c);
     json["coolant"][model.boundaries.circuits[c].name] = {
-        {"outlet_degC", report.coolant.outlet_K[index] - kelvin_at_0_degC}, {"heat_W", report.coolant.heat_W[index]}};
+        {"outlet_degC", report.coolant.outlet_K[index] - rom::zero_degC_K}, {"heat_W", report.coolant.heat_W[index]}};
   }
   json["heat_in_W"] = report.heat.heat_in_W;
   json["heat_out_W"] = report.heat.heat_out_W;
@@ -134,7 +133,7 @@ nlohmann::json as_json(const AffineModel& model, const Report& report) {
 
 void print_table(const AffineModel& model, const Report& report) {
   std::printf("%s: %zu unknowns, rises above %.2f degC\n\n", model.spindle.c_str(), model.places.size(),
-              report.datum_K - kelvin_at_0_degC);
+              report.datum_K - rom::zero_degC_K);
   std::printf("%-24s %10s %10s\n", "part", "max K", "min K");
   for (std::size_t p = 0; p < model.parts.size(); ++p) {
     std::printf("%-24s %10.3f %10.3f\n", model.parts[p].name.c_str(), report.parts[p].max_K, report.parts[p].min_K);
@@ -155,7 +154,7 @@ void print_table(const AffineModel& model, const Report& report) {
   for (std::size_t c = 0; c < model.boundaries.circuits.size(); ++c) {
     const auto index = static_cast<Eigen::Index>(c);
     std::printf("%-24s %10.3f W, outlet %.3f degC\n", model.boundaries.circuits[c].name.c_str(),
-                report.coolant.heat_W[index], report.coolant.outlet_K[index] - kelvin_at_0_degC);
+                report.coolant.heat_W[index], report.coolant.outlet_K[index] - rom::zero_degC_K);
   }
   std::printf("%-24s %10.3f W\n%-24s %10.3f W\n", "heat in", report.heat.heat_in_W, "heat out", report.heat.heat_out_W);
 }
@@ -188,7 +187,7 @@ class SeriesWriter {
       for (std::size_t c = 0; c < model_->boundaries.circuits.size(); ++c) {
         const auto index = static_cast<Eigen::Index>(c);
         auto& circuit = series_["coolant"][model_->boundaries.circuits[c].name];
-        circuit["outlet_degC"].push_back(report.coolant.outlet_K[index] - kelvin_at_0_degC);
+        circuit["outlet_degC"].push_back(report.coolant.outlet_K[index] - rom::zero_degC_K);
         circuit["heat_W"].push_back(report.coolant.heat_W[index]);
       }
       return;
@@ -198,7 +197,7 @@ class SeriesWriter {
     for (const PartRise& rise : report.parts) std::printf(",%.4f", rise.max_K);
     for (const double moved_um : report.deformation_um) std::printf(",%.4f", moved_um);
     for (Eigen::Index c = 0; c < report.coolant.heat_W.size(); ++c) {
-      std::printf(",%.4f,%.4f", report.coolant.outlet_K[c] - kelvin_at_0_degC, report.coolant.heat_W[c]);
+      std::printf(",%.4f,%.4f", report.coolant.outlet_K[c] - rom::zero_degC_K, report.coolant.heat_W[c]);
     }
     std::printf("\n");
   }
@@ -224,7 +223,7 @@ std::string printed(const rom::Boundaries& boundaries, const rom::OperatingState
   std::string words = text.data();
   for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
     std::snprintf(text.data(), text.size(), " %.2f °C",
-                  state.environment_K[static_cast<Eigen::Index>(i)] - kelvin_at_0_degC);
+                  state.environment_K[static_cast<Eigen::Index>(i)] - rom::zero_degC_K);
     words += ", " + boundaries.environments[i].name + text.data();
   }
   return words;

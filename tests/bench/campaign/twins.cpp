@@ -5,12 +5,12 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
+#include "rom/units.hpp"
 #include "tests/bench/campaign/campaign.hpp"
 
 namespace spindle_twin::bench {
 namespace {
 
-constexpr double micrometres_per_metre = 1e6;
 // Every correction restarts CVODE; the daemon's tolerance would cost most of the campaign for a tenth of a millikelvin.
 constexpr double tolerance_K = 1e-4;
 
@@ -49,7 +49,7 @@ struct Judge {
   }
   void note(const Truth& truth, Eigen::Index k, const rom::NetworkOutputs& outputs, double deviation_um) {
     if (static_cast<double>(k) * truth.conditions.sample_s < judged_from_s) return;
-    const double error_um = micrometres_per_metre * (outputs.deformations_m[0] - truth.nose_m[k]);
+    const double error_um = rom::um_per_m * (outputs.deformations_m[0] - truth.nose_m[k]);
     sum.error_um += error_um * error_um;
     sum.deviation_um += deviation_um * deviation_um;
     sum.inside += std::abs(error_um) <= 2.0 * deviation_um ? 1.0 : 0.0;
@@ -162,7 +162,7 @@ Score run_estimator(const rom::Network& network, const Truth& truth, int sensors
       [&](Eigen::Index k, const Twin&) { return truth.measured_K.row(k).transpose().head(sensors).eval(); },
       [&](Eigen::Index k, const Twin&) { return truth.touch_off_m[k]; },
       [&](Eigen::Index k, const Twin& twin) {
-        judge.note(truth, k, twin.outputs, micrometres_per_metre * estimator.deviations().deformations_m[0]);
+        judge.note(truth, k, twin.outputs, rom::um_per_m * estimator.deviations().deformations_m[0]);
         for (Eigen::Index s = 0; s < sensors; ++s) rejected += estimator.record(s).rejected ? 1 : 0;
       });
   Score score = judge.score();
@@ -198,7 +198,7 @@ double bound_um(const rom::Network& network, const Truth& truth, int sensors, bo
       [&](Eigen::Index, const Twin& twin) { return twin.outputs.deformations_m[0]; },
       [&](Eigen::Index k, const Twin&) {
         if (static_cast<double>(k) * step_s < judged_from_s) return;
-        const double deviation_um = micrometres_per_metre * estimator.deviations().deformations_m[0];
+        const double deviation_um = rom::um_per_m * estimator.deviations().deformations_m[0];
         sum_um2 += deviation_um * deviation_um;
         ++count;
       });

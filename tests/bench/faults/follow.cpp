@@ -6,11 +6,11 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::bench {
 namespace {
 
-constexpr double um_per_m = 1e6;
 constexpr double tolerance_K = 1e-4;
 constexpr double noise_K = 0.03;
 constexpr double offset_K = 0.02;
@@ -201,14 +201,14 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     const double from_s = std::max(fault.from_s, judged_from_s);
     if (time_s >= from_s) {
       const double held_back_m = twin.outputs.deformations_m[0] - published_m;
-      const double error_um = um_per_m * (published_m - readings.nose_m);
-      const double deviation_um = um_per_m * std::hypot(estimator.deviations().deformations_m[0], held_back_m);
+      const double error_um = rom::um_per_m * (published_m - readings.nose_m);
+      const double deviation_um = rom::um_per_m * std::hypot(estimator.deviations().deformations_m[0], held_back_m);
       result.error_um += error_um * error_um;
       result.deviation_um += deviation_um * deviation_um;
       result.largest_um = std::max(result.largest_um, std::abs(error_um));
       result.raw_step_um =
-          std::max(result.raw_step_um, um_per_m * std::abs(twin.outputs.deformations_m[0] - nose_before_m));
-      result.step_um = std::max(result.step_um, um_per_m * std::abs(published_m - published_before_m));
+          std::max(result.raw_step_um, rom::um_per_m * std::abs(twin.outputs.deformations_m[0] - nose_before_m));
+      result.step_um = std::max(result.step_um, rom::um_per_m * std::abs(published_m - published_before_m));
       ++judged;
       if (result.delay_s < 0.0) {
         ++before_found;

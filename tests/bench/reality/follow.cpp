@@ -5,12 +5,12 @@
 #include <ostream>
 
 #include "firmware/cycle/cycle.hpp"
+#include "rom/units.hpp"
 #include "tests/bench/reality/machine_side.hpp"
 
 namespace spindle_twin::bench {
 namespace {
 
-constexpr double um_per_m = 1e6;
 constexpr double back_window_s = 1800.0;
 constexpr double minute_s = 60.0;
 
@@ -63,10 +63,10 @@ class Judge {
 
  private:
   void note_nose(const firmware::Snapshot& now, double time_s) {
-    const double nose_um = um_per_m * now.nose_m;
-    const double true_um = um_per_m * truth_.nose_m(time_s);
+    const double nose_um = rom::um_per_m * now.nose_m;
+    const double true_um = rom::um_per_m * truth_.nose_m(time_s);
     const double error_um = nose_um - true_um;
-    const double deviation_um = um_per_m * now.deformation_sd_m[0];
+    const double deviation_um = rom::um_per_m * now.deformation_sd_m[0];
     const bool inside = std::abs(error_um) <= 2.0 * deviation_um;
     if (noted_ > 0) score_.step_um_per_s = std::max(score_.step_um_per_s, std::abs(nose_um - last_um_) / cycle_s_);
     last_um_ = nose_um;
@@ -81,7 +81,7 @@ class Judge {
     if (judged_ == 0) score_.at_15_min_um = error_um;
     score_.error_um += error_um * error_um;
     score_.deviation_um += deviation_um * deviation_um;
-    const double open_um = um_per_m * now.nose_uncorrected_m - true_um;
+    const double open_um = rom::um_per_m * now.nose_uncorrected_m - true_um;
     score_.open_um += open_um * open_um;
     score_.worst_um = std::max(score_.worst_um, std::abs(error_um));
     score_.inside += inside ? 1.0 : 0.0;
@@ -123,9 +123,10 @@ void print_head(std::ostream& to) {
 }
 
 void print_row(const RealityTruth& truth, const firmware::Snapshot& now, double time_s, std::ostream& to) {
-  to << time_s << ',' << um_per_m * truth.nose_m(time_s) << ',' << um_per_m * now.nose_m << ','
-     << um_per_m * now.deformation_sd_m[0] << ',' << um_per_m * now.nose_uncorrected_m << ',' << now.signals[0] << ','
-     << static_cast<int>(now.state) << ',' << now.quality << ',' << now.fault << ',' << now.model_in_doubt;
+  to << time_s << ',' << rom::um_per_m * truth.nose_m(time_s) << ',' << rom::um_per_m * now.nose_m << ','
+     << rom::um_per_m * now.deformation_sd_m[0] << ',' << rom::um_per_m * now.nose_uncorrected_m << ','
+     << now.signals[0] << ',' << static_cast<int>(now.state) << ',' << now.quality << ',' << now.fault << ','
+     << now.model_in_doubt;
   for (std::size_t s = 0; s < sensor_count; ++s) {
     to << ',' << truth.place_K(s, time_s) << ',' << now.measured_K[s] << ',' << now.predicted_K[s] << ','
        << now.predicted_sd_K[s] << ',' << now.sensor_update[s].innovation << ',' << now.sensor_update[s].test_ratio

@@ -7,12 +7,10 @@
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
-
-constexpr double kelvin_at_0_degC = 273.15;
-constexpr double um_per_m = 1e6;
 
 std::size_t find_part(const rom::Network& network, const std::string& name) {
   std::string list;
@@ -39,7 +37,7 @@ void operating_of_row(const rom::CsvTable& history, std::size_t row, const rom::
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     const bool coolant = boundaries.environments[e].kind == rom::EnvironmentKind::coolant;
     state.environment_K[static_cast<Eigen::Index>(e)] =
-        history.column(coolant ? "coolant_degC" : "ambient_degC")[row] + kelvin_at_0_degC;
+        history.column(coolant ? "coolant_degC" : "ambient_degC")[row] + rom::zero_degC_K;
   }
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     state.flow_kg_per_s[static_cast<Eigen::Index>(c)] =
@@ -65,10 +63,10 @@ void run_uncorrected(const rom::Network& network, const rom::CsvTable& history, 
     time_s = run.time_s[row];
     rom::evaluate_outputs(network, stepper->temperatures_K(), outputs);
     for (std::size_t k = 0; k < run.key_points.size(); ++k) {
-      run.key_points[k].uncorrected.push_back(outputs.key_points_K[static_cast<Eigen::Index>(k)] - kelvin_at_0_degC);
+      run.key_points[k].uncorrected.push_back(outputs.key_points_K[static_cast<Eigen::Index>(k)] - rom::zero_degC_K);
     }
-    run.hottest.uncorrected.push_back(outputs.part_maximum_K[static_cast<Eigen::Index>(part)] - kelvin_at_0_degC);
-    run.nose.uncorrected.push_back(um_per_m * outputs.deformations_m[0]);
+    run.hottest.uncorrected.push_back(outputs.part_maximum_K[static_cast<Eigen::Index>(part)] - rom::zero_degC_K);
+    run.nose.uncorrected.push_back(rom::um_per_m * outputs.deformations_m[0]);
   }
 }
 
@@ -92,7 +90,7 @@ void gather_factors(const rom::Network& network, const rom::CsvTable& history, R
 RunData gather_run(const rom::Network& network, const rom::CsvTable& history, const rom::CsvTable& plant,
                    const std::string& part, double until_s) {
   const std::size_t part_index = find_part(network, part);
-  const double reference_degC = network.boundaries.reference_temperature_K - kelvin_at_0_degC;
+  const double reference_degC = network.boundaries.reference_temperature_K - rom::zero_degC_K;
   RunData run;
   run.spindle = network.spindle;
   run.time_s = history.column("time_s");
