@@ -8,6 +8,7 @@
 
 #include "correction/paper/check_options.hpp"
 #include "correction/paper/joint_law.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/integrate/network_operator.hpp"
@@ -177,13 +178,8 @@ struct PaperCorrection::Impl {
   }
 
   double ambient_K(const rom::OperatingState& operating) const {
-    const auto& environments = network.boundaries.environments;
-    for (std::size_t e = 0; e < environments.size(); ++e) {
-      if (environments[e].kind == rom::EnvironmentKind::ambient) {
-        return operating.environment_K[static_cast<Eigen::Index>(e)];
-      }
-    }
-    return network.boundaries.reference_temperature_K;
+    return rom::first_environment_K(network.boundaries, rom::EnvironmentKind::ambient, operating)
+        .value_or(network.boundaries.reference_temperature_K);
   }
 
   /// Sets group.step, ratio, rise and the reason if nothing moves.

@@ -6,7 +6,7 @@ using rom::any_number;
 using rom::positive;
 
 void read_coolant_circuits(const TomlTable& root, const Names& parts, const Names& surroundings, Names& films,
-                           Spindle& spindle, std::vector<rom::PendingLaw>& laws) {
+                           Spindle& spindle, std::vector<DescribedLaw>& laws) {
   Names circuits("coolant circuit");
   for (const auto& table : root.tables_or_empty("coolant_circuit")) {
     CoolantCircuit circuit;
@@ -42,8 +42,8 @@ void read_coolant_circuits(const TomlTable& root, const Names& parts, const Name
       circuit.segments.push_back(spindle.films.size());
       if (channel) {
         laws.push_back(law_of_film(*channel, film, spindle.films.size(), spindle));
-        laws.back().role = rom::LawRole::channel;
-        laws.back().defaults.circuit = static_cast<int>(spindle.circuits.size());
+        laws.back().pending.role = rom::LawRole::channel;
+        laws.back().pending.defaults.circuit = static_cast<int>(spindle.circuits.size());
       }
       spindle.films.push_back(std::move(film));
     }

@@ -10,9 +10,11 @@ using rom::InputError;
 
 namespace {
 
-void add_law(const TomlTable& owner, rom::LawRole role, std::size_t index, const rom::LawDefaults& defaults,
-             std::vector<rom::PendingLaw>& laws) {
-  if (const auto law = owner.optional_table("law")) laws.push_back({*law, role, index, defaults});
+void add_law(const TomlTable& table, LawOwner owner, std::size_t index, const rom::LawDefaults& defaults,
+             std::vector<DescribedLaw>& laws) {
+  const auto law = table.optional_table("law");
+  const rom::LawRole role = owner == LawOwner::heat ? rom::LawRole::heat : rom::LawRole::conductance;
+  if (law) laws.push_back({owner, {*law, role, index, defaults}});
 }
 
 }  // namespace
@@ -39,11 +41,11 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   const auto contacts = root.tables_or_empty("contact");
   for (const auto& table : contacts) spindle.contacts.push_back(read_contact(table, parts, spindle.geometry));
   check_contacts_once(spindle.contacts, contacts);
-  std::vector<rom::PendingLaw> laws;
+  std::vector<DescribedLaw> laws;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& contact = spindle.contacts[i];
-    add_law(contacts[i], rom::LawRole::conductance, i,
-            {static_cast<int>(contact.part_a), static_cast<int>(contact.part_b)}, laws);
+    add_law(contacts[i], LawOwner::contact, i, {static_cast<int>(contact.part_a), static_cast<int>(contact.part_b)},
+            laws);
   }
   for (const auto& table : root.tables("surrounding")) {
     spindle.surroundings.push_back(read_surrounding(table, surroundings));
@@ -66,8 +68,7 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   for (const auto& table : root.tables_or_empty("gap_film")) {
     spindle.gap_films.push_back(read_gap_film(table, films, parts));
     const GapFilm& gap = spindle.gap_films.back();
-    add_law(table, rom::LawRole::conductance,
-            spindle.contacts.size() + spindle.films.size() + spindle.gap_films.size() - 1,
+    add_law(table, LawOwner::gap_film, spindle.gap_films.size() - 1,
             {static_cast<int>(gap.part_a), static_cast<int>(gap.part_b)}, laws);
   }
   for (const auto& table : root.tables_or_empty("adiabatic")) {
@@ -79,7 +80,7 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   }
   for (const auto& table : root.tables_or_empty("heat")) {
     spindle.heats.push_back(read_heat(table, heats, parts));
-    add_law(table, rom::LawRole::heat, spindle.heats.size() - 1, {}, laws);
+    add_law(table, LawOwner::heat, spindle.heats.size() - 1, {}, laws);
   }
   for (const auto& table : root.tables_or_empty("support")) {
     spindle.supports.push_back(read_support(table, parts, spindle.geometry));

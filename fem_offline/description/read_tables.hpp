@@ -27,6 +27,13 @@ inline rom::Range coordinate_mm(Geometry geometry) {
 }
 using rom::temperature_degC;
 
+/// Whose law it is; pending.index: its place in the spindle's list of these.
+enum class LawOwner { heat, contact, gap_film, film };
+struct DescribedLaw {
+  LawOwner owner = LawOwner::heat;
+  rom::PendingLaw pending;
+};
+
 Box box_from(const TomlTable& table, const std::string& key, const std::vector<double>& row_mm, bool may_be_flat);
 std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons,
                                  Geometry geometry, const MeshSettings& mesh, std::vector<ArcChord>& arcs);
@@ -52,17 +59,17 @@ Film read_radiation(const TomlTable& table, Names& names, const Names& surroundi
 void set_prescribed_coefficients(Spindle& spindle);
 /// [[coolant_circuit]], whose segments join the films.
 void read_coolant_circuits(const TomlTable& root, const Names& parts, const Names& surroundings, Names& films,
-                           Spindle& spindle, std::vector<rom::PendingLaw>& laws);
+                           Spindle& spindle, std::vector<DescribedLaw>& laws);
 GapFilm read_gap_film(const TomlTable& table, Names& names, const Names& parts);
 HeatSource read_heat(const TomlTable& table, Names& names, const Names& parts);
 Operating read_operating(const TomlTable& table, const std::vector<Surrounding>& surroundings, const Names& names);
 
 /// The law of spindle.films[film_index], which is `film`.
-rom::PendingLaw law_of_film(const TomlTable& law, const Film& film, std::size_t film_index, const Spindle& spindle);
+DescribedLaw law_of_film(const TomlTable& law, const Film& film, std::size_t film_index, const Spindle& spindle);
 
 /// The tables `law`, once all that they may name is known: each becomes the `physics` of its item and gives its nominal
-/// value. `index` of a law: heats by itself; of the rest, contacts, then films, then gap films.
-void read_laws(const std::vector<rom::PendingLaw>& laws, Spindle& spindle);
+/// value.
+void read_laws(const std::vector<DescribedLaw>& laws, Spindle& spindle);
 
 /// [verification] and [[expect]]; needs everything else of the description.
 void read_verification(const TomlTable& root, Spindle& spindle);

@@ -8,6 +8,8 @@
 #include <numeric>
 #include <set>
 
+#include "fem_offline/description/model_places.hpp"
+
 namespace spindle_twin::fem_offline {
 namespace {
 
@@ -108,8 +110,9 @@ void add_pairs(const Spindle& spindle, const rom::BoundaryValues& values, DeckMo
     if (!is_paired || pieces[a].side != 0) continue;
     for (std::size_t b = 0; b < pieces.size(); ++b) {
       if (pieces[b].kind != pieces[a].kind || pieces[b].side != 1 || pieces[b].pair != pieces[a].pair) continue;
-      const std::size_t conductance =
-          pieces[a].kind == PieceKind::contact ? pieces[a].index : spindle.contacts.size() + pieces[a].index;
+      const std::size_t conductance = pieces[a].kind == PieceKind::contact
+                                          ? conductance_of_contact(spindle, pieces[a].index)
+                                          : conductance_of_gap_film(spindle, pieces[a].index);
       DeckPair pair{pieces[a].kind, pieces[a].index, a, b,
                     values.conductance_W_per_m2K[static_cast<Eigen::Index>(conductance)]};
       std::set<std::size_t> nodes_a, nodes_b;
@@ -130,7 +133,7 @@ void add_films(const Spindle& spindle, const rom::BoundaryValues& values, DeckMo
   for (std::size_t p = 0; p < deck.section.pieces.size(); ++p) {
     const BoundaryPiece& piece = deck.section.pieces[p];
     if (piece.kind != PieceKind::film) continue;
-    const std::size_t conductance = spindle.contacts.size() + spindle.gap_films.size() + piece.index;
+    const std::size_t conductance = conductance_of_film(spindle, piece.index);
     deck.films.push_back({p, values.conductance_W_per_m2K[static_cast<Eigen::Index>(conductance)],
                           spindle.films[piece.index].surrounding});
   }

@@ -64,7 +64,7 @@ struct DeckModel {
   bool bonds_match = true;                   ///< all contact pairs match, so bonded faces may share displacements
 };
 
-/// Loads are those of `values` (conductances in the order contacts, gap films, films; heats in the description's
+/// Loads are those of `values` (conductances in the order of description/model_places; heats in the description's
 /// order). Throws rom::InputError for a model that the decks cannot carry: planar, not of degree 2, with
 /// radiation, imposed temperatures or start temperatures of single parts, with supports other than faces held along z,
 /// with outputs at points or of differences.

@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rom/units.hpp"
-
 #include "fem_offline/look/picture_frame.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {

@@ -3,9 +3,8 @@
 #include <limits>
 #include <optional>
 
-#include "rom/units.hpp"
-
 #include "fem_offline/look/picture_frame.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {

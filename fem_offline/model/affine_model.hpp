@@ -46,8 +46,8 @@ struct FeContactPressure {
 /// The FE model as affine terms, free of the FE library:
 ///   C dT/dt = −(K₀ + Σⱼ gⱼ Kⱼ) T + Σⱼ gⱼ (Kⱼ 1) T_env(j) + B q
 /// n unknowns; C [J/K], K₀ [W/K], Kⱼ [m²] (for 1 W/m²K), B [1] with columns that sum to 1. All symmetric. Rows of K₀
-/// and of every Kⱼ between bodies sum to zero. Order of conductances: contacts, gap films, films, as in the
-/// description.
+/// and of every Kⱼ between bodies sum to zero. Order of conductances, environments and
+/// circuits: description/model_places.
 struct AffineModel {
   std::string spindle;
   std::string description_hash;

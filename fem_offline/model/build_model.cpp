@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "fem_offline/description/model_places.hpp"
 #include "fem_offline/model/discretisation.hpp"
 #include "fem_offline/model/exchange_terms.hpp"
 #include "fem_offline/model/field_error.hpp"
@@ -29,51 +30,36 @@ Eigen::VectorXd enlarged(const Eigen::VectorXd& row, int unknowns) {
   return result;
 }
 
-/// Where each surrounding went: an environment (input) or an unknown of its own.
-struct Surroundings {
-  std::vector<int> environment_of;
+/// Air volumes get an unknown of their own, the last ones; of each surrounding its place, -1 for environments.
+std::vector<int> add_air(const Spindle& spindle, AffineModel& model) {
   std::vector<int> air_unknown;
-};
-
-Surroundings sort_surroundings(const Spindle& spindle, AffineModel& model) {
-  Surroundings sorted;
-  std::vector<double> environment_K;
-  for (std::size_t i = 0; i < spindle.surroundings.size(); ++i) {
-    const Surrounding& surrounding = spindle.surroundings[i];
+  for (const Surrounding& surrounding : spindle.surroundings) {
     const bool is_air = surrounding.kind == SurroundingKind::air;
-    sorted.environment_of.push_back(is_air ? -1 : static_cast<int>(environment_K.size()));
-    sorted.air_unknown.push_back(is_air ? static_cast<int>(model.places.size()) : -1);
-    if (is_air) {
-      model.air_names.push_back(surrounding.name);
-      model.places.push_back({});
-      continue;
-    }
-    environment_K.push_back(spindle.operating.surrounding_K.at(i));
-    model.boundaries.environments.push_back({surrounding.name, surrounding.kind == SurroundingKind::coolant
-                                                                   ? rom::EnvironmentKind::coolant
-                                                                   : rom::EnvironmentKind::ambient});
+    air_unknown.push_back(is_air ? static_cast<int>(model.places.size()) : -1);
+    if (!is_air) continue;
+    model.air_names.push_back(surrounding.name);
+    model.places.push_back({});
   }
-  rom::OperatingState& operating = model.boundaries.operating;
-  operating.speed_rpm = spindle.operating.speed_rpm;
-  operating.load = spindle.operating.load;
-  operating.environment_K =
-      Eigen::Map<const Eigen::VectorXd>(environment_K.data(), static_cast<Eigen::Index>(environment_K.size()));
-  model.boundaries.reference_speed_rpm = spindle.operating.speed_rpm;
-  model.boundaries.reference_temperature_K = spindle.operating.reference_temperature_K;
-  return sorted;
+  return air_unknown;
 }
 
-/// Their segments are found among the conductances by name: films and gap films share one list of names.
-void fill_circuits(const Spindle& spindle, const std::vector<int>& environment_of, rom::Boundaries& boundaries) {
-  boundaries.operating.flow_kg_per_s.resize(static_cast<Eigen::Index>(spindle.circuits.size()));
+void fill_surroundings(const Spindle& spindle, rom::Boundaries& boundaries) {
+  for (const Surrounding& surrounding : spindle.surroundings) {
+    if (surrounding.kind == SurroundingKind::air) continue;
+    boundaries.environments.push_back({surrounding.name, surrounding.kind == SurroundingKind::coolant
+                                                             ? rom::EnvironmentKind::coolant
+                                                             : rom::EnvironmentKind::ambient});
+  }
+  boundaries.operating = operating_state(spindle);
+  boundaries.reference_speed_rpm = spindle.operating.speed_rpm;
+  boundaries.reference_temperature_K = spindle.operating.reference_temperature_K;
+}
+
+void fill_circuits(const Spindle& spindle, rom::Boundaries& boundaries) {
   for (const CoolantCircuit& given : spindle.circuits) {
-    boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(boundaries.circuits.size())] = given.flow_kg_per_s;
-    rom::CoolantCircuit circuit{given.name, environment_of[given.inlet], given.heat_capacity_J_per_kgK, {}};
+    rom::CoolantCircuit circuit{given.name, environment_of(spindle, given.inlet), given.heat_capacity_J_per_kgK, {}};
     for (const std::size_t film : given.segments) {
-      const auto segment =
-          std::find_if(boundaries.conductances.begin(), boundaries.conductances.end(),
-                       [&](const rom::Conductance& item) { return item.name == spindle.films[film].name; });
-      circuit.segments.push_back(static_cast<int>(segment - boundaries.conductances.begin()));
+      circuit.segments.push_back(static_cast<int>(conductance_of_film(spindle, film)));
     }
     boundaries.circuits.push_back(std::move(circuit));
   }
@@ -121,27 +107,27 @@ struct FeModel::Impl {
     affine.description_hash = spindle.hash;
     affine.places = discretisation.places;
     const auto fe_unknowns = static_cast<int>(affine.places.size());
-    const Surroundings sorted = sort_surroundings(spindle, affine);
+    const std::vector<int> air_unknown = add_air(spindle, affine);
+    fill_surroundings(spindle, affine.boundaries);
     const auto unknowns = static_cast<int>(affine.places.size());
 
     const VolumeTerms volume = volume_terms<2>(discretisation, spindle);
     affine.capacity_J_per_K = enlarged(volume.capacity_J_per_K, unknowns);
     affine.conduction_W_per_K = enlarged(volume.conduction_W_per_K, unknowns);
     for (std::size_t i = 0; i < spindle.surroundings.size(); ++i) {
-      const int air = sorted.air_unknown[i];
+      const int air = air_unknown[i];
       if (air >= 0) affine.capacity_J_per_K.coeffRef(air, air) = spindle.surroundings[i].capacity_J_per_K;
     }
     affine.capacity_J_per_K.makeCompressed();
 
-    ExchangeTerms exchange =
-        exchange_terms(spindle, section, rules, unknowns, sorted.environment_of, sorted.air_unknown);
+    ExchangeTerms exchange = exchange_terms(spindle, section, rules, unknowns, air_unknown);
     affine.conductance_terms_m2 = std::move(exchange.matrices_m2);
     affine.boundaries.conductances = std::move(exchange.conductances);
     for (std::size_t i = 0; i < spindle.films.size(); ++i) {
       if (spindle.films[i].kind != FilmKind::prescribed_temperature) continue;
-      affine.held.push_back(static_cast<int>(spindle.contacts.size() + spindle.gap_films.size() + i));
+      affine.held.push_back(static_cast<int>(conductance_of_film(spindle, i)));
     }
-    fill_circuits(spindle, sorted.environment_of, affine.boundaries);
+    fill_circuits(spindle, affine.boundaries);
     SourceTerms sources = source_terms(spindle, section, rules, unknowns, volume.function_volume_m3);
     affine.boundaries.sources = std::move(sources.sources);
     affine.source_distribution = std::move(sources.distribution);

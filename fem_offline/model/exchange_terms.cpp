@@ -1,5 +1,7 @@
 #include "fem_offline/model/exchange_terms.hpp"
 
+#include "fem_offline/description/model_places.hpp"
+
 namespace spindle_twin::fem_offline {
 namespace {
 
@@ -93,7 +95,7 @@ rom::JointFit joint_fit(const InterferenceFit& fit, const Material& inner, const
 }
 
 ExchangeTerms exchange_terms(const Spindle& spindle, const Section& section, const SurfaceRules& rules, int unknowns,
-                             const std::vector<int>& environment_of, const std::vector<int>& air_unknown) {
+                             const std::vector<int>& air_unknown) {
   ExchangeTerms terms;
   for (std::size_t i = 0; i < spindle.contacts.size(); ++i) {
     const Contact& contact = spindle.contacts[i];
@@ -125,7 +127,8 @@ ExchangeTerms exchange_terms(const Spindle& spindle, const Section& section, con
   }
   for (std::size_t i = 0; i < spindle.films.size(); ++i) {
     const std::size_t surrounding = spindle.films[i].surrounding;
-    append_film(terms, spindle, section, rules, unknowns, i, environment_of[surrounding], air_unknown[surrounding]);
+    append_film(terms, spindle, section, rules, unknowns, i, environment_of(spindle, surrounding),
+                air_unknown[surrounding]);
   }
   return terms;
 }

@@ -7,7 +7,7 @@
 
 namespace spindle_twin::fem_offline {
 
-/// The exchange matrices for 1 W/m²K with their records, in the order contacts, gap films, films; n = places with the
+/// The exchange matrices for 1 W/m²K with their records, in the order of description/model_places; n = places with the
 /// air volumes last. Between bodies (contact, gap, air film) ∫ (u_A − u_B)(v_A − v_B) dA, rows sum to zero; to an
 /// environment ∫ u v dA.
 struct ExchangeTerms {
@@ -15,9 +15,9 @@ struct ExchangeTerms {
   std::vector<rom::Conductance> conductances;
 };
 
-/// `environment_of` and `air_unknown` map a surrounding to its environment or unknown, -1 if it is of the other kind.
+/// `air_unknown`: of each surrounding its unknown, -1 if it is an environment.
 ExchangeTerms exchange_terms(const Spindle& spindle, const Section& section, const SurfaceRules& rules, int unknowns,
-                             const std::vector<int>& environment_of, const std::vector<int>& air_unknown);
+                             const std::vector<int>& air_unknown);
 
 /// Lamé, thick-walled rings (plane stress): pressure per radial interference
 ///   p' = 1 / (b [ ((c²+b²)/(c²−b²) + ν_o)/E_o + ((b²+a²)/(b²−a²) − ν_i)/E_i ])   [Pa/m]

@@ -6,6 +6,7 @@
 
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
 #include "rom/file/rom_file.hpp"

@@ -1,7 +1,7 @@
 #include "host_tools/fmu/variables.hpp"
 
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/held_law.hpp"
-#include "rom/boundary_values/schedule.hpp"
 #include "rom/read/sha256.hpp"
 
 namespace spindle_twin::host_tools {

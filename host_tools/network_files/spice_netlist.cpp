@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/read/input_error.hpp"

@@ -6,7 +6,7 @@
 
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/network_page/steady_state.hpp"
-#include "rom/boundary_values/schedule.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rom/boundary_values/environments.hpp"
+
 namespace spindle_twin::host_tools {
 namespace {
 
@@ -18,12 +20,7 @@ std::string columns_of(const rom::Network& network, const Log& log) {
 
 /// The operating state's temperature of the first environment of a kind.
 double operating_K(const rom::Boundaries& boundaries, rom::EnvironmentKind kind) {
-  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
-    if (boundaries.environments[e].kind == kind) {
-      return boundaries.operating.environment_K[static_cast<Eigen::Index>(e)];
-    }
-  }
-  return boundaries.reference_temperature_K;
+  return rom::first_environment_K(boundaries, kind, boundaries.operating).value_or(boundaries.reference_temperature_K);
 }
 
 /// What a configuration for this log would say.

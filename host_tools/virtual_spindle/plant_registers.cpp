@@ -1,11 +1,13 @@
 #include "host_tools/virtual_spindle/plant_registers.hpp"
-#include "rom/units.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
 #include <vector>
+
+#include "rom/boundary_values/environments.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -29,12 +31,8 @@ void put_floats(PlantRegisters& registers, std::size_t address, const std::vecto
 }
 
 double environment_degC(const rom::Boundaries& boundaries, const PlantSnapshot& snapshot, rom::EnvironmentKind kind) {
-  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
-    if (boundaries.environments[e].kind == kind) {
-      return snapshot.operating.environment_K[static_cast<Eigen::Index>(e)] - rom::zero_degC_K;
-    }
-  }
-  return boundaries.reference_temperature_K - rom::zero_degC_K;
+  return rom::first_environment_K(boundaries, kind, snapshot.operating).value_or(boundaries.reference_temperature_K) -
+         rom::zero_degC_K;
 }
 
 }  // namespace

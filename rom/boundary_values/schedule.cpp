@@ -135,13 +135,4 @@ Schedule constant_schedule(const Boundaries& boundaries, double duration_s) {
   return schedule;
 }
 
-double rest_temperature_K(const Boundaries& boundaries, const OperatingState& state) {
-  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
-    if (boundaries.environments[i].kind == EnvironmentKind::ambient) {
-      return state.environment_K[static_cast<Eigen::Index>(i)];
-    }
-  }
-  return state.environment_K.size() > 0 ? state.environment_K[0] : boundaries.reference_temperature_K;
-}
-
 }  // namespace spindle_twin::rom

@@ -34,8 +34,4 @@ void state_at(const Schedule& schedule, double time_s, OperatingState& state);
 /// A schedule that holds the description's operating state for duration_s.
 Schedule constant_schedule(const Boundaries& boundaries, double duration_s);
 
-/// Where a spindle ends that stood long enough: the temperature of the first ambient environment, without one that of
-/// the first environment, without any the reference temperature.
-double rest_temperature_K(const Boundaries& boundaries, const OperatingState& state);
-
 }  // namespace spindle_twin::rom

@@ -1,9 +1,10 @@
 #include "rom/integrate/output_uncertainty.hpp"
-#include "rom/units.hpp"
 
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 namespace {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host_tools/fmu/write_fmu.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
 #include "rom/by_hand/read_by_hand.hpp"

@@ -1,10 +1,11 @@
 #include "host_tools/commands/offline/certificate_report.hpp"
-#include "rom/units.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
+
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {

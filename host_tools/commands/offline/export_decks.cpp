@@ -5,6 +5,7 @@
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "host_tools/commands/offline/export_decks.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -39,15 +40,6 @@ fem_offline::AirHistory air_history(const fem_offline::AffineModel& model, const
   return history;
 }
 
-double ambient_K(const fem_offline::Spindle& spindle) {
-  for (std::size_t i = 0; i < spindle.surroundings.size(); ++i) {
-    if (spindle.surroundings[i].kind == fem_offline::SurroundingKind::ambient) {
-      return spindle.operating.surrounding_K[i];
-    }
-  }
-  return spindle.operating.reference_temperature_K;
-}
-
 }  // namespace
 
 void export_decks(const std::string& spindle_path, const std::string& calculix_directory,
@@ -65,7 +57,8 @@ void export_decks(const std::string& spindle_path, const std::string& calculix_d
   rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
   const fem_offline::DeckModel deck = fem_offline::make_deck_model(spindle, values);
   fem_offline::DeckPlan plan;
-  plan.start_K = ambient_K(spindle);
+  plan.start_K = rom::first_environment_K(model.boundaries, rom::EnvironmentKind::ambient, model.boundaries.operating)
+                     .value_or(model.boundaries.reference_temperature_K);
   plan.surrounding_K = spindle.operating.surrounding_K;
   if (!calculix_directory.empty()) {
     fem_offline::write_calculix_deck(spindle, deck, plan, air_history(model, values, plan), calculix_directory);

@@ -16,6 +16,7 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/offline/mesh_report.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
 #include "rom/units.hpp"
@@ -58,16 +59,6 @@ struct Report {
   fem_offline::HeatBalance heat;
   rom::CoolantOutlets coolant;
 };
-
-/// The first ambient environment, where a spindle at rest ends; the first of all if none is ambient.
-double ambient_K(const rom::Boundaries& boundaries, const rom::OperatingState& state) {
-  for (std::size_t i = 0; i < boundaries.environments.size(); ++i) {
-    if (boundaries.environments[i].kind == rom::EnvironmentKind::ambient) {
-      return state.environment_K[static_cast<Eigen::Index>(i)];
-    }
-  }
-  return state.environment_K.size() > 0 ? state.environment_K[0] : boundaries.reference_temperature_K;
-}
 
 Report report_of(const AffineModel& model, const rom::BoundaryValues& values, const Eigen::VectorXd& temperatures_K,
                  double datum_K) {
@@ -258,7 +249,7 @@ void run_schedule(const FeModel& model, const SolveOptions& options) {
   rom::OperatingState state = affine.boundaries.operating;
   rom::state_at(schedule, 0.0, state);
   rom::evaluate_boundaries(affine.boundaries, state, factors, values);
-  const double start_K = ambient_K(affine.boundaries, state);
+  const double start_K = rom::rest_temperature_K(affine.boundaries, state);
 
   fem_offline::FeStepper stepper(affine);
   stepper.set_temperatures(fem_offline::initial_temperatures(affine, start_K));
@@ -290,7 +281,7 @@ void run_field(const FeModel& model, const SolveOptions& options) {
   rom::evaluate_boundaries(affine.boundaries, affine.boundaries.operating, rom::no_correction(affine.boundaries),
                            values);
   Eigen::VectorXd temperatures_K;
-  double datum_K = ambient_K(affine.boundaries, affine.boundaries.operating);
+  double datum_K = rom::rest_temperature_K(affine.boundaries, affine.boundaries.operating);
   if (options.uniform_rise_K) {
     datum_K = affine.boundaries.reference_temperature_K;
     temperatures_K =

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem_offline/description/model_places.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/model/exchange_terms.hpp"
 #include "tests/verification/concentric_rings.hpp"
@@ -35,6 +36,7 @@ class ReferenceModel : public testing::Test {
     model_ = nullptr;
   }
   const AffineModel& model() const { return model_->affine(); }
+  const Spindle& description() const { return model_->description(); }
 
  private:
   static FeModel* model_;
@@ -64,6 +66,26 @@ TEST_F(ReferenceModel, order_is_contacts_gap_films_films) {
       return kind == rom::ConductanceKind::contact ? 0 : kind == rom::ConductanceKind::gap_film ? 1 : 2;
     };
     EXPECT_LE(rank(conductances[j].kind), rank(conductances[j + 1].kind));
+  }
+}
+
+TEST_F(ReferenceModel, conductances_stand_where_model_places_says) {
+  const auto& conductances = model().boundaries.conductances;
+  const Spindle& spindle = description();
+  ASSERT_EQ(conductances.size(), conductance_of_film(spindle, spindle.films.size()));
+  for (std::size_t i = 0; i < spindle.contacts.size(); ++i) {
+    const rom::Conductance& contact = conductances[conductance_of_contact(spindle, i)];
+    EXPECT_EQ(contact.kind, rom::ConductanceKind::contact);
+    EXPECT_EQ(contact.part_a, static_cast<int>(spindle.contacts[i].part_a));
+    EXPECT_EQ(contact.part_b, static_cast<int>(spindle.contacts[i].part_b));
+  }
+  for (std::size_t i = 0; i < spindle.gap_films.size(); ++i) {
+    EXPECT_EQ(conductances[conductance_of_gap_film(spindle, i)].name, spindle.gap_films[i].name);
+  }
+  for (std::size_t i = 0; i < spindle.films.size(); ++i) {
+    EXPECT_EQ(conductances[conductance_of_film(spindle, i)].name, spindle.films[i].name);
+    EXPECT_EQ(conductances[conductance_of_film(spindle, i)].environment,
+              environment_of(spindle, spindle.films[i].surrounding));
   }
 }
 

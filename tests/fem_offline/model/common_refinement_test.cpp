@@ -71,7 +71,7 @@ TEST(CommonRefinement, contact_integral_is_exact_for_any_two_fields) {
   const Discretisation<2> discretisation(non_matching(), 2);
   const SurfaceRules rules = make_surface_rules(discretisation, spindle, section);
   const auto n = static_cast<int>(discretisation.places.size());
-  const ExchangeTerms terms = exchange_terms(spindle, section, rules, n, {0}, {-1});
+  const ExchangeTerms terms = exchange_terms(spindle, section, rules, n, {-1});
   EXPECT_NEAR(terms.conductances[0].area_m2, 2.0 * std::numbers::pi * 0.02 * 0.03, 1e-15);
 
   const unsigned seed = 7;
