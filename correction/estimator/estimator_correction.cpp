@@ -105,7 +105,9 @@ double EstimatorCorrection::lag_s(Eigen::Index sensor) const {
 }
 
 ParameterEstimate EstimatorCorrection::estimate(Eigen::Index parameter) const {
-  return {theta_[parameter], filter_.deviation(parameter), filter_.scale()[parameter]};
+  const ParameterKind kind = parameters_.list()[static_cast<std::size_t>(parameter)].kind;
+  const bool shut = kind == ParameterKind::disturbance && !heats_are_open();
+  return {theta_[parameter], filter_.deviation(parameter), filter_.scale()[parameter], shut};
 }
 
 void EstimatorCorrection::set_parameters(const Eigen::VectorXd& theta) {

@@ -51,12 +51,14 @@ struct EstimatorStep {
   bool state_corrected = false;  ///< the caller sets its stepper to corrected_nodes_K() before it integrates on
 };
 
-/// A parameter as it is known now. Above 0.9 of its prior deviation the present sensors say nothing of it.
+/// A parameter as it is known now. Above 0.9 of its prior deviation the present sensors say nothing of it, and nothing
+/// is known either of a heat that is shut: no reading has spoken for one, so none was looked for.
 struct ParameterEstimate {
   double value = 0.0;
   double deviation = 0.0;
   double prior_deviation = 0.0;
-  bool undetermined() const { return deviation > 0.9 * prior_deviation; }
+  bool shut = false;
+  bool undetermined() const { return shut || deviation > 0.9 * prior_deviation; }
 };
 
 /// All that the estimator remembers; plain numbers, for a checkpoint. Its sizes depend on network and options.
@@ -217,6 +219,9 @@ class EstimatorCorrection {
   /// Deviations of all parameters back to those of the prior, around the present means; the start is now, as open as
   /// the largest innovation says; heats that no source explains become wider.
   void loosen(double widest_K);
+  /// Unknowns further from their prior than it makes likely, in an estimate that its readings contradict, are no
+  /// knowledge: they go back to it.
+  void forget_the_implausible();
   void open_start(double widest_K, double shapes_share, double groups_share);
   void look_at_the_start();
   /// A flow that was told to have changed leaves the films of its circuit as open as their prior.

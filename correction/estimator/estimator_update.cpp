@@ -16,7 +16,8 @@ constexpr double lag_missed = 0.3;  // of what an open lag does, the share that 
 // How the estimate is loosened.
 constexpr double least_start_K = 0.2;       // σ of the uniform start
 constexpr double start_groups_share = 0.5;  // of that, per thermal group
-constexpr double untared_K = 0.2;           // σ of a class A PT100 without tare (IEC 60751)
+constexpr double implausible = 2.0;         // deviations of its prior
+constexpr double untared_K = 0.1;           // σ of a class A PT100 without tare (IEC 60751)
 // Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
 // the widest. A length tells of the nose what no sensor does, so it opens them further.
 constexpr double disturbance_step = 3.0;
@@ -177,6 +178,24 @@ void EstimatorCorrection::open_start(double widest_K, double shapes_share, doubl
   widened_s_ = seen_s_;
 }
 
+void EstimatorCorrection::forget_the_implausible() {
+  row_ = filter_.mean();
+  for (Eigen::Index i = 0; i < filter_.size(); ++i) {
+    const bool tried_heat = i < parameters_.count() &&
+                            parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance;
+    const double width = tried_heat ? std::max(disturbance_width_, 1.0) : 1.0;
+    const double deviation = width * filter_.scale()[i];
+    if (!(std::abs(row_[i] - prior_mean_[i]) > implausible * deviation)) continue;
+    row_[i] = prior_mean_[i];
+    keep_[i] = 0.0;
+    growth_[i] = deviation * deviation;
+    if (i >= parameters_.count()) continue;
+    sensitivities_.clear(i);
+    for (SensorChannel& channel : channels_) channel.set_sensitivity_at(i, 0.0);
+  }
+  filter_.set_mean(row_);
+}
+
 void EstimatorCorrection::loosen(double widest_K) {
   ++loosened_;
   const double open_K = std::max(widest_K, least_start_K);
@@ -192,6 +211,7 @@ void EstimatorCorrection::loosen(double widest_K) {
     growth_[offset_at(s)] = std::max(0.0, wanted_K * wanted_K - b * b);
   }
   widen_disturbances(disturbance_first);
+  forget_the_implausible();
   open_start(open_K, start_groups_share, start_groups_share);
   filter_.widen(keep_, growth_);
   start_memory_s_ = 0.0;

@@ -47,6 +47,8 @@ class Sensitivities {
   void start(const ParameterModel& parameters);
   /// The start is now, whatever has been: the effects of all start parameters begin anew. May run in the cycle.
   void restart(const ParameterModel& parameters);
+  /// This parameter has had no effect until now. May run in the cycle.
+  void clear(Eigen::Index parameter) { transposed_.row(parameter).setZero(); }
   /// From now on the first start parameter has had this effect at the nodes. [K per unit of it]
   void set_start(const Eigen::VectorXd& column_K, const ParameterModel& parameters);
   /// Forgets nothing on failure: returns false and leaves S when the factor is not positive definite.

@@ -96,6 +96,7 @@ TEST(UnexplainedHeatParameter, of_a_certified_network_is_shut_until_readings_con
   pair.run_until(600.0);
   EXPECT_FALSE(pair.estimator.heats_are_open());
   EXPECT_LT(pair.estimator.estimate(slot).deviation, 0.01 * pair.estimator.estimate(slot).prior_deviation);
+  EXPECT_TRUE(pair.estimator.estimate(slot).undetermined()) << "nobody looked for it";
   pair.valid.setConstant(false);
   pair.estimator.note_contradiction();
   pair.run_until(622.0);
