@@ -9,7 +9,7 @@ struct ConsistencyLimits {
   double floor_K = 0.03;         ///< least of the estimated floor
   double floor_largest_K = 1.0;  ///< and its largest
   double floor_memory_s = 1800.0;
-  double nis = 1.0;  ///< squared innovation over its variance, mean over nis_memory_s: more is too much
+  double nis = 1.5;  ///< squared innovation over its variance, mean over nis_memory_s: more is too much
   double nis_memory_s = 60.0;
   double patience_s = 60.0;  ///< above that for so long: the estimate contradicts its readings
   double calm_nis = 0.5;     ///< back below this, for the patience as well: it fits again

@@ -284,6 +284,19 @@ double EstimatorCorrection::open_heat_W(Eigen::Index group) const {
   return open_width * parameters_.list()[static_cast<std::size_t>(slot)].deviation;
 }
 
+FoundHeat EstimatorCorrection::unexplained_heat() const {
+  FoundHeat surest;
+  if (!parameters_.has_disturbances() || !heats_are_open()) return surest;
+  double most_deviations = ParameterEstimate::significant;
+  for (Eigen::Index group = 0; group < parameters_.group_count(); ++group) {
+    const ParameterEstimate heat = estimate(parameters_.disturbance(group));
+    if (!(std::abs(heat.value) > most_deviations * heat.deviation)) continue;
+    most_deviations = std::abs(heat.value) / heat.deviation;
+    surest = {group, heat.value, heat.deviation};
+  }
+  return surest;
+}
+
 void EstimatorCorrection::open_heats(const SquareRootFilter& other, const rom::OperatingState& operating) {
   disturbance_width_ = std::max(disturbance_width_, open_width);
   adopt(other, operating);

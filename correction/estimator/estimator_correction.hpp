@@ -23,7 +23,7 @@ struct EstimatorOptions {
   double noise_K = 0.03;   ///< of the sensors that are made from key points
   double offset_K = 0.02;
   double lag_s = 0.0;
-  double lag_deviation_s = 10.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
+  double lag_deviation_s = 15.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
   double floor_K = 0.03;  ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
   double floor_by_hand_K = 0.3;  ///< the same of a hand-written network, which nobody could measure
   double floor_largest_K = 1.0;  ///< the estimated one ends here
@@ -46,6 +46,13 @@ struct EstimatorSample {
   const rom::OperatingState& operating;  ///< as read, without environment_bias_K()
 };
 
+/// A heat that no source explains: into which thermal group, and how much. group -1: there is none.
+struct FoundHeat {
+  Eigen::Index group = -1;
+  double heat_W = 0.0;
+  double deviation_W = 0.0;
+};
+
 struct EstimatorStep {
   bool corrected = false;        ///< factors() or environment_bias_K() changed by an update
   bool state_corrected = false;  ///< the caller sets its stepper to corrected_nodes_K() before it integrates on
@@ -58,6 +65,7 @@ struct ParameterEstimate {
   double deviation = 0.0;
   double prior_deviation = 0.0;
   bool shut = false;
+  static constexpr double significant = 2.0;  ///< deviations beyond which a value is not zero
   bool undetermined() const { return shut || deviation > 0.9 * prior_deviation; }
 };
 
@@ -123,6 +131,8 @@ class EstimatorCorrection {
   /// to open_heat_W() and fade again within hours. May run in the cycle.
   bool heats_are_open() const { return disturbance_width_ >= 0.5; }
   double open_heat_W(Eigen::Index group) const;
+  /// The surest of them that is further from zero than two of its deviations. May run in the cycle.
+  FoundHeat unexplained_heat() const;
   /// Goes over to a filter in which they are open, as adopt() does.
   void open_heats(const SquareRootFilter& other, const rom::OperatingState& operating);
   /// z within the limits of its parameters. May run in the cycle.

@@ -16,13 +16,13 @@ constexpr double lag_missed = 0.3;  // of what an open lag does, the share that 
 // How the estimate is loosened.
 constexpr double least_start_K = 0.2;       // σ of the uniform start
 constexpr double start_groups_share = 0.5;  // of that, per thermal group
-constexpr double implausible = 2.0;         // deviations of its prior
-constexpr double untared_K = 0.1;           // σ of a class A PT100 without tare (IEC 60751)
+constexpr double implausible = 2.0;         // deviations of its prior, in an estimate that readings contradict
+constexpr double untared_K = 0.1;           // σ of a class A PT100 without tare, its tolerance taken for 2σ (IEC 60751)
 // Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
 // the widest. A length tells of the nose what no sensor does, so it opens them further.
 constexpr double disturbance_step = 3.0;
 constexpr double disturbance_first = 2.0;
-constexpr double disturbance_by_length = 4.0;
+constexpr double disturbance_by_length = 8.0;
 constexpr double disturbance_widest = 30.0;
 constexpr double displacement_nis = 2.0;  // squared innovation of a length over its variance, from which it opens them
 

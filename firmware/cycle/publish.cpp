@@ -118,6 +118,9 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
   for (Eigen::Index i = 0; i < parameters; ++i) {
     if (!estimator.estimate(i).undetermined()) ++snapshot.parameters_determined;
   }
+  const correction::FoundHeat heat = estimator.unexplained_heat();
+  snapshot.unexplained_heat_group = static_cast<std::int16_t>(heat.group);
+  snapshot.unexplained_heat_W = heat.group < 0 ? not_a_value : heat.heat_W;
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     copy(estimator.record(static_cast<Eigen::Index>(c)), snapshot.sensor_update[corrector.channels[c]]);
   }

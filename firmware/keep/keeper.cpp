@@ -80,6 +80,11 @@ void Keeper::keep(bool say) {
     if (!complained_) spdlog::error("{}", error.what());
     complained_ = true;
   }
+  const std::string heats = unexplained_heats(parameters_, now.parameters);
+  if (heats.empty() != heats_said_.empty()) {
+    spdlog::info("after {:.0f} s {}", now.model_time_s, heats.empty() ? "the sources explain all heat again" : heats);
+    heats_said_ = heats;
+  }
   if (parameters_.empty() || (!say && now.model_time_s - said_at_s_ < seconds_per_hour)) return;
   spdlog::info("after {:.0f} s {}", now.model_time_s, what_is_determined(parameters_, now.parameters));
   said_at_s_ = now.model_time_s;

@@ -40,6 +40,7 @@ class Keeper {
   OnRequest<Remembered> remembered_;
   bool complained_ = false;
   double said_at_s_ = 0.0;
+  std::string heats_said_;  // of unexplained heats, the sentence said last
 };
 
 }  // namespace spindle_twin::firmware

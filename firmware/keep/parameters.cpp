@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+
 namespace spindle_twin::firmware {
 
 std::string parameters_csv(const std::vector<correction::Parameter>& parameters,
@@ -29,6 +31,19 @@ std::string what_is_determined(const std::vector<correction::Parameter>& paramet
   if (open.empty()) return fmt::format("the sensors determine all {} parameters", count);
   return fmt::format("the sensors determine {} of {} parameters ({}) and say nothing of the others ({})", count,
                      parameters.size(), known, open);
+}
+
+std::string unexplained_heats(const std::vector<correction::Parameter>& parameters,
+                              const std::vector<correction::ParameterEstimate>& estimates) {
+  std::string heats;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const correction::ParameterEstimate& estimate = estimates[i];
+    if (parameters[i].kind != correction::ParameterKind::disturbance || estimate.shut) continue;
+    if (!(std::abs(estimate.value) > correction::ParameterEstimate::significant * estimate.deviation)) continue;
+    heats += fmt::format("{}{}: {:.0f} W +- {:.0f} W", heats.empty() ? "" : ", ", parameters[i].name, estimate.value,
+                         estimate.deviation);
+  }
+  return heats.empty() ? heats : "the readings ask for heat that no source explains (" + heats + ")";
 }
 
 }  // namespace spindle_twin::firmware

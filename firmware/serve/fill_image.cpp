@@ -127,6 +127,9 @@ void fill_updates(const Snapshot& snapshot, RegisterImage& image) {
   put(image, Register::estimator_updates, if_estimating(snapshot.updates));
   put(image, Register::parameter_count, if_estimating(snapshot.parameters));
   put(image, Register::parameters_determined, if_estimating(snapshot.parameters_determined));
+  put(image, Register::unexplained_heat_group,
+      snapshot.unexplained_heat_group < 0 ? not_a_value : snapshot.unexplained_heat_group);
+  put(image, Register::unexplained_heat, snapshot.unexplained_heat_W);
   put(image, Register::displacement_count, if_estimating(snapshot.displacement_count % 65535));
   const ChannelUpdate& length = snapshot.displacement_update;
   put(image, Register::displacement_update, std::isnan(length.variance) ? not_a_value : length.flags);

@@ -18,7 +18,7 @@ constexpr double settling_s = 1200.0;  // that a filter has learnt before it is 
 constexpr double hour_s = 3600.0;
 constexpr double judged_s = 120.0;  // at the end of the hour
 constexpr double wanted_K = 0.2;
-constexpr double allowed_K = 10.0;
+constexpr double allowed_K = 3.0;
 constexpr double deviations_off = 6.0;
 constexpr double share_of_deviation = 0.1;  // a hundredth of the variance
 constexpr double state_off_K = 30.0;
@@ -133,7 +133,7 @@ std::string describe(const std::vector<Parameter>& parameters, const Wrong& wron
 struct Tally {
   int cases = 0;
   int wanted = 0;
-  /// The aim is all of them. Those that miss it are off by 0.2 to 2 K, one in a hundred by more.
+  /// The aim is all of them. Those that miss it are off by a few tenths of a kelvin.
   void expect_share(double least) const {
     ::testing::Test::RecordProperty("within_0.2_K", wanted);
     std::printf("%d of %d within %g K\n", wanted, cases, wanted_K);
@@ -150,7 +150,7 @@ void expect_back(const rom::Network& network, std::uint64_t seed, const Wrong& w
   const double error_K = trial.error_after_an_hour_K();
   EXPECT_LE(error_K, allowed_K);
   ++tally.cases;
-  if (error_K <= wanted_K) ++tally.wanted; else printf("MISS %.2f K %s seed %d: %s\n", error_K, network.spindle.c_str(), (int)seed, describe(trial.parameters(), wrong).substr(0,60).c_str());
+  if (error_K <= wanted_K) ++tally.wanted;
   EXPECT_EQ(trial.unsaid(), 0) << "most sensors rejected for minutes and nothing said of it";
 }
 
@@ -190,7 +190,7 @@ TEST(LockOut, a_confidently_wrong_filter_comes_back_to_its_sensors_within_an_hou
       }
     }
   }
-  tally.expect_share(0.9);
+  tally.expect_share(0.95);
 }
 
 TEST(LockOut, a_confidently_wrong_filter_comes_back_to_its_sensors_within_an_hour_from_all_parameters) {
@@ -209,7 +209,7 @@ TEST(LockOut, a_confidently_wrong_filter_comes_back_to_its_sensors_within_an_hou
       expect_back(network, seed, wrong, tally);
     }
   }
-  tally.expect_share(0.1);
+  tally.expect_share(0.6);
 }
 
 TEST(LockOut, a_confidently_wrong_filter_comes_back_to_its_sensors_within_an_hour_from_wrong_temperatures) {
@@ -220,7 +220,7 @@ TEST(LockOut, a_confidently_wrong_filter_comes_back_to_its_sensors_within_an_hou
     const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
     for (const double from_s : moments_s) expect_back(network, seed, {{}, {}, state_off(random, nodes), from_s}, tally);
   }
-  tally.expect_share(0.8);
+  tally.expect_share(0.9);
 }
 
 TEST(LockOut,
@@ -242,7 +242,7 @@ TEST(LockOut,
       expect_back(network, seed, wrong, tally);
     }
   }
-  tally.expect_share(0.2);
+  tally.expect_share(0.65);
 }
 
 }  // namespace

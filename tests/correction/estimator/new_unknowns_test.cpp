@@ -84,6 +84,10 @@ TEST(UnexplainedHeatParameter, a_heat_of_known_watts_into_a_group_of_a_hand_writ
     EXPECT_LT(pair.estimator.estimate(slot).deviation, pair.estimator.estimate(slot).prior_deviation);
     EXPECT_LT(pair.sensor_error_K(), 0.1);
     EXPECT_EQ(pair.estimator.failures(), 0);
+    const FoundHeat told = pair.estimator.unexplained_heat();
+    ASSERT_GE(told.group, 0);
+    EXPECT_EQ(pair.estimator.parameters().disturbance(told.group), slot);
+    EXPECT_EQ(told.heat_W, pair.estimator.estimate(slot).value);
   }
 }
 
@@ -97,6 +101,7 @@ TEST(UnexplainedHeatParameter, of_a_certified_network_is_shut_until_readings_con
   EXPECT_FALSE(pair.estimator.heats_are_open());
   EXPECT_LT(pair.estimator.estimate(slot).deviation, 0.01 * pair.estimator.estimate(slot).prior_deviation);
   EXPECT_TRUE(pair.estimator.estimate(slot).undetermined()) << "nobody looked for it";
+  EXPECT_EQ(pair.estimator.unexplained_heat().group, -1);
   pair.valid.setConstant(false);
   pair.estimator.note_contradiction();
   pair.run_until(622.0);

@@ -304,5 +304,22 @@ TEST(Parameters, the_table_and_the_sentence_tell_what_the_sensors_determine) {
             "the sensors determine 1 of 2 parameters (heat rear) and say nothing of the others (contact nut)");
 }
 
+TEST(Parameters, the_sentence_names_heats_that_no_source_explains_and_no_others) {
+  const auto heat = correction::ParameterKind::disturbance;
+  const std::vector<correction::Parameter> parameters = {{.name = "heat rear"},
+                                                         {.name = "unexplained heat nose", .kind = heat},
+                                                         {.name = "unexplained heat rear", .kind = heat},
+                                                         {.name = "unexplained heat jacket", .kind = heat}};
+  const auto estimates = [](double nose_W, bool rear_shut) {
+    return std::vector<correction::ParameterEstimate>{
+        {-0.7, 0.1, 0.5}, {nose_W, 8.0, 5.0}, {9.0, 2.0, 5.0, rear_shut}, {3.0, 2.0, 5.0}};
+  };
+  EXPECT_EQ(unexplained_heats(parameters, estimates(30.0, true)),
+            "the readings ask for heat that no source explains (unexplained heat nose: 30 W +- 8 W)");
+  EXPECT_EQ(unexplained_heats(parameters, estimates(12.0, false)),
+            "the readings ask for heat that no source explains (unexplained heat rear: 9 W +- 2 W)");
+  EXPECT_EQ(unexplained_heats(parameters, estimates(-15.0, true)), "");
+}
+
 }  // namespace
 }  // namespace spindle_twin::firmware

@@ -117,6 +117,8 @@ TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
   snapshot.sensor_update[1] = {303.15, -0.012, 1e-3, 80.0, 0.015, 0.02, bits(Update::rejected), 3};
   snapshot.parameters = 44;
   snapshot.parameters_determined = 10;
+  snapshot.unexplained_heat_group = 2;
+  snapshot.unexplained_heat_W = -12.34;
   snapshot.displacement_update = {5e-6, 1e-6, 4e-12, 0.01, not_a_value, not_a_value, bits(Update::fused), 0};
   image = image_of(snapshot);
   EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_sd)), 1.25F);
@@ -131,6 +133,8 @@ TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
   EXPECT_EQ(word(image, Register::sensor_update, 1), bits(Update::rejected));
   EXPECT_EQ(word(image, Register::sensor_offset, 1), 15);
   EXPECT_EQ(word(image, Register::parameters_determined), 10);
+  EXPECT_EQ(word(image, Register::unexplained_heat_group), 2);
+  EXPECT_EQ(static_cast<std::int16_t>(word(image, Register::unexplained_heat)), -123);
   EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::displacement_innovation_sd)), 2.0F);
 }
 
