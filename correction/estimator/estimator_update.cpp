@@ -17,7 +17,7 @@ constexpr double lag_missed = 0.3;  // of what an open lag does, the share that 
 constexpr double least_start_K = 0.2;       // σ of the uniform start
 constexpr double start_groups_share = 0.5;  // of that, per thermal group
 constexpr double implausible = 2.0;         // deviations of its prior, in an estimate that readings contradict
-constexpr double untared_K = 0.1;           // σ of a class A PT100 without tare, its tolerance taken for 2σ (IEC 60751)
+constexpr double untared_K = 0.1;  // σ of a class A PT100 without tare, its tolerance taken for 2σ (IEC 60751)
 // Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
 // the widest. A length tells of the nose what no sensor does, so it opens them further.
 constexpr double disturbance_step = 3.0;
@@ -181,8 +181,8 @@ void EstimatorCorrection::open_start(double widest_K, double shapes_share, doubl
 void EstimatorCorrection::forget_the_implausible() {
   row_ = filter_.mean();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
-    const bool tried_heat = i < parameters_.count() &&
-                            parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance;
+    const bool tried_heat =
+        i < parameters_.count() && parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance;
     const double width = tried_heat ? std::max(disturbance_width_, 1.0) : 1.0;
     const double deviation = width * filter_.scale()[i];
     if (!(std::abs(row_[i] - prior_mean_[i]) > implausible * deviation)) continue;

@@ -154,11 +154,11 @@ struct Snapshot {
 
   std::uint32_t updates = 0;  ///< of the estimator since the start
   std::uint16_t parameters = 0;
-  std::uint16_t parameters_determined = 0;  ///< of which the sensors tell more than a tenth of the prior deviation
+  std::uint16_t parameters_determined = 0;   ///< of which the sensors tell more than a tenth of the prior deviation
   std::int16_t unexplained_heat_group = -1;  ///< thermal group with a heat that no source explains; -1: none
   double unexplained_heat_W = not_a_value;
-  std::uint16_t displacement_count = 0;     ///< measured lengths taken in since the start
-  std::uint32_t displacement_orders = 0;    ///< those that the PLC gave, and the last of them
+  std::uint16_t displacement_count = 0;   ///< measured lengths taken in since the start
+  std::uint32_t displacement_orders = 0;  ///< those that the PLC gave, and the last of them
   Displacement displacement;
   std::array<ChannelUpdate, slots::key_points> sensor_update{};
   ChannelUpdate displacement_update;

@@ -16,8 +16,8 @@ std::string parameters_csv(const std::vector<correction::Parameter>& parameters,
 std::string what_is_determined(const std::vector<correction::Parameter>& parameters,
                                const std::vector<correction::ParameterEstimate>& estimates);
 
-/// One sentence on the heats that no source explains, as far as they are further from zero than two of their deviations;
-/// empty where there is none.
+/// One sentence on the heats that no source explains, as far as they are further from zero than two of their
+/// deviations; empty where there is none.
 std::string unexplained_heats(const std::vector<correction::Parameter>& parameters,
                               const std::vector<correction::ParameterEstimate>& estimates);
 
