@@ -18,6 +18,8 @@ struct ServePlan {
   int port = 502;                     ///< 0 takes a free one (tests)
   std::vector<AddressRange> allow;    ///< clients that are answered
   int connections = 32;               ///< at most at once
+  int connections_per_host = 16;      ///< of these, from one address
+  double idle_s = 300.0;              ///< a connection without a request for so long is closed
   double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
 };
 
@@ -27,6 +29,7 @@ struct KeepPlan {
   double interval_s = 300.0;    ///< model time
   double max_age_s = 43200.0;   ///< an older checkpoint is not used
   std::string parameters_path;  ///< empty: none
+  std::string orders_path;      ///< empty: none, of tests only
 };
 
 struct ConfiguredSensor {

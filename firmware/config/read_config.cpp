@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "firmware/config/config.hpp"
@@ -29,6 +30,17 @@ std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
     table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");
   }
   return address;
+}
+
+/// A file that the daemon writes, relative to the configuration's folder.
+std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path) {
+  std::string path = beside(config_path, table.string(key));
+  std::error_code unknown;
+  const auto status = std::filesystem::status(path, unknown);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    table.fail(key, "\"" + path + "\" exists and is not a regular file");
+  }
+  return path;
 }
 
 RegisterSource read_source(const TomlTable& table) {
@@ -287,15 +299,17 @@ Config read_root(const TomlTable& root, const std::string& path) {
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 
   if (const auto history = root.optional_table("history")) {
-    config.history_path = beside(path, history->string("path"));
-    if (const auto parameters = history->optional_string("parameters")) {
-      config.keep.parameters_path = beside(path, *parameters);
-    }
+    config.history_path = read_state_file(*history, "path", path);
+    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
   }
+  const auto orders = root.optional_table("orders");
+  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
+  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
   if (const auto checkpoint = root.optional_table("checkpoint")) {
     constexpr double seconds_per_hour = 3600.0;
     KeepPlan& keep = config.keep;
-    keep.checkpoint_path = beside(path, checkpoint->string("path"));
+    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
+    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
     keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
     keep.max_age_s = seconds_per_hour *
                      checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));

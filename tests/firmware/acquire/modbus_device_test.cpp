@@ -61,11 +61,12 @@ TEST(BackOff, doubles_up_to_five_seconds) {
 struct Device {
   MonotonicClock clock;
   Latest<Snapshot> snapshots;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
   ModbusServer server;
   std::thread thread;
 
-  explicit Device(int port) : server(plan(port), clock, snapshots, commands), thread([this] { server.run(); }) {}
+  explicit Device(int port) : server(plan(port), clock, snapshots, signals, orders), thread([this] { server.run(); }) {}
   ~Device() {
     server.stop();
     thread.join();

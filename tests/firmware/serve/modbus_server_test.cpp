@@ -22,7 +22,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// A server in its own thread on a free port.
 struct Serving {
-  explicit Serving(ServePlan the_plan = plan()) : server(the_plan, clock, snapshots, commands) {
+  explicit Serving(ServePlan the_plan = plan()) : server(the_plan, clock, snapshots, signals, orders) {
     thread = std::thread([this] { server.run(); });
   }
   ~Serving() {
@@ -40,7 +40,8 @@ struct Serving {
 
   MonotonicClock clock;
   Latest<Snapshot> snapshots;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
   ModbusServer server;
   std::thread thread;
 };
@@ -213,12 +214,14 @@ TEST(ModbusServer, commands_reach_the_cycle_and_read_back) {
   EXPECT_EQ(client.ask(write_single(Register::command_tare, 1)).size(), 12U);
   EXPECT_EQ(payload(client.ask({3, 3, 232, 0, 6})),
             (Bytes{0x17, 0x70, 0x01, 0xF4, 0xFF, 0x38, 0x80, 0x00, 0xFF, 0xFF, 0x00, 0x00}));
+  PlcSignals told;
+  ASSERT_TRUE(serving.signals.read(told));
+  EXPECT_EQ(told.values[0].value, 6000.0);
+  EXPECT_NEAR(told.values[1].value, 0.5, 1e-12);
+  EXPECT_NEAR(told.values[2].value, 273.15 - 2.0, 1e-9);
+  EXPECT_EQ(told.values[3].time_ns, 0);
   PlcCommand command;
-  ASSERT_TRUE(serving.commands.read(command));
-  EXPECT_EQ(command.signals[0].value, 6000.0);
-  EXPECT_NEAR(command.signals[1].value, 0.5, 1e-12);
-  EXPECT_NEAR(command.signals[2].value, 273.15 - 2.0, 1e-9);
-  EXPECT_EQ(command.signals[3].time_ns, 0);
+  serving.orders.hand_out(command);
   EXPECT_EQ(command.tare_orders, 1U);
 }
 
@@ -249,9 +252,10 @@ TEST(ModbusServer, a_busy_port_is_one_clear_error) {
   plan.port = serving.server.port();
   MonotonicClock clock;
   Latest<Snapshot> snapshots;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
   try {
-    const ModbusServer second(plan, clock, snapshots, commands);
+    const ModbusServer second(plan, clock, snapshots, signals, orders);
     FAIL() << "no error";
   } catch (const rom::InputError& error) {
     EXPECT_EQ(std::string(error.what()),
