@@ -34,13 +34,4 @@ double decode(const RegisterSource& source, std::span<const std::uint16_t> words
   return count * source.scale + source.offset;
 }
 
-std::optional<RegisterType> register_type_of(std::string_view name) {
-  for (const RegisterType type :
-       {RegisterType::uint16, RegisterType::int16, RegisterType::offset16, RegisterType::uint32, RegisterType::int32,
-        RegisterType::float32, RegisterType::float32_cdab}) {
-    if (name == register_type_name(type)) return type;
-  }
-  return std::nullopt;
-}
-
 }  // namespace spindle_twin::firmware

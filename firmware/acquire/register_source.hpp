@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <string_view>
 
-#include "firmware/serve/register_map.hpp"
+#include "firmware/words/register_type.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -22,8 +20,5 @@ struct RegisterSource {
 
 /// The value in `words`, which start at the source's address. float32 NaN stays NaN.
 double decode(const RegisterSource& source, std::span<const std::uint16_t> words);
-
-/// "int16", "float32_cdab", ... as in registers.toml.
-std::optional<RegisterType> register_type_of(std::string_view name);
 
 }  // namespace spindle_twin::firmware

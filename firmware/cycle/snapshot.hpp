@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "firmware/serve/register_table.hpp"
+#include "firmware/cycle/states.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -115,7 +115,7 @@ struct SensorHealthState {
 };
 
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
-/// Entries beyond the counts, and values that do not exist, are NaN. Room as in registers.toml.
+/// Entries beyond the counts, and values that do not exist, are NaN. Room as in states.toml.
 struct Snapshot {
   std::int64_t time_ns = 0;    ///< monotonic, end of the cycle
   std::int64_t clock_ns = 0;   ///< monotonic, when this cycle began, from the first one on

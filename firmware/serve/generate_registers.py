@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes the C++ table, the documentation and the PLC import list of the register map from registers.toml.
+"""Makes the C++ table, the documentation and the PLC import list of the register map from registers.toml,
+and of the states and capacities that it takes from firmware/cycle/states.toml.
 
   generate_registers.py --cpp FOLDER   writes register_table.hpp and register_text.cpp (the build does this)
   generate_registers.py --write        writes registers.md and registers.csv beside registers.toml
@@ -11,6 +12,10 @@ import io
 import pathlib
 import sys
 import tomllib
+
+sys.dont_write_bytecode = True  # the build leaves nothing beside the sources
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cycle"))
+import generate_states  # noqa: E402: beside another folder's sources
 
 WORDS = {"uint16": 1, "int16": 1, "offset16": 1, "uint32": 2, "int32": 2, "float32": 2, "float32_cdab": 2}
 NOT_PRESENT = {"uint16": "65535", "int16": "-32768", "offset16": "0", "uint32": "4294967295",
@@ -25,6 +30,7 @@ class MapError(Exception):
 def load(path):
     with open(path, "rb") as file:
         table = tomllib.load(file)
+    table |= generate_states.load(path.parent / table["states"])
     owner = {}
     names = set()
     for block in table["block"]:
@@ -39,6 +45,8 @@ def load(path):
             if register["type"] not in WORDS:
                 raise MapError(f"register {name}: type {register['type']}, allowed: {', '.join(WORDS)}")
             slots = register.get("slots", 1)
+            if isinstance(slots, str) and slots not in table["slots"]:
+                raise MapError(f"register {name}: slots {slots}, allowed: a number or {', '.join(table['slots'])}")
             register["slots"] = table["slots"][slots] if isinstance(slots, str) else slots
             register["words"] = WORDS[register["type"]] * register["slots"]
             for address in range(register["address"], register["address"] + register["words"]):
@@ -50,28 +58,16 @@ def load(path):
     return table
 
 
-def text_literal(text):
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
-
-
 def raw_literal(text):
-    return "\n".join(f"    {text_literal(line)[:-1]}\\n\"" for line in text.splitlines())
+    return "\n".join(f"    {generate_states.text_literal(line)[:-1]}\\n\"" for line in text.splitlines())
 
 
 def cpp_table(table):
     out = ["// Made by firmware/serve/generate_registers.py from registers.toml.", "#pragma once", "", "#include <array>",
-           "#include <cstddef>", "#include <cstdint>", "", "namespace spindle_twin::firmware {", "",
-           f"inline constexpr std::uint16_t register_map_version = {table['map_version']};", "",
-           "/// How many values of each kind the map, and so the daemon, has room for.", "namespace slots {"]
-    out += [f"inline constexpr std::size_t {name} = {count};" for name, count in table["slots"].items()]
-    out += ["}  // namespace slots", ""]
-    for codes in table["codes"]:
-        out += [f"/// {codes['doc']}", f"enum class {codes['name']} : std::uint16_t {{"]
-        out += [f"  {code['name']} = {code['value']},  ///< {code['doc']}" for code in codes["values"]]
-        out += ["};", ""]
-    kinds = ", ".join(WORDS)
-    out += [f"enum class RegisterType {{ {kinds} }};", "",
-            "struct RegisterEntry {", "  const char* name;", "  std::uint16_t address;  ///< 0-based offset",
+           "#include <cstddef>", "#include <cstdint>", "", '#include "firmware/words/register_type.hpp"', "",
+           "namespace spindle_twin::firmware {", "",
+           f"inline constexpr std::uint16_t register_map_version = {table['map_version']};", ""]
+    out += ["struct RegisterEntry {", "  const char* name;", "  std::uint16_t address;  ///< 0-based offset",
             "  RegisterType type;", "  std::uint16_t slots;", "  double resolution;  ///< worth of one count, in unit",
             "  const char* unit;", "  bool command;  ///< written by the PLC", "  const char* doc;", "};", "",
             "struct RegisterBlock {", "  const char* name;", "  std::uint16_t address;", "  std::uint16_t length;",
@@ -81,11 +77,11 @@ def cpp_table(table):
     out += [f"  {register['name']}," for _, register in registers]
     out += ["};", "", f"inline constexpr std::array<RegisterEntry, {len(registers)}> register_entries{{{{"]
     for block, register in registers:
-        out.append(f"    {{{text_literal(register['name'])}, {register['address']}, RegisterType::{register['type']}, "
-                   f"{register['slots']}, {float(register.get('resolution', 1.0))!r}, {text_literal(register.get('unit', ''))}, "
-                   f"{'true' if block['command'] else 'false'}, {text_literal(register['doc'])}}},")
+        out.append(f"    {{{generate_states.text_literal(register['name'])}, {register['address']}, RegisterType::{register['type']}, "
+                   f"{register['slots']}, {float(register.get('resolution', 1.0))!r}, {generate_states.text_literal(register.get('unit', ''))}, "
+                   f"{'true' if block['command'] else 'false'}, {generate_states.text_literal(register['doc'])}}},")
     out += ["}};", "", f"inline constexpr std::array<RegisterBlock, {len(table['block'])}> register_blocks{{{{"]
-    out += [f"    {{{text_literal(block['name'])}, {block['address']}, {block['length']}, {'true' if block['command'] else 'false'}}},"
+    out += [f"    {{{generate_states.text_literal(block['name'])}, {block['address']}, {block['length']}, {'true' if block['command'] else 'false'}}},"
             for block in table["block"]]
     out += ["}};", "", "}  // namespace spindle_twin::firmware", ""]
     return "\n".join(out)
@@ -159,7 +155,7 @@ def main():
     options = parser.parse_args()
     try:
         table = load(options.map)
-    except (MapError, tomllib.TOMLDecodeError) as error:
+    except (MapError, generate_states.StatesError, tomllib.TOMLDecodeError) as error:
         sys.exit(f"{options.map}: {error}")
     if options.cpp:
         options.cpp.mkdir(parents=True, exist_ok=True)

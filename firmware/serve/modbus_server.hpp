@@ -13,6 +13,7 @@
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/order_desk.hpp"
 #include "firmware/serve/frame_gate.hpp"
+#include "firmware/serve/register_map.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log_limit.hpp"
 

@@ -59,37 +59,6 @@ std::uint32_t get_bits(const RegisterImage& image, const RegisterEntry& entry, i
 
 }  // namespace
 
-int words_of(RegisterType type) {
-  switch (type) {
-    case RegisterType::uint16:
-    case RegisterType::int16:
-    case RegisterType::offset16:
-      return 1;
-    default:
-      return 2;
-  }
-}
-
-const char* register_type_name(RegisterType type) {
-  switch (type) {
-    case RegisterType::uint16:
-      return "uint16";
-    case RegisterType::int16:
-      return "int16";
-    case RegisterType::offset16:
-      return "offset16";
-    case RegisterType::uint32:
-      return "uint32";
-    case RegisterType::int32:
-      return "int32";
-    case RegisterType::float32:
-      return "float32";
-    case RegisterType::float32_cdab:
-      return "float32_cdab";
-  }
-  return "";
-}
-
 bool put(RegisterImage& image, Register which, double value, int slot) {
   const RegisterEntry& entry = entry_of(which);
   if (std::isnan(value)) {

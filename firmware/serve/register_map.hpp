@@ -11,9 +11,6 @@ namespace spindle_twin::firmware {
 const char* register_map_markdown();
 const char* register_map_csv();
 
-const char* register_type_name(RegisterType type);
-int words_of(RegisterType type);
-
 /// One past the last offset of the map.
 constexpr std::size_t image_size() {
   std::size_t end = 0;

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -16,7 +17,8 @@ namespace spindle_twin::host_tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using firmware::Fault;
+using firmware::fault_codes;
+using firmware::state_codes;
 
 constexpr double micrometres_per_metre = 1e6;
 
@@ -28,26 +30,19 @@ struct Options {
   bool json = false;
 };
 
-struct NamedFault {
-  Fault bit;
-  const char* name;
-};
-constexpr NamedFault faults[] = {{Fault::integrator_failed, "integrator_failed"},
-                                 {Fault::prediction_lost, "prediction_lost"},
-                                 {Fault::start_timed_out, "start_timed_out"}};
-constexpr const char* states[] = {"starting", "running", "degraded", "fault"};
-
 struct Tally {
   std::size_t cycles = 0;
-  std::size_t in_state[std::size(states)] = {};
-  std::size_t with_fault[std::size(faults)] = {};
+  std::array<std::size_t, state_codes.size()> in_state{};    ///< in the order of state_codes
+  std::array<std::size_t, fault_codes.size()> with_fault{};  ///< in the order of fault_codes
   unsigned corrections = 0;
 
   void add(const firmware::Snapshot& snapshot) {
     ++cycles;
-    ++in_state[static_cast<std::size_t>(snapshot.state)];
-    for (std::size_t f = 0; f < std::size(faults); ++f) {
-      if ((snapshot.fault & firmware::bits(faults[f].bit)) != 0) ++with_fault[f];
+    for (std::size_t s = 0; s < state_codes.size(); ++s) {
+      if (firmware::bits(snapshot.state) == state_codes[s].value) ++in_state[s];
+    }
+    for (std::size_t f = 0; f < fault_codes.size(); ++f) {
+      if ((snapshot.fault & fault_codes[f].value) != 0) ++with_fault[f];
     }
     corrections = snapshot.correction_count;
   }
@@ -93,8 +88,8 @@ void print_json(const Options& options, const rom::Network& network, const firmw
             {"period_s", plan.period_s},
             {"cycles", tally.cycles},
             {"corrections", tally.corrections}};
-  for (std::size_t s = 0; s < std::size(states); ++s) json["states"][states[s]] = tally.in_state[s];
-  for (std::size_t f = 0; f < std::size(faults); ++f) json["faults"][faults[f].name] = tally.with_fault[f];
+  for (std::size_t s = 0; s < state_codes.size(); ++s) json["states"][state_codes[s].name] = tally.in_state[s];
+  for (std::size_t f = 0; f < fault_codes.size(); ++f) json["faults"][fault_codes[f].name] = tally.with_fault[f];
   json["sensors"] = errors_json(errors.sensors(), "K", 1.0);
   json["deformations"] = errors_json(errors.deformations(), "um", micrometres_per_metre);
   std::printf("%s\n", json.dump(2).c_str());
@@ -125,13 +120,13 @@ void print_table(const Options& options, const rom::Network& network, const firm
   std::printf("%s, %s: %g s, %zu cycles of %g s, correction %s\n", network.spindle.c_str(), options.log.c_str(),
               log.rows.back().time_s - log.rows.front().time_s, tally.cycles, plan.period_s, law_of(plan));
   std::printf("cycles:");
-  for (std::size_t s = 0; s < std::size(states); ++s) {
-    if (tally.in_state[s] > 0) std::printf(" %s %zu", states[s], tally.in_state[s]);
+  for (std::size_t s = 0; s < state_codes.size(); ++s) {
+    if (tally.in_state[s] > 0) std::printf(" %s %zu", state_codes[s].name, tally.in_state[s]);
   }
   if (tally.corrections > 0) std::printf("; corrections %u", tally.corrections);
   std::printf("\n");
-  for (std::size_t f = 0; f < std::size(faults); ++f) {
-    if (tally.with_fault[f] > 0) std::printf("fault %s in %zu cycles\n", faults[f].name, tally.with_fault[f]);
+  for (std::size_t f = 0; f < fault_codes.size(); ++f) {
+    if (tally.with_fault[f] > 0) std::printf("fault %s in %zu cycles\n", fault_codes[f].name, tally.with_fault[f]);
   }
   print_errors("sensor, error in K", errors.sensors(), 1.0);
   print_errors("deformation, error in um", errors.deformations(), micrometres_per_metre);

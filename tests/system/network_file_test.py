@@ -8,6 +8,7 @@ import os
 import pathlib
 import stat
 import subprocess
+import tomllib
 import unittest
 
 import host_tool_case
@@ -107,6 +108,13 @@ class NetworkFiles(host_tool_case.Case):
         self.good("replay", network, log, "--correction", "paper", "-o", again)
         self.assertEqual(again.read_bytes(), (self.folder / "replayed_paper.csv").read_bytes())
         self.assertIn("nose", self.good("replay", network, log).stdout)
+        told = self.json_of("replay", network, log)
+        self.assertEqual({kind: list(told[kind]) for kind in ("states", "faults")}, self.declared_states_and_faults())
+
+    def declared_states_and_faults(self):
+        declared = tomllib.loads((EXAMPLE.parents[2] / "firmware" / "cycle" / "states.toml").read_text())
+        names = {codes["name"]: [code["name"] for code in codes["values"]] for codes in declared["codes"]}
+        return {"states": names["State"], "faults": names["Fault"]}
 
     def test_a_log_that_cannot_be_replayed_is_one_line_and_leaves_nothing(self):
         rom, out = self.assemble(), self.folder / "out.csv"

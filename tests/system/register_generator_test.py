@@ -8,9 +8,7 @@ import unittest
 GENERATOR = pathlib.Path(__file__).resolve().parents[2] / "firmware" / "serve" / "generate_registers.py"
 MAP = """
 map_version = 1
-codes = []
-[slots]
-points = 4
+states = "states.toml"
 [[block]]
 name = "first"
 address = 0
@@ -24,11 +22,28 @@ register = [
 """
 
 
+STATES = """
+[slots]
+points = {points}
+[[codes]]
+name = "State"
+doc = ""
+values = [
+  {{ value = 0, name = "off", doc = "" }},
+  {{ value = {value}, name = "{name}", doc = "" }},
+]
+"""
+
+
 class Generator(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.map = pathlib.Path(folder.name) / "registers.toml"
+        self.declare_states()
+
+    def declare_states(self, points=4, value=1, name="on"):
+        (self.map.parent / "states.toml").write_text(STATES.format(points=points, value=value, name=name))
 
     def run_on(self, task, length=6, second=4, name="b", type="float32"):
         self.map.write_text(MAP.format(length=length, second=second, name=name, type=type))
@@ -64,6 +79,24 @@ class Generator(unittest.TestCase):
 
     def test_an_unknown_type(self):
         self.assertIn("register b: type real, allowed: uint16", self.error_of(type="real"))
+
+    def test_capacities_and_codes_come_from_the_states(self):
+        self.declare_states(points=3, value=7, name="warm")
+        self.assertEqual(self.run_on("--write").returncode, 0)
+        documentation = self.map.with_name("registers.md").read_text()
+        self.assertIn("| 0-2 | 30001, 40001 | a | int16 | 3 |", documentation)
+        self.assertIn("| 7 | warm |", documentation)
+
+    def test_a_capacity_that_the_states_do_not_declare(self):
+        self.map.write_text(MAP.format(length=6, second=4, name="b", type="int16").replace('"points"', '"places"'))
+        result = subprocess.run([sys.executable, GENERATOR, "--map", self.map, "--write"], capture_output=True, text=True)
+        self.assertIn("register a: slots places, allowed: a number or points", result.stderr)
+
+    def test_a_code_declared_twice(self):
+        self.declare_states(name="off")
+        self.assertIn("State: name off stands twice", self.error_of())
+        self.declare_states(value=0)
+        self.assertIn("State: value 0 stands twice", self.error_of())
 
 
 if __name__ == "__main__":
