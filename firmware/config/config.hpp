@@ -6,31 +6,13 @@
 
 #include "firmware/acquire/read_plan.hpp"
 #include "firmware/cycle/plan.hpp"
-#include "firmware/serve/allow_list.hpp"
+#include "firmware/keep/keep_plan.hpp"
+#include "firmware/serve/serve_plan.hpp"
 #include "rom/file/keys.hpp"
 #include "rom/network.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
-
-struct ServePlan {
-  std::string address = "127.0.0.1";  ///< IPv4 to listen on
-  int port = 502;                     ///< 0 takes a free one (tests)
-  std::vector<AddressRange> allow;    ///< clients that are answered
-  int connections = 32;               ///< at most at once
-  int connections_per_host = 16;      ///< of these, from one address
-  double idle_s = 300.0;              ///< a connection without a request for so long is closed
-  double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
-};
-
-/// What is written beside the history.
-struct KeepPlan {
-  std::string checkpoint_path;  ///< empty: none
-  double interval_s = 300.0;    ///< model time
-  double max_age_s = 43200.0;   ///< an older checkpoint is not used
-  std::string parameters_path;  ///< empty: none
-  std::string orders_path;      ///< empty: none, of tests only
-};
 
 struct ConfiguredSensor {
   std::string key_point;

@@ -10,6 +10,7 @@
 #include "firmware/keep/parameters.hpp"
 #include "firmware/watch/clock.hpp"
 #include "rom/file/whole_file.hpp"
+#include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
 namespace {

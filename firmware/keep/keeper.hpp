@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "firmware/config/config.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/keep/checkpoint.hpp"
 #include "firmware/keep/order_keeper.hpp"
+#include "firmware/keep/keep_plan.hpp"
 
 namespace spindle_twin::firmware {
 

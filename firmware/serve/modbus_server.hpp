@@ -9,11 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/config/config.hpp"
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/order_desk.hpp"
+#include "firmware/cycle/snapshot.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
+#include "firmware/serve/serve_plan.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log_limit.hpp"
 
