@@ -96,6 +96,15 @@ ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, 
     signal.source = to_si(read_source(table), rules.unit);
   }
   const auto si = [&](double value) { return value * rules.unit.factor + rules.unit.shift; };
+  if (from != "constant") {
+    signal.min = table.optional_number("min", rom::between(rules.min, rules.max));
+    signal.max = table.optional_number("max", rom::between(rules.min, rules.max));
+    if (signal.min && signal.max && *signal.max <= *signal.min) table.fail("max", "must be above min");
+    signal.most_per_s = table.optional_number("max_per_s", rom::positive);
+    if (signal.min) signal.min = si(*signal.min);
+    if (signal.max) signal.max = si(*signal.max);
+    if (signal.most_per_s) *signal.most_per_s *= rules.unit.factor;
+  }
   signal.plan.value = si(first);
   signal.plan.min = si(rules.min);
   signal.plan.max = si(rules.max);
@@ -136,11 +145,30 @@ std::vector<ConfiguredStart> read_start(const TomlTable& start) {
   return nodes;
 }
 
+/// `limit_um` as one number or as a table: one key per deformation output.
+std::vector<ConfiguredLimit> read_limits(const TomlTable& output) {
+  constexpr rom::Range limit_um{0.0, 1e4, true, false};
+  std::vector<ConfiguredLimit> limits;
+  const auto add = [&](const TomlTable& table, const std::string& key, const std::string& name) {
+    limits.push_back({name, m_per_um * table.number(key, limit_um), table.where(key), table.path(key)});
+  };
+  if (!output.is_table("limit_um")) {
+    if (output.has("limit_um")) add(output, "limit_um", "");
+    return limits;
+  }
+  const TomlTable table = output.table("limit_um");
+  for (const std::string& name : table.free_keys()) add(table, name, name);
+  return limits;
+}
+
 ServePlan read_serve(const TomlTable& table) {
   ServePlan serve;
   serve.address = read_ipv4(table, serve.address);
   serve.port = static_cast<int>(table.integer_or("port", serve.port, 1, 65535));
   serve.connections = static_cast<int>(table.integer_or("connections", serve.connections, 1, 256));
+  serve.connections_per_host =
+      static_cast<int>(table.integer_or("connections_per_host", serve.connections_per_host, 1, 256));
+  serve.idle_s = table.number_or("idle_s", serve.idle_s, rom::between(1.0, 86400.0));
   serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
   const std::vector<std::string> allow =
       table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
@@ -245,7 +273,9 @@ Config read_root(const TomlTable& root, const std::string& path) {
       cycle->fail("clock_rate", "period_s / clock_rate must be at least 0.001 s, is " + std::to_string(period_s));
     }
   }
-  config.serve = read_serve(root.table("serve"));
+  const TomlTable serve = root.table("serve");
+  config.serve = read_serve(serve);
+  config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
   if (const auto device = root.optional_table("device")) {
     config.has_device = true;
     config.device = read_device(*device, config.cycle.clock_rate);
@@ -285,6 +315,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   if (const auto output = root.optional_table("output")) {
     config.cycle.slew_m_per_s =
         m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);
+    config.output_limits = read_limits(*output);
   }
 
   const auto start = root.optional_table("start");

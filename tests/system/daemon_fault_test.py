@@ -179,11 +179,13 @@ class Faults(RunningDaemon):
     def test_idle_clients_of_one_host_do_not_lock_another_out(self):
         idle = [socket.create_connection(("127.0.0.1", self.port)) for _ in range(40)]
         self.addCleanup(lambda: [client.close() for client in idle])
-        self.assertEqual(self.read(0, 1), [0x1234])
-        with socket.create_connection(("127.0.0.1", self.port), source_address=("127.0.0.2", 0)) as other:
-            other.settimeout(10)
-            other.sendall(bytes([0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 1]))
-            self.assertEqual(other.recv(64)[-2:], b"\x12\x34")
+        time.sleep(0.5)
+        for _ in range(3):
+            self.assertEqual(self.read(0, 1), [0x1234])
+            with socket.create_connection(("127.0.0.1", self.port), source_address=("127.0.0.2", 0)) as other:
+                other.settimeout(10)
+                other.sendall(bytes([0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 1]))
+                self.assertEqual(other.recv(64)[-2:], b"\x12\x34")
 
     def test_without_descriptors_accepting_pauses_instead_of_spinning(self):
         limit = len(os.listdir(f"/proc/{self.daemon.pid}/fd")) + 4
@@ -198,7 +200,7 @@ class Faults(RunningDaemon):
 
         before = cpu_s()
         time.sleep(2.0)
-        self.assertLess(cpu_s() - before, 1.0)
+        self.assertLess(cpu_s() - before, 0.3)
         self.assertEqual(self.read(0, 1), [0x1234])
         for client in clients:
             client.close()
