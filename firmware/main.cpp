@@ -21,6 +21,7 @@
 #include "firmware/config/expect_of_sensors.hpp"
 #include "firmware/config/load_network.hpp"
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/keep/event_log.hpp"
 #include "firmware/keep/history.hpp"
 #include "firmware/keep/keeper.hpp"
 #include "firmware/keep/order_keeper.hpp"
@@ -75,7 +76,7 @@ int wait_for_the_end(const sigset_t& signals) {
 std::vector<std::string> state_files(const Config& config) {
   std::vector<std::string> files;
   for (const std::string& path :
-       {config.keep.orders_path, config.keep.checkpoint_path, config.history_path, config.keep.parameters_path}) {
+       {config.keep.orders_path, config.keep.checkpoint_path, config.history.path, config.keep.parameters_path}) {
     if (!path.empty()) files.push_back(path);
   }
   return files;
@@ -83,6 +84,15 @@ std::vector<std::string> state_files(const Config& config) {
 
 std::string signer(const rom::RomFile& file) {
   return file.signed_by ? "signed by " + rom::to_hex(*file.signed_by) : "not signed";
+}
+
+/// A number that passed for itself may still be none together with the others, or with this network.
+void make_cycle(const Config& config, const rom::Network& network, const CyclePlan& plan, std::optional<Cycle>& cycle) {
+  try {
+    cycle.emplace(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  } catch (const std::exception& error) {
+    throw rom::InputError({config.path, 0}, "correction, health", error.what());
+  }
 }
 
 /// All parts and the threads that they run in.
@@ -95,8 +105,9 @@ class Daemon {
         cycle_(cycle),
         troubles_(troubles),
         order_keeper_(config.keep.orders_path, file.sha256, desk_, troubles),
-        device_(plan.device, clock_, frames_) {
-    if (!config.history_path.empty()) history_ = std::make_unique<History>(config.history_path, file.network);
+        device_(plan.device, clock_, frames_),
+        events_(file.network) {
+    if (!config.history.path.empty()) history_ = std::make_unique<History>(config.history, file.network, troubles);
   }
   ~Daemon() { stop(); }
   Daemon(const Daemon&) = delete;
@@ -119,6 +130,7 @@ class Daemon {
     if (!plan_.device.channels.empty()) run([this] { device_.run(stop_); });
     if (history_) after_cycle([this] { history_->run(stop_after_cycle_); });
     after_cycle([this] { order_keeper_.run(stop_after_cycle_); });
+    after_cycle([this] { events_.run(stop_after_cycle_); });
     run([this] { keeper_->run(stop_); });
     run([this] { run_cycle(cycle_, plan_.cycle, clock_, ports(), stop_); });
   }
@@ -152,6 +164,7 @@ class Daemon {
             history_ ? &history_->lost() : nullptr,
             &keeper_->remembered(),
             &desk_,
+            &events_.tap(),
             &troubles_};
   }
 
@@ -167,6 +180,7 @@ class Daemon {
   OrderDesk desk_;
   OrderKeeper order_keeper_;
   ModbusDevice device_;
+  EventLog events_;
   std::unique_ptr<History> history_;
   std::optional<ModbusServer> server_;
   std::optional<Keeper> keeper_;
@@ -181,7 +195,9 @@ int run(const std::string& config_path, bool only_check) {
   const rom::RomFile file = load_network(config.network);
   const rom::Network& network = file.network;
   const DaemonPlan plan = bind_config(config, network);
-  Cycle cycle(network, plan.cycle, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  std::optional<Cycle> made;
+  make_cycle(config, network, plan.cycle, made);
+  Cycle& cycle = *made;
   if (only_check) {
     std::printf("%s: ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), network.spindle.c_str(),
                 network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",

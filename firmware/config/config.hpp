@@ -100,7 +100,7 @@ struct Config {
   std::string path;
   ConfiguredNetwork network;
   std::string log_level = "info";
-  std::string history_path;  ///< empty: none
+  HistoryPlan history;
   KeepPlan keep;
   ServePlan serve;
   bool has_device = false;

@@ -330,7 +330,14 @@ Config read_root(const TomlTable& root, const std::string& path) {
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 
   if (const auto history = root.optional_table("history")) {
-    config.history_path = read_state_file(*history, "path", path);
+    constexpr double bytes_per_MiB = 1048576.0;
+    HistoryPlan& plan = config.history;
+    plan.path = read_state_file(*history, "path", path);
+    const double segment_MiB = history->number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
+    const double most_MiB =
+        history->number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
+    plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
+    plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
     if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
   }
   const auto orders = root.optional_table("orders");

@@ -74,6 +74,7 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     if (ports.orders != nullptr) ports.orders->settle(cycle.order_results(), cycle.standing_orders(), snapshot);
     snapshot.time_ns = clock.now_ns();
     ports.server.write(snapshot);
+    if (ports.events != nullptr) ports.events->write(snapshot);
     if (ports.remembered != nullptr && ports.remembered->asked()) {
       cycle.remember(ports.remembered->value);
       ports.remembered->fill();

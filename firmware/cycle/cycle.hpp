@@ -105,6 +105,7 @@ struct CyclePorts {
   std::atomic<std::uint64_t>* lost = nullptr;   ///< snapshots that the history had no room for
   OnRequest<Remembered>* remembered = nullptr;  ///< null: nobody asks. Sized already by Cycle::remember()
   OrderDesk* orders = nullptr;                  ///< null: nobody gives orders
+  Latest<Snapshot>* events = nullptr;           ///< null: nobody says what happens
   Troubles* troubles = nullptr;                 ///< null: the others have none
 };
 

@@ -7,8 +7,8 @@
 
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/keep/checkpoint.hpp"
-#include "firmware/keep/order_keeper.hpp"
 #include "firmware/keep/keep_plan.hpp"
+#include "firmware/keep/order_keeper.hpp"
 
 namespace spindle_twin::firmware {
 

@@ -7,6 +7,8 @@ import os
 import resource
 import signal
 import socket
+import struct
+import threading
 import time
 
 from ports import can_connect, free_port, wait_until
@@ -208,6 +210,54 @@ class Faults(RunningDaemon):
             late.settimeout(10)
             late.sendall(bytes([0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 1]))
             self.assertEqual(late.recv(64)[-2:], b"\x12\x34")
+
+
+class WrongDevice(RunningDaemon):
+    """In the place of the device one that answers something else."""
+
+    def serve(self, change):
+        self.device.kill()
+        self.device.wait()
+
+        def listen():
+            try:
+                return socket.create_server(("127.0.0.1", self.device_port))
+            except OSError:
+                return None
+
+        listener = wait_until(listen, "the device's port")
+        self.addCleanup(listener.close)
+
+        def answer():
+            while True:
+                try:
+                    client, _ = listener.accept()
+                except OSError:
+                    return
+                with client:
+                    while len(request := client.recv(12)) == 12:
+                        data = struct.pack(">4f", 60.0, 60.0, 60.0, 60.0)[:2 * request[11]]
+                        client.sendall(change(bytearray(request[:5] + bytes([3 + len(data)]) + request[6:8] +
+                                                        bytes([len(data)]) + data)))
+
+        threading.Thread(target=answer, daemon=True).start()
+
+    def test_answers_of_another_unit_protocol_or_length_are_not_taken(self):
+        def other(at, value):
+            def change(frame):
+                frame[at] = value
+                return frame
+            return change
+
+        self.write_signals()
+        self.wait_for_state(1)
+        self.serve(other(6, 9))
+        wait_until(lambda: self.read(11, 1)[0] & 0x100, "the bit device_offline")
+        end = time.monotonic() + 3.0
+        while time.monotonic() < end:
+            self.assertTrue(self.read(11, 1)[0] & 0x100)
+            self.assertEqual(self.read(40, 1), [2850])
+        self.assertIn("its answer is of another request, unit, protocol or length", self.log_text())
 
 
 class Log(RunningDaemon):

@@ -99,5 +99,18 @@ TEST(Limits, of_the_server_and_of_a_silent_plc) {
   EXPECT_EQ(other.serve.connections_per_host, 2);
 }
 
+TEST(Limits, deviations_are_nothing_at_all_or_what_a_covariance_can_hold) {
+  const std::string sensor = "[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 8\n";
+  for (const char* key : {"heat", "contact", "film", "environment_K", "bearing_per_K", "speed_exponent", "start_K",
+                          "start_shape_K", "disturbance"}) {
+    const auto with = [&](const char* value) {
+      return error_of(told, sensor + "[correction.prior]\n" + key + " = " + value + "\n");
+    };
+    EXPECT_EQ(with("1e-200"),
+              "/etc/twin.toml:17: correction.prior." + std::string(key) + ": must be 0 or at least 1e-9");
+    EXPECT_EQ(with("0.0"), "no error");
+  }
+}
+
 }  // namespace
 }  // namespace spindle_twin::firmware

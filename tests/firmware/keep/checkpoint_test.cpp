@@ -239,6 +239,12 @@ TEST(Resume, other_sensors_keep_the_temperatures_but_not_the_estimate_and_anothe
   wrong.nodes_K[0] = not_a_value;
   EXPECT_EQ(other.resume(wrong, 10.0), Resumed::nothing);
   EXPECT_EQ(other.resume(ran.checkpoint.remembered, not_a_value), Resumed::nothing);
+  wrong = ran.checkpoint.remembered;
+  wrong.nodes_K[0] = 1e6;
+  EXPECT_EQ(other.resume(wrong, 10.0), Resumed::implausible) << "whatever its hash";
+  wrong = ran.checkpoint.remembered;
+  wrong.tare_m = 0.339;
+  EXPECT_EQ(other.resume(wrong, 10.0), Resumed::implausible);
 }
 
 TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {

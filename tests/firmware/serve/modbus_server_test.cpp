@@ -8,6 +8,7 @@
 #include <sys/time.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <thread>
@@ -236,6 +237,85 @@ TEST(ModbusServer, the_client_after_the_last_place_is_turned_away) {
   Client c(serving.server.port());
   EXPECT_TRUE(c.closed_by_server());
   EXPECT_EQ(payload(a.ask(read_known)), known_words);
+}
+
+TEST(ModbusServer, orders_that_find_the_queue_full_are_answered_with_busy_and_change_nothing) {
+  Serving serving;
+  Client client(serving.server.port());
+  std::size_t taken = 0;
+  Bytes reply;
+  while (taken < 100 && exception_of(reply = client.ask(write_single(Register::command_tare, 1))) == 0) ++taken;
+  EXPECT_EQ(exception_of(reply), 6);
+  EXPECT_GT(taken, 50U);
+  EXPECT_LE(taken, OrderDesk::room);
+  EXPECT_EQ(exception_of(client.ask(write_single(Register::command_speed, 5))), 0) << "a signal needs no place";
+}
+
+TEST(ModbusServer, a_connection_that_asks_nothing_is_closed_and_one_that_asks_is_not) {
+  ServePlan plan = Serving::plan();
+  plan.idle_s = 0.5;
+  Serving serving(plan);
+  Client idle(serving.server.port());
+  Client busy(serving.server.port());
+  for (int i = 0; i < 15; ++i) {
+    EXPECT_EQ(payload(busy.ask(read_known)), known_words);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_TRUE(idle.closed_by_server());
+  EXPECT_EQ(payload(busy.ask(read_known)), known_words);
+}
+
+/// A clock that is set by hand.
+struct HandClock final : Clock {
+  std::atomic<std::int64_t> time_ns{1'000'000'000};
+  std::int64_t now_ns() const override { return time_ns; }
+  void sleep_until_ns(std::int64_t) override {}
+};
+
+TEST(ModbusServer, the_longest_idle_connection_makes_room_and_one_address_has_its_share_only) {
+  HandClock clock;
+  Latest<Snapshot> snapshots;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
+  ServePlan plan = Serving::plan();
+  plan.connections_per_host = 2;
+  ModbusServer server(plan, clock, snapshots, signals, orders);
+  std::thread thread([&] { server.run(); });
+  Client first(server.port());
+  EXPECT_EQ(payload(first.ask(read_known)), known_words);
+  clock.time_ns += 1'000'000'000;
+  Client second(server.port());
+  EXPECT_EQ(payload(second.ask(read_known)), known_words);
+  clock.time_ns += 2'000'000'000;
+  Client refused(server.port());
+  EXPECT_TRUE(refused.closed_by_server()) << "nobody has been idle for long";
+  clock.time_ns += 6'000'000'000;
+  EXPECT_EQ(payload(first.ask(read_known)), known_words);
+  Client third(server.port());
+  EXPECT_EQ(payload(third.ask(read_known)), known_words);
+  EXPECT_TRUE(second.closed_by_server()) << "the longest idle one";
+  EXPECT_EQ(payload(first.ask(read_known)), known_words);
+  server.stop();
+  thread.join();
+}
+
+TEST(ModbusServer, who_told_signals_and_goes_on_talking_is_heard_and_who_wrote_once_is_not_waited_for) {
+  Serving serving;
+  Client plc(serving.server.port());
+  PlcSignals told;
+  plc.ask(write_single(Register::command_speed, 6000));
+  ASSERT_TRUE(serving.signals.read(told));
+  EXPECT_EQ(told.alive_ns, 0) << "a tool that writes once";
+  for (int i = 0; i < 3; ++i) plc.ask(read_known);
+  ASSERT_TRUE(serving.signals.read(told));
+  const std::int64_t heard_ns = told.alive_ns;
+  EXPECT_GT(heard_ns, 0);
+  Client reader(serving.server.port());
+  for (int i = 0; i < 5; ++i) reader.ask(read_known);
+  EXPECT_FALSE(serving.signals.read(told)) << "another one's requests say nothing of the PLC";
+  plc.ask(read_known);
+  ASSERT_TRUE(serving.signals.read(told));
+  EXPECT_GT(told.alive_ns, heard_ns);
 }
 
 TEST(ModbusServer, a_client_that_is_not_on_the_list_is_turned_away) {
