@@ -1,61 +1,203 @@
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <systemd/sd-daemon.h>
+#include <unistd.h>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "firmware/acquire/modbus_device.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/expect_of_sensors.hpp"
 #include "firmware/config/load_network.hpp"
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/keep/event_log.hpp"
 #include "firmware/keep/history.hpp"
 #include "firmware/keep/keeper.hpp"
+#include "firmware/keep/order_keeper.hpp"
+#include "firmware/keep/state_files.hpp"
 #include "firmware/serve/modbus_server.hpp"
-#include "firmware/watch/single_instance.hpp"
+#include "firmware/watch/clock.hpp"
+#include "firmware/watch/log.hpp"
 
 namespace {
 
 using namespace spindle_twin;
 using namespace spindle_twin::firmware;
 
-void log_to_stderr(const std::string& level) {
-  auto logger = spdlog::stderr_logger_mt("spindle-twind");
-  logger->set_level(spdlog::level::from_str(level));
-  logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
-  spdlog::set_default_logger(logger);
+const char* name_of(int signal) {
+  switch (signal) {
+    case SIGTERM:
+      return "SIGTERM";
+    case SIGINT:
+      return "SIGINT";
+    case SIGQUIT:
+      return "SIGQUIT";
+    case SIGHUP:
+      return "SIGHUP";
+    case SIGUSR1:
+      return "SIGUSR1";
+    default:
+      return "SIGUSR2";
+  }
 }
 
-/// Blocked in every thread, so that only the wait at the end of main() sees them.
-sigset_t block_stop_signals() {
+/// Blocked in every thread, so that only the wait at the end of a run sees them.
+sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int each : {SIGTERM, SIGINT, SIGQUIT, SIGHUP, SIGUSR1, SIGUSR2}) sigaddset(&signals, each);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // who reads the log may go away
   return signals;
+}
+
+/// Returns the signal that ends the daemon; the others are said and change nothing.
+int wait_for_the_end(const sigset_t& signals) {
+  while (true) {
+    int signal = 0;
+    sigwait(&signals, &signal);
+    if (signal == SIGTERM || signal == SIGINT || signal == SIGQUIT) return signal;
+    spdlog::info("{} changes nothing; the configuration is read at the start only", name_of(signal));
+  }
+}
+
+/// The files that this configuration has written.
+std::vector<std::string> state_files(const Config& config) {
+  std::vector<std::string> files;
+  for (const std::string& path :
+       {config.keep.orders_path, config.keep.checkpoint_path, config.history.path, config.keep.parameters_path}) {
+    if (!path.empty()) files.push_back(path);
+  }
+  return files;
 }
 
 std::string signer(const rom::RomFile& file) {
   return file.signed_by ? "signed by " + rom::to_hex(*file.signed_by) : "not signed";
 }
 
+/// A number that passed for itself may still be none together with the others, or with this network.
+void make_cycle(const Config& config, const rom::Network& network, const CyclePlan& plan, std::optional<Cycle>& cycle) {
+  try {
+    cycle.emplace(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  } catch (const std::exception& error) {
+    throw rom::InputError({config.path, 0}, "correction, health", error.what());
+  }
+}
+
+/// All parts and the threads that they run in.
+class Daemon {
+ public:
+  Daemon(const Config& config, const rom::RomFile& file, const DaemonPlan& plan, Cycle& cycle, Troubles& troubles)
+      : config_(config),
+        file_(file),
+        plan_(plan),
+        cycle_(cycle),
+        troubles_(troubles),
+        order_keeper_(config.keep.orders_path, file.sha256, desk_, troubles),
+        device_(plan.device, clock_, frames_),
+        events_(file.network) {
+    if (!config.history.path.empty()) history_ = std::make_unique<History>(config.history, file.network, troubles);
+  }
+  ~Daemon() { stop(); }
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  /// Clients are answered before the cycle runs: a long pause since the checkpoint takes seconds to go through.
+  void start() {
+    const std::optional<Checkpoint> checkpoint = look_for_checkpoint(config_.keep);
+    const StandingOrders orders = recall_orders(config_.keep.orders_path, file_.sha256, checkpoint);
+    order_keeper_.begin_with(orders);
+    server_.emplace(plan_.serve, clock_, snapshots_, signals_, desk_);
+    run([this] { server_->run(); });
+    spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", file_.network.spindle,
+                 file_.network.nodes.size(), plan_.cycle.period_s, plan_.cycle.clock_rate, plan_.serve.address,
+                 server_->port());
+    resume_from_checkpoint(config_.keep, checkpoint, file_.sha256, plan_.cycle.clock_rate, unix_now_s(), cycle_);
+    cycle_.stand_by_orders(orders);
+    keeper_.emplace(config_.keep, file_.sha256, plan_.cycle.clock_rate, cycle_, &order_keeper_, &troubles_);
+
+    if (!plan_.device.channels.empty()) run([this] { device_.run(stop_); });
+    if (history_) after_cycle([this] { history_->run(stop_after_cycle_); });
+    after_cycle([this] { order_keeper_.run(stop_after_cycle_); });
+    after_cycle([this] { events_.run(stop_after_cycle_); });
+    run([this] { keeper_->run(stop_); });
+    run([this] { run_cycle(cycle_, plan_.cycle, clock_, ports(), stop_); });
+  }
+
+  /// Ends all threads and keeps what the cycle knows.
+  void stop() {
+    if (!server_) return;
+    stop_.store(true);
+    server_->stop();
+    for (std::thread& thread : threads_) thread.join();
+    stop_after_cycle_.store(true);
+    for (std::thread& thread : after_cycle_) thread.join();
+    if (keeper_) keeper_->keep_last(cycle_);
+    server_.reset();
+  }
+
+ private:
+  template <class Work>
+  void run(Work work) {
+    threads_.emplace_back(std::move(work));
+  }
+  template <class Work>
+  void after_cycle(Work work) {
+    after_cycle_.emplace_back(std::move(work));
+  }
+  CyclePorts ports() {
+    return {frames_,
+            signals_,
+            snapshots_,
+            history_ ? &history_->ring() : nullptr,
+            history_ ? &history_->lost() : nullptr,
+            &keeper_->remembered(),
+            &desk_,
+            &events_.tap(),
+            &troubles_};
+  }
+
+  const Config& config_;
+  const rom::RomFile& file_;
+  const DaemonPlan& plan_;
+  Cycle& cycle_;
+  Troubles& troubles_;
+  MonotonicClock clock_;
+  Latest<DeviceFrame> frames_;
+  Latest<PlcSignals> signals_;
+  Latest<Snapshot> snapshots_;
+  OrderDesk desk_;
+  OrderKeeper order_keeper_;
+  ModbusDevice device_;
+  EventLog events_;
+  std::unique_ptr<History> history_;
+  std::optional<ModbusServer> server_;
+  std::optional<Keeper> keeper_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_after_cycle_{false};
+  std::vector<std::thread> threads_;
+  std::vector<std::thread> after_cycle_;  ///< until nothing more comes from the cycle
+};
+
 int run(const std::string& config_path, bool only_check) {
   const Config config = read_config(config_path);
   const rom::RomFile file = load_network(config.network);
   const rom::Network& network = file.network;
   const DaemonPlan plan = bind_config(config, network);
-  Cycle cycle(network, plan.cycle, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  std::optional<Cycle> made;
+  make_cycle(config, network, plan.cycle, made);
+  Cycle& cycle = *made;
   if (only_check) {
     std::printf("%s: ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), network.spindle.c_str(),
                 network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",
@@ -63,60 +205,26 @@ int run(const std::string& config_path, bool only_check) {
     std::fputs(expect_of_sensors(network, plan.cycle).c_str(), stdout);
     return 0;
   }
-  const SingleInstance lock(config_path);
-  log_to_stderr(config.log_level);
-  const sigset_t stop_signals = block_stop_signals();
-
-  MonotonicClock clock;
-  Latest<DeviceFrame> frames;
-  Latest<PlcCommand> commands;
-  Latest<Snapshot> snapshots;
-  ModbusServer server(plan.serve, clock, snapshots, commands);
-  ModbusDevice device(plan.device, clock, frames);
-  const auto history = config.history_path.empty() ? nullptr : std::make_unique<History>(config.history_path, network);
-
-  const double unix_now_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  resume_from_checkpoint(config.keep, file.sha256, plan.cycle.clock_rate, unix_now_s, cycle);
-  Keeper keeper(config.keep, file.sha256, plan.cycle.clock_rate, cycle);
-
-  std::atomic<bool> stop{false};
-  std::atomic<bool> stop_history{false};
-  const CyclePorts ports{frames,
-                         commands,
-                         snapshots,
-                         history ? &history->ring() : nullptr,
-                         history ? &history->lost() : nullptr,
-                         &keeper.remembered()};
-  std::thread serving([&] { server.run(); });
-  std::optional<std::thread> acquiring;
-  if (!plan.device.channels.empty()) acquiring.emplace([&] { device.run(stop); });
-  std::optional<std::thread> keeping;
-  if (history) keeping.emplace([&] { history->run(stop_history); });
-  std::thread remembering([&] { keeper.run(stop); });
-  std::thread cycling([&] { run_cycle(cycle, plan.cycle, clock, ports, stop); });
-
-  spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", network.spindle, network.nodes.size(),
-               plan.cycle.period_s, plan.cycle.clock_rate, plan.serve.address, server.port());
+  const std::vector<std::string> files = state_files(config);
+  const StateLock lock(files);
+  const sigset_t signals = block_signals();
+  Troubles troubles;
+  const Log log(config.log_level, STDERR_FILENO, troubles.log_lines_dropped);
+  for (const std::string& path : files) {
+    if (const int removed = remove_left_overs(path)) spdlog::info("{}: {} unfinished files removed", path, removed);
+  }
+  Daemon daemon(config, file, plan, cycle, troubles);
+  daemon.start();
   spdlog::info("{}: SHA-256 {}, {}", config.network.path, file.sha256, signer(file));
   if (network.certificate.cases == 0) {
     spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set",
                  config.network.path);
   }
   sd_notify(0, "READY=1");
-
-  int signal = 0;
-  sigwait(&stop_signals, &signal);
+  const int signal = wait_for_the_end(signals);
   sd_notify(0, "STOPPING=1");
-  stop.store(true);
-  server.stop();
-  cycling.join();
-  if (acquiring) acquiring->join();
-  serving.join();
-  stop_history.store(true);
-  if (keeping) keeping->join();
-  remembering.join();
-  keeper.keep_last(cycle);
-  spdlog::info("stopped by {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
+  daemon.stop();
+  spdlog::info("stopped by {}", name_of(signal));
   return 0;
 }
 

@@ -1,12 +1,15 @@
 #include "firmware/acquire/modbus_device.hpp"
 
 #include <modbus.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <new>
 
 namespace spindle_twin::firmware {
@@ -32,7 +35,11 @@ struct ModbusDevice::Context {
 double back_off_s(int failures) { return std::min(5.0, 0.1 * std::ldexp(1.0, std::min(failures, 10))); }
 
 ModbusDevice::ModbusDevice(DevicePlan plan, Clock& clock, Latest<DeviceFrame>& frames)
-    : plan_(std::move(plan)), clock_(clock), frames_(frames), requests_(plan_requests(plan_.channels)) {}
+    : plan_(std::move(plan)),
+      clock_(clock),
+      frames_(frames),
+      requests_(plan_requests(plan_.channels)),
+      refused_(requests_.size(), 0) {}
 
 ModbusDevice::~ModbusDevice() = default;
 
@@ -59,16 +66,63 @@ Reading& ModbusDevice::reading_of(const Channel& channel) {
   }
 }
 
-bool ModbusDevice::poll() {
-  std::array<std::uint16_t, MODBUS_MAX_READ_REGISTERS> words{};
-  for (const ReadRequest& request : requests_) {
-    const auto read = request.table == RegisterTable::input ? modbus_read_input_registers : modbus_read_registers;
-    if (read(context_->modbus, request.address, request.count, words.data()) != request.count) {
-      const bool refused = errno > MODBUS_ENOBASE && errno <= EMBXGTAR;
-      if (!refused) return false;
-      spdlog::debug("device refuses {} registers from {}: {}", request.count, request.address, modbus_strerror(errno));
-      continue;
+/// False where the connection is of no more use; reason_ says why.
+bool ModbusDevice::ask(const ReadQuestion& question, std::span<std::uint8_t> frame, CheckedAnswer& answer) {
+  const int socket = modbus_get_socket(context_->modbus);
+  const auto sent = encode(question);
+  if (send(socket, sent.data(), sent.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(sent.size())) {
+    reason_ = std::strerror(errno);
+    return false;
+  }
+  const std::int64_t deadline_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * plan_.timeout_s);
+  std::size_t received = 0;
+  while (true) {
+    const std::int64_t left_ms = (deadline_ns - clock_.now_ns()) / 1'000'000;
+    pollfd readable{socket, POLLIN, 0};
+    if (left_ms < 0 || ::poll(&readable, 1, static_cast<int>(left_ms) + 1) == 0) {
+      reason_ = "no answer in time";
+      return false;
     }
+    const ssize_t got = recv(socket, frame.data() + received, frame.size() - received, MSG_DONTWAIT);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+    if (got <= 0) {
+      reason_ = got == 0 ? "it closed the connection" : std::strerror(errno);
+      return false;
+    }
+    received += static_cast<std::size_t>(got);
+    answer = check_answer(question, frame.first(received));
+    if (answer.is == Answer::wrong) reason_ = "its answer is of another request, unit, protocol or length";
+    if (answer.is != Answer::not_whole) return answer.is != Answer::wrong;
+  }
+}
+
+void ModbusDevice::note_refused(std::size_t request, std::uint8_t exception) {
+  if (refused_[request] == exception) return;
+  refused_[request] = exception;
+  const ReadRequest& of = requests_[request];
+  const auto before = changes_.pass(clock_.now_ns());
+  if (!before) return;
+  if (exception != 0) {
+    spdlog::warn("device {}:{} refuses registers {} to {} with exception {}{}", plan_.address, plan_.port, of.address,
+                 of.address + of.count - 1, exception, LogLimit::also(*before));
+  } else {
+    spdlog::info("device {}:{} gives registers {} to {} again{}", plan_.address, plan_.port, of.address,
+                 of.address + of.count - 1, LogLimit::also(*before));
+  }
+}
+
+bool ModbusDevice::poll() {
+  std::array<std::uint8_t, longest_answer> frame{};
+  std::array<std::uint16_t, MODBUS_MAX_READ_REGISTERS> words{};
+  for (std::size_t r = 0; r < requests_.size(); ++r) {
+    const ReadRequest& request = requests_[r];
+    CheckedAnswer answer;
+    const ReadQuestion question{++transaction_, static_cast<std::uint8_t>(plan_.unit), request.table, request.address,
+                                request.count};
+    if (!ask(question, frame, answer)) return false;
+    note_refused(r, answer.exception);
+    if (answer.is == Answer::refused) continue;
+    for (std::size_t i = 0; i < request.count; ++i) words[i] = word_of(frame, i);
     const std::int64_t now_ns = clock_.now_ns();
     for (const std::size_t c : request.channels) {
       const Channel& channel = plan_.channels[c];
@@ -80,6 +134,23 @@ bool ModbusDevice::poll() {
   return true;
 }
 
+/// One line per change and per new reason, of a device that comes and goes a few in a minute.
+void ModbusDevice::note_connected(bool connected) {
+  frame_.connected = connected;
+  frames_.write(frame_);
+  if (said_connected_ == connected && (connected || said_reason_ == reason_)) return;
+  const auto before = changes_.pass(clock_.now_ns());
+  if (!before) return;
+  said_connected_ = connected;
+  said_reason_ = reason_;
+  if (connected) {
+    spdlog::info("device {}:{} answers{}", plan_.address, plan_.port, LogLimit::also(*before));
+  } else {
+    spdlog::warn("device {}:{} does not answer ({}); trying on{}", plan_.address, plan_.port, reason_,
+                 LogLimit::also(*before));
+  }
+}
+
 void ModbusDevice::run(const std::atomic<bool>& stop) {
   const auto period_ns = static_cast<std::int64_t>(1e9 * plan_.poll_s);
   int failures = 0;
@@ -87,20 +158,16 @@ void ModbusDevice::run(const std::atomic<bool>& stop) {
     if (connect()) {
       std::int64_t due_ns = clock_.now_ns();
       while (!stop.load(std::memory_order_relaxed) && poll()) {
-        if (!frame_.connected) spdlog::info("device {}:{} answers", plan_.address, plan_.port);
         failures = 0;
-        frame_.connected = true;
-        frames_.write(frame_);
+        note_connected(true);
         due_ns = std::max(due_ns + period_ns, clock_.now_ns());
         sleep_until(due_ns, stop);
       }
+    } else {
+      reason_ = modbus_strerror(errno);
     }
     if (stop.load(std::memory_order_relaxed)) return;
-    if (failures == 0) {
-      spdlog::warn("device {}:{} does not answer ({}); trying on", plan_.address, plan_.port, modbus_strerror(errno));
-    }
-    frame_.connected = false;
-    frames_.write(frame_);
+    note_connected(false);
     context_.reset();
     sleep_until(clock_.now_ns() + static_cast<std::int64_t>(1e9 * back_off_s(failures++)), stop);
   }

@@ -1,13 +1,19 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "firmware/acquire/modbus_answer.hpp"
 #include "firmware/acquire/read_plan.hpp"
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/snapshot.hpp"
 #include "firmware/watch/clock.hpp"
+#include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -15,8 +21,9 @@ namespace spindle_twin::firmware {
 double back_off_s(int failures);
 
 /// Polls a data-acquisition device as Modbus/TCP client (libmodbus) in the thread that calls run().
-/// A lost connection is made again with back-off; until then the last readings stay and grow old. An answer that the
-/// device refuses (exception) keeps the connection: only its channels grow old.
+/// An answer counts only if transaction, protocol id, unit, function and lengths are those of the question; another one
+/// ends the connection. A lost connection is made again with back-off; until then the last readings stay and grow old.
+/// An answer that the device refuses (exception) keeps the connection: only its channels grow old.
 class ModbusDevice {
  public:
   ModbusDevice(DevicePlan plan, Clock& clock, Latest<DeviceFrame>& frames);
@@ -30,7 +37,10 @@ class ModbusDevice {
  private:
   bool connect();
   Reading& reading_of(const Channel& channel);
+  bool ask(const ReadQuestion& question, std::span<std::uint8_t> frame, CheckedAnswer& answer);
   bool poll();
+  void note_refused(std::size_t request, std::uint8_t exception);
+  void note_connected(bool connected);
   void sleep_until(std::int64_t time_ns, const std::atomic<bool>& stop);
 
   struct Context;
@@ -38,6 +48,12 @@ class ModbusDevice {
   Clock& clock_;
   Latest<DeviceFrame>& frames_;
   std::vector<ReadRequest> requests_;
+  std::vector<std::uint8_t> refused_;  ///< exception that each request got last; 0: none
+  std::uint16_t transaction_ = 0;
+  std::string reason_;                  ///< why the device does not answer
+  std::optional<bool> said_connected_;  ///< as the log has it
+  std::string said_reason_;
+  LogLimit changes_{6, 60.0};
   DeviceFrame frame_;
   std::unique_ptr<Context> context_;
 };

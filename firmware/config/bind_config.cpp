@@ -1,29 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/config/bind_limits.hpp"
 #include "firmware/config/config.hpp"
+#include "firmware/config/find_by_name.hpp"
 #include "rom/boundary_values/held_law.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
-
-template <class Named>
-std::string names_of(const std::vector<Named>& things) {
-  std::string text;
-  for (const Named& thing : things) text += (text.empty() ? "" : ", ") + thing.name;
-  return text;
-}
-
-template <class Named>
-std::size_t find_by_name(const std::vector<Named>& things, const std::string& name, const char* kind,
-                         const rom::SourceLine& where, const std::string& field) {
-  const auto found = std::find_if(things.begin(), things.end(), [&](const Named& thing) { return thing.name == name; });
-  if (found == things.end()) {
-    throw rom::InputError(where, field,
-                          "the network has no " + std::string(kind) + " \"" + name + "\"; it has " + names_of(things));
-  }
-  return static_cast<std::size_t>(found - things.begin());
-}
 
 void check_room(const Config& config, const char* what, std::size_t has, std::size_t room) {
   if (has <= room) return;
@@ -74,8 +58,10 @@ double resolution_K(const RegisterSource& source) {
   return is_float ? of_a_float_K : std::abs(source.scale);
 }
 
-void bind_signal(const ConfiguredSignal& configured, std::size_t signal, DaemonPlan& plan) {
+void bind_signal(const ConfiguredSignal& configured, std::size_t signal, const rom::Network& network,
+                 DaemonPlan& plan) {
   plan.cycle.signals[signal] = configured.plan;
+  limit_signal(configured, signal, network, plan.cycle.signals[signal]);
   if (configured.source) plan.device.channels.push_back({Channel::Kind::signal, signal, *configured.source});
 }
 
@@ -99,7 +85,7 @@ void bind_flows(const Config& config, const rom::Network& network, DaemonPlan& p
     if (circuits.empty()) throw rom::InputError(signal.where, signal.field, "the network has no coolant circuit");
     const std::size_t c = find_by_name(circuits, flow.circuit, "coolant circuit", signal.where, signal.field);
     if (!signal.has_first) signal.plan.value = operating_kg_per_s[static_cast<Eigen::Index>(c)];
-    bind_signal(signal, first_flow_signal + c, plan);
+    bind_signal(signal, first_flow_signal + c, network, plan);
   }
 }
 
@@ -113,7 +99,7 @@ void bind_heats(const Config& config, const rom::Network& network, DaemonPlan& p
     if (measured.empty()) throw rom::InputError(signal.where, signal.field, "the network has no measured heat");
     bind_signal(signal,
                 first_heat_signal + find_by_name(measured, heat.heat, "measured heat", signal.where, signal.field),
-                plan);
+                network, plan);
   }
 }
 
@@ -164,10 +150,11 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
   const auto signal = [&](Signal which) { return config.signals[static_cast<std::size_t>(which)]; };
   check_followed(signal(Signal::current), rom::follows_current(network.boundaries), "copper_loss");
   check_followed(signal(Signal::power), rom::follows_power(network.boundaries), "motor_efficiency");
-  for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, plan);
+  for (std::size_t s = 0; s < first_flow_signal; ++s) bind_signal(config.signals[s], s, network, plan);
   bind_flows(config, network, plan);
   bind_heats(config, network, plan);
   bind_start(config, network, plan.cycle);
+  limit_outputs(config, network, plan.cycle);
   if (!plan.cycle.paper) return plan;
   for (const ConfiguredGroup& configured : config.groups) {
     correction::HeatGroup group{configured.name, {}, {}};

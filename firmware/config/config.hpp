@@ -41,7 +41,10 @@ struct ConfiguredProbe {
 struct ConfiguredSignal {
   rom::SourceLine where;
   std::string field;
-  SignalPlan plan;                       ///< in K, rpm, fraction, A, W, kg/s, W
+  SignalPlan plan;            ///< in K, rpm, fraction, A, W, kg/s, W; the widest limits there are
+  std::optional<double> min;  ///< likewise; empty: as the network suggests
+  std::optional<double> max;
+  std::optional<double> most_per_s;
   std::optional<RegisterSource> source;  ///< of a device signal, to the same
   bool has_first = false;                ///< the configuration says what is used until the first good reading
 };
@@ -62,6 +65,14 @@ struct ConfiguredHeat {
 struct ConfiguredStart {
   std::string node;
   double temperature_K = zero_degC_K;
+  rom::SourceLine where;
+  std::string field;
+};
+
+/// How far a published deformation may be from zero.
+struct ConfiguredLimit {
+  std::string output;  ///< empty: of all that are not named
+  double limit_m = 0.0;
   rom::SourceLine where;
   std::string field;
 };
@@ -89,7 +100,7 @@ struct Config {
   std::string path;
   ConfiguredNetwork network;
   std::string log_level = "info";
-  std::string history_path;  ///< empty: none
+  HistoryPlan history;
   KeepPlan keep;
   ServePlan serve;
   bool has_device = false;
@@ -103,6 +114,7 @@ struct Config {
   std::vector<ConfiguredHeat> heats;
   std::vector<ConfiguredGroup> groups;
   std::vector<ConfiguredStart> start;  ///< of single nodes; the others have their mean
+  std::vector<ConfiguredLimit> output_limits;
 };
 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "firmware/config/config.hpp"
@@ -30,6 +31,17 @@ std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
     table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");
   }
   return address;
+}
+
+/// A file that the daemon writes, relative to the configuration's folder.
+std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path) {
+  std::string path = beside(config_path, table.string(key));
+  std::error_code unknown;
+  const auto status = std::filesystem::status(path, unknown);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    table.fail(key, "\"" + path + "\" exists and is not a regular file");
+  }
+  return path;
 }
 
 RegisterSource read_source(const TomlTable& table) {
@@ -85,6 +97,15 @@ ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, 
     signal.source = to_si(read_source(table), rules.unit);
   }
   const auto si = [&](double value) { return value * rules.unit.factor + rules.unit.shift; };
+  if (from != "constant") {
+    signal.min = table.optional_number("min", rom::between(rules.min, rules.max));
+    signal.max = table.optional_number("max", rom::between(rules.min, rules.max));
+    if (signal.min && signal.max && *signal.max <= *signal.min) table.fail("max", "must be above min");
+    signal.most_per_s = table.optional_number("max_per_s", rom::positive);
+    if (signal.min) signal.min = si(*signal.min);
+    if (signal.max) signal.max = si(*signal.max);
+    if (signal.most_per_s) *signal.most_per_s *= rules.unit.factor;
+  }
   signal.plan.value = si(first);
   signal.plan.min = si(rules.min);
   signal.plan.max = si(rules.max);
@@ -125,11 +146,30 @@ std::vector<ConfiguredStart> read_start(const TomlTable& start) {
   return nodes;
 }
 
+/// `limit_um` as one number or as a table: one key per deformation output.
+std::vector<ConfiguredLimit> read_limits(const TomlTable& output) {
+  constexpr rom::Range limit_um{0.0, 1e4, true, false};
+  std::vector<ConfiguredLimit> limits;
+  const auto add = [&](const TomlTable& table, const std::string& key, const std::string& name) {
+    limits.push_back({name, m_per_um * table.number(key, limit_um), table.where(key), table.path(key)});
+  };
+  if (!output.is_table("limit_um")) {
+    if (output.has("limit_um")) add(output, "limit_um", "");
+    return limits;
+  }
+  const TomlTable table = output.table("limit_um");
+  for (const std::string& name : table.free_keys()) add(table, name, name);
+  return limits;
+}
+
 ServePlan read_serve(const TomlTable& table) {
   ServePlan serve;
   serve.address = read_ipv4(table, serve.address);
   serve.port = static_cast<int>(table.integer_or("port", serve.port, 1, 65535));
   serve.connections = static_cast<int>(table.integer_or("connections", serve.connections, 1, 256));
+  serve.connections_per_host =
+      static_cast<int>(table.integer_or("connections_per_host", serve.connections_per_host, 1, 256));
+  serve.idle_s = table.number_or("idle_s", serve.idle_s, rom::between(1.0, 86400.0));
   serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
   const std::vector<std::string> allow =
       table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
@@ -234,7 +274,9 @@ Config read_root(const TomlTable& root, const std::string& path) {
       cycle->fail("clock_rate", "period_s / clock_rate must be at least 0.001 s, is " + std::to_string(period_s));
     }
   }
-  config.serve = read_serve(root.table("serve"));
+  const TomlTable serve = root.table("serve");
+  config.serve = read_serve(serve);
+  config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
   if (const auto device = root.optional_table("device")) {
     config.has_device = true;
     config.device = read_device(*device, config.cycle.clock_rate);
@@ -274,6 +316,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   if (const auto output = root.optional_table("output")) {
     config.cycle.slew_m_per_s =
         m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);
+    config.output_limits = read_limits(*output);
   }
 
   const auto start = root.optional_table("start");
@@ -288,15 +331,24 @@ Config read_root(const TomlTable& root, const std::string& path) {
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 
   if (const auto history = root.optional_table("history")) {
-    config.history_path = beside(path, history->string("path"));
-    if (const auto parameters = history->optional_string("parameters")) {
-      config.keep.parameters_path = beside(path, *parameters);
-    }
+    constexpr double bytes_per_MiB = 1048576.0;
+    HistoryPlan& plan = config.history;
+    plan.path = read_state_file(*history, "path", path);
+    const double segment_MiB = history->number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
+    const double most_MiB =
+        history->number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
+    plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
+    plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
+    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
   }
+  const auto orders = root.optional_table("orders");
+  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
+  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
   if (const auto checkpoint = root.optional_table("checkpoint")) {
     constexpr double seconds_per_hour = 3600.0;
     KeepPlan& keep = config.keep;
-    keep.checkpoint_path = beside(path, checkpoint->string("path"));
+    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
+    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
     keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
     keep.max_age_s = seconds_per_hour *
                      checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));

@@ -29,33 +29,37 @@ void read_guards(const rom::TomlTable& table, correction::PaperGuards& guards) {
   guards.deadband = table.boolean_or("deadband", guards.deadband);
 }
 
+/// A standard deviation or the like: none at all, or one that a covariance can hold.
+double zero_or_some(const rom::TomlTable& table, const char* key, double otherwise, double most) {
+  constexpr double least = 1e-9;
+  const double value = table.number_or(key, otherwise, rom::between(0.0, most));
+  if (value > 0.0 && value < least) table.fail(key, "must be 0 or at least 1e-9");
+  return value;
+}
+
 correction::EstimatorPriors read_priors(const rom::TomlTable& table) {
-  constexpr rom::Range ln_deviation = rom::between(0.0, 2.0);
+  constexpr double ln_deviation = 2.0;
   correction::EstimatorPriors priors;
-  priors.heat = table.number_or("heat", priors.heat, ln_deviation);
-  priors.heat_common = table.number_or("heat_common", priors.heat_common, ln_deviation);
-  priors.contact = table.number_or("contact", priors.contact, ln_deviation);
-  priors.film = table.number_or("film", priors.film, ln_deviation);
-  priors.environment_K = table.number_or("environment_K", priors.environment_K, rom::between(0.0, 10.0));
-  priors.environment_memory_s =
-      table.number_or("environment_memory_s", priors.environment_memory_s, rom::between(0.0, 1e9));
-  priors.bearing_mean_per_K = table.number_or("bearing_mean_per_K", priors.bearing_mean_per_K, rom::between(0.0, 0.1));
-  priors.bearing_per_K = table.number_or("bearing_per_K", priors.bearing_per_K, rom::between(0.0, 0.1));
-  priors.speed_exponent = table.number_or("speed_exponent", priors.speed_exponent, rom::between(0.0, 1.0));
-  priors.start_K = table.number_or("start_K", priors.start_K, rom::between(0.0, 100.0));
-  priors.start_shape_K = table.number_or("start_shape_K", priors.start_shape_K, rom::between(0.0, 100.0));
-  priors.disturbance = table.number_or("disturbance", priors.disturbance, rom::between(0.0, 1.0));
-  priors.disturbance_by_hand =
-      table.number_or("disturbance_by_hand", priors.disturbance_by_hand, rom::between(0.0, 1.0));
+  priors.heat = zero_or_some(table, "heat", priors.heat, ln_deviation);
+  priors.heat_common = zero_or_some(table, "heat_common", priors.heat_common, ln_deviation);
+  priors.contact = zero_or_some(table, "contact", priors.contact, ln_deviation);
+  priors.film = zero_or_some(table, "film", priors.film, ln_deviation);
+  priors.environment_K = zero_or_some(table, "environment_K", priors.environment_K, 10.0);
+  priors.environment_memory_s = zero_or_some(table, "environment_memory_s", priors.environment_memory_s, 1e9);
+  priors.bearing_mean_per_K = zero_or_some(table, "bearing_mean_per_K", priors.bearing_mean_per_K, 0.1);
+  priors.bearing_per_K = zero_or_some(table, "bearing_per_K", priors.bearing_per_K, 0.1);
+  priors.speed_exponent = zero_or_some(table, "speed_exponent", priors.speed_exponent, 1.0);
+  priors.start_K = zero_or_some(table, "start_K", priors.start_K, 100.0);
+  priors.start_shape_K = zero_or_some(table, "start_shape_K", priors.start_shape_K, 100.0);
+  priors.disturbance = zero_or_some(table, "disturbance", priors.disturbance, 1.0);
+  priors.disturbance_by_hand = zero_or_some(table, "disturbance_by_hand", priors.disturbance_by_hand, 1.0);
   priors.disturbance_memory_s =
       table.number_or("disturbance_memory_s", priors.disturbance_memory_s, rom::between(60.0, 1e9));
-  priors.capacity = table.number_or("capacity", priors.capacity, rom::between(0.0, 1.0));
-  priors.heat_walk_per_root_min =
-      table.number_or("heat_walk_per_root_min", priors.heat_walk_per_root_min, rom::between(0.0, 1.0));
+  priors.capacity = zero_or_some(table, "capacity", priors.capacity, 1.0);
+  priors.heat_walk_per_root_min = zero_or_some(table, "heat_walk_per_root_min", priors.heat_walk_per_root_min, 1.0);
   priors.contact_walk_per_root_min =
-      table.number_or("contact_walk_per_root_min", priors.contact_walk_per_root_min, rom::between(0.0, 1.0));
-  priors.film_walk_per_root_min =
-      table.number_or("film_walk_per_root_min", priors.film_walk_per_root_min, rom::between(0.0, 1.0));
+      zero_or_some(table, "contact_walk_per_root_min", priors.contact_walk_per_root_min, 1.0);
+  priors.film_walk_per_root_min = zero_or_some(table, "film_walk_per_root_min", priors.film_walk_per_root_min, 1.0);
   priors.centred = table.boolean_or("centred", priors.centred);
   return priors;
 }
@@ -68,13 +72,13 @@ void read_estimator(const rom::TomlTable& table, Config& config) {
   options.noise_K = table.number_or("noise_K", options.noise_K, noise_range_K);
   options.offset_K = table.number_or("offset_K", options.offset_K, offset_range_K);
   options.lag_s = table.number_or("lag_s", options.lag_s, lag_range_s);
-  options.lag_deviation_s = table.number_or("lag_deviation_s", options.lag_deviation_s, rom::between(0.0, 120.0));
-  options.floor_K = table.number_or("floor_K", options.floor_K, rom::between(0.0, 10.0));
-  options.floor_by_hand_K = table.number_or("floor_by_hand_K", options.floor_by_hand_K, rom::between(0.0, 10.0));
-  options.floor_largest_K = table.number_or("floor_largest_K", options.floor_largest_K, rom::between(0.0, 100.0));
-  options.correlation_s = table.number_or("correlation_s", options.correlation_s, rom::between(0.0, 3600.0));
+  options.lag_deviation_s = zero_or_some(table, "lag_deviation_s", options.lag_deviation_s, 120.0);
+  options.floor_K = zero_or_some(table, "floor_K", options.floor_K, 10.0);
+  options.floor_by_hand_K = zero_or_some(table, "floor_by_hand_K", options.floor_by_hand_K, 10.0);
+  options.floor_largest_K = zero_or_some(table, "floor_largest_K", options.floor_largest_K, 100.0);
+  options.correlation_s = zero_or_some(table, "correlation_s", options.correlation_s, 3600.0);
   options.offset_walk_K_per_root_hour =
-      table.number_or("offset_walk_K_per_root_hour", options.offset_walk_K_per_root_hour, rom::between(0.0, 1.0));
+      zero_or_some(table, "offset_walk_K_per_root_hour", options.offset_walk_K_per_root_hour, 1.0);
   options.gate = table.number_or("gate", options.gate, rom::between(1.0, 1000.0));
   if (const auto priors = table.optional_table("prior")) options.priors = read_priors(*priors);
 }

@@ -135,13 +135,14 @@ const rom::OperatingState& with_biases(const rom::OperatingState& operating, Cor
   return corrector.operating;
 }
 
-void take_displacement(int index, double value_m, double deviation_m, Corrector& corrector) {
-  if (!corrector.estimator || !corrector.enabled) return;
+bool take_displacement(int index, double value_m, double deviation_m, Corrector& corrector) {
+  if (!corrector.estimator || !corrector.enabled) return false;
   const bool exists = index >= 0 && index < corrector.estimator->deviations().deformations_m.size();
-  if (!exists || !std::isfinite(value_m) || !(deviation_m > 0.0)) return;
+  if (!exists || !std::isfinite(value_m) || !(deviation_m > 0.0)) return false;
   corrector.estimator->note_displacement(index, value_m, deviation_m);
   ++corrector.displacements;
   corrector.displacement_due = corrector.estimator->updates() + 1;
+  return true;
 }
 
 void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_m, Corrector& corrector) {

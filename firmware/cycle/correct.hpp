@@ -55,9 +55,9 @@ CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, 
 const rom::OperatingState& with_biases(const rom::OperatingState& operating, Corrector& corrector);
 
 /// A measured length for the next update, in deformation output `index` from the reference temperature on. Left
-/// out while no estimator corrects, and where the output does not exist or the deviation is not above 0. Runs in the
-/// cycle.
-void take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
+/// out while no estimator corrects, and where the output does not exist or the deviation is not above 0: then false.
+/// Runs in the cycle.
+bool take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
 
 /// The same for each probe whose interval has passed and whose reading is new, in range and fresh; one per update.
 void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_m, Corrector& corrector);

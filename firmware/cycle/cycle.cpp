@@ -10,7 +10,8 @@ namespace spindle_twin::firmware {
 const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
                             std::int64_t missed) {
   const double advance_s = plan_.period_s * static_cast<double>(1 + missed);
-  if (snapshot_.sequence == 0) first_ns_ = now_ns;
+  if (!has_stepped_) first_ns_ = now_ns;
+  has_stepped_ = true;
   snapshot_.clock_ns = now_ns - first_ns_;
 
   sense(plan_, frame, command, now_ns, sensed_);
@@ -38,7 +39,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
       guard_prediction();
       publish_uncorrected(uncorrected_, snapshot_);
     }
-    publish_corrected(model_, plan_.slew_m_per_s * advance_s, snapshot_);
+    publish_corrected(model_, plan_.slew_m_per_s * advance_s, plan_.output_limit_m, snapshot_);
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
     publish_health(watch_, corrector_, snapshot_);
@@ -53,7 +54,8 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
 void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePorts& ports,
                const std::atomic<bool>& stop) {
   DeviceFrame frame;
-  PlcCommand command;
+  PlcSignals told;
+  PlcCommand command = ports.orders != nullptr ? ports.orders->first_command() : PlcCommand{};
   Deadline deadline(clock.now_ns(), static_cast<std::int64_t>(1e9 * plan.period_s / plan.clock_rate));
   while (!stop.load(std::memory_order_relaxed)) {
     constexpr std::int64_t longest_sleep_ns = 100'000'000;  // so that a long period does not delay the stop
@@ -63,10 +65,16 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     if (now_ns < deadline.due_ns()) continue;
 
     ports.device.read(frame);
-    ports.plc.read(command);
+    ports.plc.read(told);
+    command.signals = told.values;
+    command.alive_ns = told.alive_ns;
+    if (ports.orders != nullptr) ports.orders->hand_out(command);
+    if (ports.troubles != nullptr) cycle.note_troubles(*ports.troubles);
     Snapshot snapshot = cycle.step(frame, command, now_ns, deadline.take(now_ns));
+    if (ports.orders != nullptr) ports.orders->settle(cycle.order_results(), cycle.standing_orders(), snapshot);
     snapshot.time_ns = clock.now_ns();
     ports.server.write(snapshot);
+    if (ports.events != nullptr) ports.events->write(snapshot);
     if (ports.remembered != nullptr && ports.remembered->asked()) {
       cycle.remember(ports.remembered->value);
       ports.remembered->fill();

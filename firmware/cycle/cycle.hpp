@@ -5,15 +5,18 @@
 
 #include "firmware/cycle/correct.hpp"
 #include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/publish.hpp"
 #include "firmware/cycle/remember.hpp"
+#include "firmware/cycle/troubles.hpp"
 #include "firmware/cycle/watch_sensors.hpp"
 #include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
 
 /// What was of use in what a cycle was to remember.
-enum class Resumed { nothing, temperatures, temperatures_and_estimator };
+/// `implausible`: nothing, because temperatures or tares are beyond what a spindle can have.
+enum class Resumed { nothing, implausible, temperatures, temperatures_and_estimator };
 
 /// The twin's own work, once per period: sense, judge, correct, integrate, predict, publish.
 /// The prediction that a cycle publishes is for the end of the period that begins with it.
@@ -25,6 +28,18 @@ class Cycle {
   /// One cycle at now_ns after `missed` periods without one; these are integrated together with this one.
   /// No allocation after the first ones, no lock, no blocking call.
   const Snapshot& step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns, std::int64_t missed);
+
+  /// What the last step made of its command's orders.
+  const OrderResults& order_results() const { return results_; }
+
+  /// What holds now of all orders, but for the revision. May run in the cycle.
+  StandingOrders standing_orders() const;
+
+  /// Before the first step and after resume(): orders of a run before.
+  void stand_by_orders(const StandingOrders& orders);
+
+  /// What the other threads cannot do, for the next steps. May run in the cycle.
+  void note_troubles(const Troubles& troubles);
 
   /// What the estimator that corrects estimates; null without one.
   const correction::ParameterModel* parameters() const;
@@ -45,6 +60,8 @@ class Cycle {
   void start();
   Eigen::VectorXd stand_still(double gap_s);
   void take_orders(const PlcCommand& command);
+  OrderResult take_length(const PlcCommand& command);
+  OrderResult take_tare(const PlcCommand& command);
   void note(Integrated integrated);
   /// A prediction beyond all plausibility (plausible.hpp) is given up for that of the uncorrected model, and the
   /// estimate begins anew from there.
@@ -65,6 +82,12 @@ class Cycle {
   std::int64_t first_ns_ = 0;
   std::uint32_t tare_orders_ = 0;
   std::uint32_t displacements_ = 0;
+  std::uint32_t acknowledgements_ = 0;       ///< of the command
+  std::uint32_t acknowledgements_kept_ = 0;  ///< of runs before and of this one
+  CorrectionOrder correction_order_ = CorrectionOrder::as_configured;
+  OrderResults results_{};
+  std::uint16_t outside_faults_ = 0;
+  bool has_stepped_ = false;
   bool started_ = false;
   double waited_s_ = 0.0;
   double implausible_until_s_ = 0.0;  ///< model time
@@ -76,11 +99,14 @@ using SnapshotRing = Ring<Snapshot, history_room>;
 /// Where the cycle thread takes its inputs from and leaves its results; no end of them can make it wait.
 struct CyclePorts {
   Latest<DeviceFrame>& device;
-  Latest<PlcCommand>& plc;
+  Latest<PlcSignals>& plc;
   Latest<Snapshot>& server;
   SnapshotRing* history = nullptr;              ///< null: no history is kept
   std::atomic<std::uint64_t>* lost = nullptr;   ///< snapshots that the history had no room for
   OnRequest<Remembered>* remembered = nullptr;  ///< null: nobody asks. Sized already by Cycle::remember()
+  OrderDesk* orders = nullptr;                  ///< null: nobody gives orders
+  Latest<Snapshot>* events = nullptr;           ///< null: nobody says what happens
+  Troubles* troubles = nullptr;                 ///< null: the others have none
 };
 
 /// Runs the cycle at absolute deadlines until `stop` is set.

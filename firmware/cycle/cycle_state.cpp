@@ -56,30 +56,88 @@ void Cycle::take_orders(const PlcCommand& command) {
   const bool on = command.correction == CorrectionOrder::as_configured ? plan_.correction_enabled
                                                                        : command.correction == CorrectionOrder::on;
   corrector_.enabled = corrector_.corrects && on;
-  // Before the start there is no elongation yet: the orders wait.
-  if (started_ && command.displacements != displacements_) {
-    const Displacement& length = command.displacement;
-    const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
-    take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.sd_m, corrector_);
-    displacements_ = command.displacements;
-    snapshot_.displacement = length;
-    ++snapshot_.displacement_orders;
+  correction_order_ = command.correction;
+  results_.fill(OrderResult::none);
+  const auto result_of = [&](OrderKind kind) -> OrderResult& { return results_[static_cast<std::size_t>(kind)]; };
+  const bool in_vain = command.correction == CorrectionOrder::on && !corrector_.corrects;
+  result_of(OrderKind::correction) = in_vain ? OrderResult::refused : OrderResult::done;
+  if (command.displacements != displacements_) result_of(OrderKind::length) = take_length(command);
+  if (command.sensor_orders != watch_.orders) {
+    result_of(OrderKind::sensors) = OrderResult::waiting;
+    if (started_) {
+      const bool taken = take_sensor_order(command.sensor_order, plan_, judgement_, watch_, corrector_);
+      result_of(OrderKind::sensors) = taken ? OrderResult::done : OrderResult::refused;
+      watch_.orders = command.sensor_orders;
+      snapshot_.sensor_order = command.sensor_order;
+      ++snapshot_.sensor_orders;
+    }
   }
-  if (started_ && command.sensor_orders != watch_.orders) {
-    take_sensor_order(command.sensor_order, plan_, judgement_, watch_, corrector_);
-    watch_.orders = command.sensor_orders;
-    snapshot_.sensor_order = command.sensor_order;
-    ++snapshot_.sensor_orders;
+  if (command.tare_orders != tare_orders_) result_of(OrderKind::tare) = take_tare(command);
+  if (command.acknowledgements != acknowledgements_) {
+    acknowledgements_ = command.acknowledgements;
+    ++acknowledgements_kept_;
+    snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::orders_lost));
+    result_of(OrderKind::acknowledge) = OrderResult::done;
   }
-  if (command.tare_orders == tare_orders_) return;
-  if (command.tare_order == TareOrder::take && !started_) return;
-  if (command.tare_order == TareOrder::take) {
-    tare(snapshot_);
-  } else {
-    snapshot_.tare_m = 0.0;
-  }
+}
+
+// Before the start there is no elongation yet: lengths and tares wait.
+
+OrderResult Cycle::take_length(const PlcCommand& command) {
+  if (!started_) return OrderResult::waiting;
+  const Displacement& length = command.displacement;
+  const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
+  const bool taken =
+      take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.sd_m, corrector_);
+  displacements_ = command.displacements;
+  snapshot_.displacement = length;
+  ++snapshot_.displacement_orders;
+  return taken ? OrderResult::done : OrderResult::refused;
+}
+
+OrderResult Cycle::take_tare(const PlcCommand& command) {
+  const bool clears = command.tare_order == TareOrder::clear;
+  if (!clears && !started_) return OrderResult::waiting;
+  if (clears) snapshot_.tare_m = 0.0;
+  const bool taken = clears || tare(plan_.output_limit_m[0], snapshot_);
   ++snapshot_.tare_count;
   tare_orders_ = command.tare_orders;
+  return taken ? OrderResult::done : OrderResult::refused;
+}
+
+StandingOrders Cycle::standing_orders() const {
+  StandingOrders orders;
+  orders.correction = correction_order_;
+  orders.tare_m = snapshot_.tare_m;
+  orders.sensor_tares = watch_.tare.count;
+  std::copy(watch_.tare.offset_K.begin(), watch_.tare.offset_K.end(), orders.sensor_tare_K.begin());
+  std::copy(watch_.tare.deviation_K.begin(), watch_.tare.deviation_K.end(), orders.sensor_tare_deviation_K.begin());
+  orders.acknowledgements = acknowledgements_kept_;
+  orders.lost = (snapshot_.fault & bits(Fault::orders_lost)) != 0;
+  return orders;
+}
+
+void Cycle::stand_by_orders(const StandingOrders& orders) {
+  correction_order_ = orders.correction;
+  acknowledgements_kept_ = orders.acknowledgements;
+  if (orders.lost) snapshot_.fault |= bits(Fault::orders_lost);
+  correction::SensorTare tare = watch_.tare;
+  tare.count = orders.sensor_tares;
+  std::copy_n(orders.sensor_tare_K.begin(), tare.offset_K.size(), tare.offset_K.begin());
+  std::copy_n(orders.sensor_tare_deviation_K.begin(), tare.deviation_K.size(), tare.deviation_K.begin());
+  if (started_) {
+    set_tare(tare, plan_, watch_, corrector_);
+  } else {
+    watch_.tare = tare;  // the estimator has no offsets yet
+  }
+  snapshot_.tare_m = orders.tare_m;
+  if (started_) publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
+}
+
+void Cycle::note_troubles(const Troubles& troubles) {
+  outside_faults_ = troubles.faults();
+  snapshot_.history_rows_lost = troubles.history_rows_lost.load(std::memory_order_relaxed);
+  snapshot_.log_lines_dropped = troubles.log_lines_dropped.load(std::memory_order_relaxed);
 }
 
 void Cycle::guard_prediction() {
@@ -108,7 +166,10 @@ void Cycle::note(Integrated integrated) {
 void Cycle::label(std::int64_t missed) {
   ++snapshot_.sequence;
   snapshot_.overruns += static_cast<std::uint32_t>(missed);
-  snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::start_timed_out));
+  constexpr auto of_others = static_cast<std::uint16_t>(bits(Fault::orders_not_kept) | bits(Fault::history_lost) |
+                                                        bits(Fault::checkpoint_lost));
+  snapshot_.fault &= static_cast<std::uint16_t>(~(bits(Fault::start_timed_out) | of_others));
+  snapshot_.fault |= static_cast<std::uint16_t>(outside_faults_ & of_others);
   if (!started_ && waited_s_ >= plan_.start_wait_s) snapshot_.fault |= bits(Fault::start_timed_out);
 
   if (missed > 0) snapshot_.quality |= bits(Quality::overrun);
@@ -130,7 +191,10 @@ void Cycle::label(std::int64_t missed) {
   } else if (!started_) {
     snapshot_.state = State::starting;
   } else {
-    const bool troubled = (snapshot_.quality & static_cast<std::uint16_t>(~harmless)) != 0 || snapshot_.fault != 0;
+    // Without a row or a checkpoint the prediction is as good as before.
+    constexpr auto aside = static_cast<std::uint16_t>(bits(Fault::history_lost) | bits(Fault::checkpoint_lost));
+    const bool troubled = (snapshot_.quality & static_cast<std::uint16_t>(~harmless)) != 0 ||
+                          (snapshot_.fault & static_cast<std::uint16_t>(~aside)) != 0;
     snapshot_.state = troubled ? State::degraded : State::running;
   }
 }

@@ -52,6 +52,9 @@ class Ring {
     return true;
   }
 
+  /// What is in it at least (writing thread) or at most (reading thread).
+  std::size_t size() const { return end_.load(std::memory_order_acquire) - begin_.load(std::memory_order_acquire); }
+
   bool pop(T& value) {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire)) return false;

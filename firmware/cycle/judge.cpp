@@ -29,9 +29,31 @@ std::uint16_t quality_of(SensorQuality sensor) {
   }
 }
 
-bool believed(const SignalPlan& plan, const Sensed& sensed) {
-  return std::isfinite(sensed.value) && sensed.value >= plan.min && sensed.value <= plan.max &&
-         (plan.stale_after_s == 0.0 || sensed.age_s <= plan.stale_after_s);
+bool is_fresh(const SignalPlan& plan, const SensedInputs& sensed, const Sensed& signal) {
+  if (plan.source == SignalSource::plc && sensed.plc_silent) return false;
+  return std::isfinite(signal.value) && (plan.stale_after_s == 0.0 || signal.age_s <= plan.stale_after_s);
+}
+
+bool is_plausible(const SignalPlan& plan, const Sensed& signal, double last, std::int64_t last_ns, double clock_rate) {
+  if (signal.value < plan.min || signal.value > plan.max) return false;
+  if (last_ns == 0 || std::isnan(last)) return true;
+  const double since_s = 1e-9 * static_cast<double>(signal.time_ns - last_ns) * clock_rate;
+  return !(std::abs(signal.value - last) > plan.most_per_s * since_s) || signal.value == last;
+}
+
+void judge_signal(const CyclePlan& plan, const SensedInputs& sensed, std::size_t s, Judgement& judgement) {
+  const SignalPlan& of = plan.signals[s];
+  const Sensed& signal = sensed.signals[s];
+  const bool fresh = is_fresh(of, sensed, signal);
+  if (fresh && is_plausible(of, signal, judgement.signals[s], judgement.believed_ns[s], plan.clock_rate)) {
+    judgement.signals[s] = signal.value;
+    judgement.believed_ns[s] = signal.time_ns;
+    return;
+  }
+  const auto bit = static_cast<std::uint16_t>(1U << s);
+  judgement.quality |= bits(Quality::signal_held);
+  judgement.signals_held |= bit;
+  if (fresh) judgement.signals_implausible |= bit;
 }
 
 std::optional<double> if_known(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
@@ -46,7 +68,7 @@ Judgement first_judgement(const CyclePlan& plan) {
 }
 
 void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgement) {
-  judgement.quality = 0;
+  judgement.quality = judgement.signals_held = judgement.signals_implausible = 0;
   judgement.configured = 0;
   judgement.good = 0;
   judgement.data_age_s = not_a_value;
@@ -63,11 +85,7 @@ void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgeme
   for (std::size_t s = 0; s < signal_count; ++s) {
     if (plan.signals[s].source == SignalSource::none) continue;
     uses_device = uses_device || plan.signals[s].source == SignalSource::device;
-    if (believed(plan.signals[s], sensed.signals[s])) {
-      judgement.signals[s] = sensed.signals[s].value;
-    } else {
-      judgement.quality |= bits(Quality::signal_held);
-    }
+    judge_signal(plan, sensed, s, judgement);
   }
   if ((uses_device || judgement.configured > 0) && !sensed.device_connected) {
     judgement.quality |= bits(Quality::device_offline);

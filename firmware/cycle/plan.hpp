@@ -43,6 +43,7 @@ struct SignalPlan {
   double min = std::numeric_limits<double>::lowest();  ///< believed range
   double max = std::numeric_limits<double>::max();
   double stale_after_s = 0.0;  ///< model time; 0: never, for a PLC that writes on change only
+  double most_per_s = std::numeric_limits<double>::infinity();  ///< a change is believed once it could be so fast
 };
 
 /// What a cycle needs besides the network; made once from the configuration.
@@ -62,7 +63,14 @@ struct CyclePlan {
       correction::HealthLimits{};  ///< empty: sensors are only judged by range and age
   double return_within_K = 0.5;    ///< of its old course, for a failed sensor to return where no estimator corrects
   correction::TareLimits tare;
-  bool tare_to_ambient = false;               ///< else to the common mean of the sensors
+  bool tare_to_ambient = false;  ///< else to the common mean of the sensors
+  double plc_timeout_s = 0.0;    ///< clock time; a PLC that is silent for longer tells nothing any more. 0: for ever
+  /// Published deformations stay within plus and minus this, by deformation output.
+  std::array<double, slots::deformations> output_limit_m = [] {
+    std::array<double, slots::deformations> limits{};
+    limits.fill(std::numeric_limits<double>::infinity());
+    return limits;
+  }();
   double slew_m_per_s = 5e-7;                 ///< published deformations follow the prediction no faster, model time
   std::optional<double> start_temperature_K;  ///< empty: mean of the first good readings
   Eigen::VectorXd start_nodes_K;              ///< one per node, in place of start_temperature_K; or empty

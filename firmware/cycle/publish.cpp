@@ -52,6 +52,8 @@ void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snap
   snapshot.data_age_s = judgement.data_age_s;
   snapshot.sensor_quality = judgement.sensors;
   snapshot.signals = judgement.signals;
+  snapshot.signals_held = judgement.signals_held;
+  snapshot.signals_implausible = judgement.signals_implausible;
   for (std::size_t k = 0; k < snapshot.key_points; ++k) {
     const bool configured = judgement.sensors[k] != SensorQuality::not_configured;
     snapshot.measured_K[k] = configured ? sensed.sensors[k].value : not_a_value;
@@ -64,23 +66,32 @@ void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snap
   }
 }
 
-void publish_corrected(const Model& model, double most_m, Snapshot& snapshot) {
+void publish_corrected(const Model& model, double most_m, const std::array<double, slots::deformations>& limit_m,
+                       Snapshot& snapshot) {
   copy(model.outputs.key_points_K, snapshot.predicted_K);
   copy(model.outputs.part_maximum_K, snapshot.part_maximum_K);
   copy(model.outputs.deformations_m, snapshot.deformation_raw_m);
+  snapshot.outputs_clamped = 0;
+  const auto within = [&](double value_m, std::size_t i) {
+    if (std::abs(value_m) > limit_m[i]) snapshot.outputs_clamped |= static_cast<std::uint16_t>(1U << i);
+    return std::clamp(value_m, -limit_m[i], limit_m[i]);
+  };
   for (std::size_t i = 0; i < snapshot.deformations; ++i) {
     double& published_m = snapshot.deformation_m[i];
-    const double raw_m = snapshot.deformation_raw_m[i];
-    published_m = std::isnan(published_m) ? raw_m : std::clamp(raw_m, published_m - most_m, published_m + most_m);
-    if (published_m != raw_m) snapshot.quality |= bits(Quality::slewing);
+    const double wanted_m = within(snapshot.deformation_raw_m[i], i);
+    published_m = std::isnan(published_m) ? wanted_m : std::clamp(wanted_m, published_m - most_m, published_m + most_m);
+    if (published_m != wanted_m) snapshot.quality |= bits(Quality::slewing);
   }
-  snapshot.nose_m = snapshot.deformation_m[0] - snapshot.tare_m;
+  snapshot.nose_m = within(snapshot.deformation_m[0] - snapshot.tare_m, 0);
+  snapshot.fault &= static_cast<std::uint16_t>(~bits(Fault::output_clamped));
+  if (snapshot.outputs_clamped != 0) snapshot.fault |= bits(Fault::output_clamped);
 }
 
-void tare(Snapshot& snapshot) {
-  if (snapshot.deformations == 0) return;
-  snapshot.deformation_m[0] = snapshot.deformation_raw_m[0];
-  snapshot.tare_m = snapshot.deformation_raw_m[0];
+bool tare(double limit_m, Snapshot& snapshot) {
+  if (snapshot.deformations == 0) return false;
+  snapshot.tare_m = std::clamp(snapshot.deformation_raw_m[0], -limit_m, limit_m);
+  snapshot.deformation_m[0] = snapshot.tare_m;
+  return true;
 }
 
 void publish_uncorrected(const Model& model, Snapshot& snapshot) {

@@ -5,15 +5,18 @@
 namespace spindle_twin::firmware {
 
 /// Copies a network's predictions into the snapshot; the nose minus snapshot.tare_m. A published deformation moves
-/// towards the prediction by most_m at most, so that a correction is no step for the machine. Run in the cycle.
-void publish_corrected(const Model& model, double most_m, Snapshot& snapshot);
+/// towards the prediction by most_m at most, so that a correction is no step for the machine, and stays within plus and
+/// minus its limit_m, the nose also minus the tare. Run in the cycle.
+void publish_corrected(const Model& model, double most_m, const std::array<double, slots::deformations>& limit_m,
+                       Snapshot& snapshot);
 void publish_uncorrected(const Model& model, Snapshot& snapshot);
 
 /// Readings, quality and signals of this cycle.
 void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snapshot& snapshot);
 
-/// Takes the present prediction of the nose as its zero: what is published is zero at once, whatever the slew limit.
-void tare(Snapshot& snapshot);
+/// Takes the present prediction of the nose, within plus and minus limit_m, as its zero: what is published is zero at
+/// once, whatever the slew limit. False where there is no nose. Runs in the cycle.
+bool tare(double limit_m, Snapshot& snapshot);
 
 /// Factors in use and what the law says.
 void publish_correction(const Corrector& corrector, const rom::CorrectionFactors& factors, Snapshot& snapshot);

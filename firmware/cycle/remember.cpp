@@ -24,6 +24,23 @@ std::string layout_of(const correction::EstimatorCorrection& estimator) {
   return layout;
 }
 
+// A spindle, what a reading may be taken as, and a growth, however warm it is.
+constexpr double coldest_K = 173.15;
+constexpr double hottest_K = 673.15;
+constexpr double most_tare_m = 0.01;
+constexpr double most_sensor_tare_K = 50.0;
+
+bool is_within(const std::vector<double>& numbers, double least, double most) {
+  return std::all_of(numbers.begin(), numbers.end(), [&](double number) { return number >= least && number <= most; });
+}
+
+/// Whatever its hash: a file that another program wrote, or that this one wrote when it was wrong.
+bool is_plausible(const Remembered& from) {
+  return is_within(from.nodes_K, coldest_K, hottest_K) && is_within(from.uncorrected_K, coldest_K, hottest_K) &&
+         std::abs(from.tare_m) <= most_tare_m && from.model_time_s >= 0.0 && std::isfinite(from.model_time_s) &&
+         is_within(from.sensor_tare.offset_K, -most_sensor_tare_K, most_sensor_tare_K);
+}
+
 bool fits(const std::vector<double>& numbers, Eigen::Index size) {
   return static_cast<Eigen::Index>(numbers.size()) == size &&
          std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
@@ -59,6 +76,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
       !(gap_s >= 0.0)) {
     return Resumed::nothing;
   }
+  if (!is_plausible(from)) return Resumed::implausible;
   model_.stepper->set_temperatures(Eigen::Map<const Eigen::VectorXd>(from.nodes_K.data(), nodes));
   uncorrected_.stepper->set_temperatures(Eigen::Map<const Eigen::VectorXd>(from.uncorrected_K.data(), nodes));
   Judgement held = judgement_;
@@ -86,7 +104,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
 
   snapshot_.tare_m = from.tare_m;
   predict(network_, model_);
-  publish_corrected(model_, 0.0, snapshot_);
+  publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
   started_ = true;
   return known ? Resumed::temperatures_and_estimator : Resumed::temperatures;
 }

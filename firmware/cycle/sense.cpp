@@ -41,6 +41,8 @@ void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& co
     }
   }
   sensed.device_connected = frame.connected;
+  const double silence_s = 1e-9 * static_cast<double>(now_ns - command.alive_ns);
+  sensed.plc_silent = plan.plc_timeout_s > 0.0 && command.alive_ns != 0 && silence_s > plan.plc_timeout_s;
 }
 
 }  // namespace spindle_twin::firmware

@@ -17,6 +17,7 @@ struct SensedInputs {
   std::array<Sensed, signal_count> signals;
   std::array<Sensed, slots::deformations> displacements;
   bool device_connected = false;
+  bool plc_silent = false;  ///< for longer than the plan allows
 };
 
 /// Picks each value from where the plan says and works out its age, clock_rate · (now − time of reading).

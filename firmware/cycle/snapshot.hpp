@@ -65,17 +65,34 @@ enum class TareOrder : std::uint8_t { take, clear };
 enum class SensorOrder : std::uint8_t { tare, clear_tare, acknowledge };
 enum class CorrectionOrder : std::uint8_t { as_configured, off, on };
 
-/// What the PLC last wrote.
+/// What the PLC last told of the machine.
+struct PlcSignals {
+  std::array<Reading, signal_count> values;
+  std::int64_t alive_ns = 0;  ///< monotonic, of the last request of the client that tells them; 0: never heard
+};
+
+/// What the PLC wants of one cycle; of each kind of order one at most (OrderDesk hands them out).
 struct PlcCommand {
   std::array<Reading, signal_count> signals;
+  std::int64_t alive_ns = 0;  ///< as in PlcSignals
   CorrectionOrder correction = CorrectionOrder::as_configured;
   TareOrder tare_order = TareOrder::take;
   std::uint32_t tare_orders = 0;  ///< counts up with each order
   SensorOrder sensor_order = SensorOrder::tare;
   std::uint32_t sensor_orders = 0;  ///< counts up with each order
   Displacement displacement;
-  std::uint32_t displacements = 0;  ///< counts up with each measurement
+  std::uint32_t displacements = 0;     ///< counts up with each measurement
+  std::uint32_t acknowledgements = 0;  ///< counts up with each order to take back latched faults
 };
+
+/// What became of one order.
+struct OrderRecord {
+  std::uint32_t number = 0;  ///< counts the orders since the start; 0: there is none
+  std::uint16_t id = 0;      ///< what the PLC called it
+  OrderKind kind = OrderKind::none;
+  OrderResult result = OrderResult::none;
+};
+inline constexpr std::size_t order_records = 8;
 
 /// What the estimator's last update made of one channel; in K, or in m for a displacement.
 struct ChannelUpdate {
@@ -101,9 +118,9 @@ struct SensorHealthState {
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
 /// Entries beyond the counts, and values that do not exist, are NaN. Room as in states.toml.
 struct Snapshot {
-  std::int64_t time_ns = 0;   ///< monotonic, end of the cycle
-  std::int64_t clock_ns = 0;  ///< monotonic, when this cycle began, from the first one on
-  std::uint32_t sequence = 0;
+  std::int64_t time_ns = 0;    ///< monotonic, end of the cycle
+  std::int64_t clock_ns = 0;   ///< monotonic, when this cycle began, from the first one on
+  std::uint64_t sequence = 0;  ///< number of the cycle
   State state = State::starting;
   std::uint16_t quality = 0;  ///< bits of Quality
   std::uint16_t fault = 0;    ///< bits of Fault
@@ -123,6 +140,14 @@ struct Snapshot {
   std::size_t deformations = 0;
   std::size_t circuits = 0;
   std::size_t heats = 0;  ///< measured ones
+
+  std::uint32_t orders = 0;                            ///< taken up since the start
+  std::array<OrderRecord, order_records> last_orders;  ///< newest first
+  std::uint16_t signals_held = 0;                      ///< bit s: signal s is not believed, what it was is in use
+  std::uint16_t signals_implausible = 0;               ///< of these, those outside their limits or too fast
+  std::uint16_t outputs_clamped = 0;                   ///< bit d: deformation output d is held at its limit
+  std::uint64_t history_rows_lost = 0;
+  std::uint64_t log_lines_dropped = 0;
 
   std::array<double, signal_count> signals = not_values;  ///< in use; NaN: not told
   std::array<double, slots::key_points> measured_K = not_values;

@@ -79,6 +79,22 @@ void leave_pair_out(const rom::Network& network, const rom::OperatingState& oper
   note_corrected(network, model, watch);
 }
 
+/// The estimator's offsets are of readings less the tare.
+void tell_estimator(const std::array<double, slots::key_points>& before_K, const CyclePlan& plan, SensorWatch& watch,
+                    Corrector& corrector) {
+  if (!corrector.estimator) return;
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    const std::size_t k = corrector.channels[c];
+    const auto channel = static_cast<Eigen::Index>(c);
+    const double shift_K = watch.tare.offset_K[k] - before_K[k];
+    // Without a tare the offset is as open as the configuration says.
+    const double deviation_K = watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_K;
+    corrector.estimator->note_tare(channel, shift_K, deviation_K);
+    if (watch.others) watch.others->shift_offset(*corrector.estimator, channel, shift_K);
+    if (watch.heat) watch.heat->follow(*corrector.estimator);
+  }
+}
+
 }  // namespace
 
 void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch) {
@@ -220,11 +236,11 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   note_corrected(network, model, watch);
 }
 
-void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
+bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
                        Corrector& corrector) {
   if (order == SensorOrder::acknowledge) {
     if (watch.health) watch.health->acknowledge();
-    return;
+    return true;
   }
   double noise_K = 0.0;
   for (const SensorPlan& sensor : plan.sensors) noise_K = std::max(noise_K, sensor.configured ? sensor.noise_K : 0.0);
@@ -233,21 +249,20 @@ void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement
   if (order == SensorOrder::tare) {
     const double ambient_K =
         watch.tare_to_ambient ? judgement.signals[static_cast<std::size_t>(Signal::ambient)] : not_a_value;
-    if (!watch.resting->take(ambient_K, noise_K, watch.tare)) return;
+    if (!watch.resting->take(ambient_K, noise_K, watch.tare)) return false;
   } else {
     correction::IsothermalTare::clear(watch.tare);
   }
-  if (!corrector.estimator) return;
-  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    const std::size_t k = corrector.channels[c];
-    const auto channel = static_cast<Eigen::Index>(c);
-    const double shift_K = watch.tare.offset_K[k] - before_K[k];
-    // Without a tare the offset is as open as the configuration says.
-    const double deviation_K = watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_K;
-    corrector.estimator->note_tare(channel, shift_K, deviation_K);
-    if (watch.others) watch.others->shift_offset(*corrector.estimator, channel, shift_K);
-    if (watch.heat) watch.heat->follow(*corrector.estimator);
-  }
+  tell_estimator(before_K, plan, watch, corrector);
+  return true;
+}
+
+void set_tare(const correction::SensorTare& tare, const CyclePlan& plan, SensorWatch& watch, Corrector& corrector) {
+  std::array<double, slots::key_points> before_K{};
+  std::copy(watch.tare.offset_K.begin(), watch.tare.offset_K.end(), before_K.begin());
+  const bool same = watch.tare.offset_K == tare.offset_K && watch.tare.deviation_K == tare.deviation_K;
+  watch.tare = tare;
+  if (!same) tell_estimator(before_K, plan, watch, corrector);
 }
 
 void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot) {

@@ -54,9 +54,13 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
 void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
                   Corrector& corrector);
 
-/// An order from the PLC. Runs in the cycle.
-void take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
+/// An order from the PLC; false where a tare is not offered. Runs in the cycle.
+bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,
                        Corrector& corrector);
+
+/// Another tare from now on; the estimator is told of the difference. As long as what a network has of key points.
+/// Runs in the cycle.
+void set_tare(const correction::SensorTare& tare, const CyclePlan& plan, SensorWatch& watch, Corrector& corrector);
 
 /// Into the snapshot, and the quality bits. Runs in the cycle.
 void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot);

@@ -13,7 +13,8 @@ namespace spindle_twin::firmware {
 struct Checkpoint {
   std::string network_sha256;
   double saved_unix_s = 0.0;
-  Remembered remembered;  ///< without `parameters`, which the estimator's state has in it
+  Remembered remembered;             ///< without `parameters`, which the estimator's state has in it
+  std::uint32_t order_revision = 0;  ///< how many orders were on the disk then
 };
 
 inline constexpr std::uint64_t largest_checkpoint_bytes = std::uint64_t{1} << 26;

@@ -1,197 +1,200 @@
 #include "firmware/keep/history.hpp"
 
-#include <spdlog/fmt/fmt.h>
+#include <fcntl.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <cstring>
-#include <initializer_list>
-#include <iterator>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
-#include "rom/boundary_values/held_law.hpp"
-#include "rom/units.hpp"
+#include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
 
-template <class Named>
-void add_names(std::string& header, const char* prefix, const std::vector<Named>& things, const char* unit) {
-  for (const Named& thing : things) {
-    header += ',';
-    header += prefix;
-    header += thing.name;
-    header += unit;
+namespace fs = std::filesystem;
+
+constexpr std::size_t number_digits = 6;
+constexpr std::size_t most_files = 1000;
+constexpr std::size_t rows_at_once = 64;
+
+std::string numbered(const fs::path& path, unsigned long number) {
+  fs::path name = path;
+  name.replace_filename(fmt::format("{}.{:06}{}", path.stem().string(), number, path.extension().string()));
+  return name.string();
+}
+
+/// Of `name` as numbered() makes it of `path`; 0 of any other.
+unsigned long number_of(const fs::path& path, const std::string& name) {
+  const std::string begin = path.stem().string() + ".";
+  const std::string end = path.extension().string();
+  if (name.size() != begin.size() + number_digits + end.size()) return 0;
+  const std::string digits = name.substr(begin.size(), number_digits);
+  const bool fits = name.starts_with(begin) && name.ends_with(end) &&
+                    std::all_of(digits.begin(), digits.end(), [](unsigned char each) { return std::isdigit(each); });
+  return fits ? std::stoul(digits) : 0;
+}
+
+/// Offset behind the last end of a line.
+off_t end_of_rows(int file, off_t size) {
+  std::array<char, 4096> part{};
+  while (size > 0) {
+    const auto length = std::min<off_t>(size, static_cast<off_t>(part.size()));
+    const ssize_t got = pread(file, part.data(), static_cast<std::size_t>(length), size - length);
+    if (got <= 0) return 0;
+    const std::size_t at = std::string_view(part.data(), static_cast<std::size_t>(got)).rfind('\n');
+    if (at != std::string_view::npos) return size - length + static_cast<off_t>(at) + 1;
+    size -= length;
+  }
+  return 0;
+}
+
+/// Gives the file of before the next number, without a row that was not finished. One without rows may be begun anew.
+/// False where that is not possible.
+bool put_aside(const std::string& path, std::size_t header_bytes) {
+  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return errno == ENOENT;
+  struct stat status {};
+  bool fine = fstat(file, &status) == 0;
+  const off_t end = fine ? end_of_rows(file, status.st_size) : 0;
+  if (fine && end < status.st_size) fine = ftruncate(file, end) == 0;
+  close(file);
+  if (!fine || end <= static_cast<off_t>(header_bytes)) return fine;
+  const std::vector<std::string> earlier = earlier_histories(path);
+  const unsigned long last = earlier.empty() ? 0 : number_of(path, fs::path(earlier.back()).filename().string());
+  return std::rename(path.c_str(), numbered(path, last + 1).c_str()) == 0;
+}
+
+void remove_oldest(const HistoryPlan& plan) {
+  std::vector<std::string> files = earlier_histories(plan.path);
+  std::error_code unknown;
+  std::uint64_t bytes = plan.segment_bytes;
+  std::size_t kept = 0;
+  for (auto each = files.rbegin(); each != files.rend(); ++each) {
+    bytes += fs::file_size(*each, unknown);
+    if (bytes > plan.most_bytes || ++kept > most_files) fs::remove(*each, unknown);
   }
 }
 
-/// What the cycle was given: as many digits as bring the same number back, and of a temperature in degC the same in K
-/// (from -136 to 273 degC the difference is exact), so that a history can be replayed to the bit.
-void add_exactly(std::string& row, double value) {
-  row += ',';
-  if (std::isfinite(value)) fmt::format_to(std::back_inserter(row), "{}", value);
-}
-
-void add(std::string& row, double value) {
-  row += ',';
-  if (std::isfinite(value)) fmt::format_to(std::back_inserter(row), "{:.9g}", value);
-}
-
-template <std::size_t room>
-void add_values(std::string& row, const std::array<double, room>& values, std::size_t count, double shift,
-                double scale) {
-  for (std::size_t i = 0; i < count; ++i) add(row, (values[i] + shift) * scale);
-}
-
-using Columns = std::initializer_list<std::pair<const char*, const char*>>;
-constexpr Columns update_columns = {{"observation.", "_degC"}, {"innovation.", "_K"}, {"innovation_sd.", "_K"},
-                                    {"test_ratio.", ""},       {"update.", ""},       {"offset.", "_K"},
-                                    {"offset_sd.", "_K"}};
-constexpr Columns displacement_columns = {{"displacement", "_um"},
-                                          {"displacement_innovation", "_um"},
-                                          {"displacement_innovation_sd", "_um"},
-                                          {"displacement_test_ratio", ""},
-                                          {"displacement_update", ""}};
-
-void add_update(std::string& row, const ChannelUpdate& update) {
-  add(row, update.observation - zero_degC_K);
-  add(row, update.innovation);
-  add(row, std::sqrt(update.variance));
-  add(row, update.test_ratio);
-  add(row, update.flags);
-  add(row, update.offset);
-  add(row, update.offset_sd);
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = write(file, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
 }
 
 }  // namespace
 
-std::string history_header(const rom::Network& network) {
-  std::string header =
-      "time_s,sequence,state,quality,fault,overruns,correction_enabled,correction_count,correction_freeze,data_age_s,"
-      "speed_rpm,load,coolant_degC,ambient_degC,nose_um,nose_uncorrected_um,tare_um";
-  add_names(header, "flow.", network.boundaries.circuits, "_kg_per_s");
-  add_names(header, "measured.", network.key_points, "_degC");
-  add_names(header, "age.", network.key_points, "_s");
-  add_names(header, "predicted.", network.key_points, "_degC");
-  add_names(header, "uncorrected.", network.key_points, "_degC");
-  add_names(header, "part_maximum.", network.parts, "_degC");
-  add_names(header, "deformation.", network.deformations, "_um");
-  add_names(header, "heat_factor.", network.boundaries.sources, "");
-  add_names(header, "conductance_factor.", network.boundaries.conductances, "");
-  add_names(header, "predicted_sd.", network.key_points, "_K");
-  add_names(header, "part_maximum_sd.", network.parts, "_K");
-  add_names(header, "deformation_raw.", network.deformations, "_um");
-  add_names(header, "deformation_sd.", network.deformations, "_um");
-  header += ",updates,parameters_determined";
-  for (const rom::KeyPoint& point : network.key_points) {
-    for (const auto& [column, unit] : update_columns) header.append(",").append(column).append(point.name).append(unit);
+std::vector<std::string> earlier_histories(const std::string& path) {
+  const fs::path file(path);
+  std::error_code unknown;
+  std::vector<std::string> found;
+  for (const auto& entry : fs::directory_iterator(file.has_parent_path() ? file.parent_path() : ".", unknown)) {
+    if (number_of(file, entry.path().filename().string()) > 0) found.push_back(entry.path().string());
   }
-  header += ",displacement_count";
-  for (const auto& [column, unit] : displacement_columns) header.append(",").append(column).append(unit);
-  header += ",clock_ns,tare_count,length_orders,length_output,length_m,length_sd_m";
-  add_names(header, "sensor_quality.", network.key_points, "");
-  add_names(header, "sensor_state.", network.key_points, "");
-  add_names(header, "sensor_fault.", network.key_points, "");
-  add_names(header, "sensor_misfit.", network.key_points, "");
-  header += ",sensor_orders,sensor_order";
-  add_names(header, "raw.", network.key_points, "_degC");
-  add_names(header, "probe.", network.deformations, "_m");
-  add_names(header, "probe_age.", network.deformations, "_s");
-  header += ",current_A,power_W";
-  for (const std::size_t heat : rom::measured_heats(network.boundaries)) {
-    header.append(",heat.").append(network.boundaries.sources[heat].name).append("_W");
-  }
-  return header;
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
-std::string history_row(const Snapshot& snapshot) {
-  using rom::um_per_m;
-  std::string row =
-      fmt::format("{:.9g},{},{},{},{},{},{},{},{}", snapshot.model_time_s, snapshot.sequence, bits(snapshot.state),
-                  snapshot.quality, snapshot.fault, snapshot.overruns, snapshot.correction_enabled ? 1 : 0,
-                  snapshot.correction_count, snapshot.correction_freeze);
-  add(row, snapshot.data_age_s);
-  add_exactly(row, snapshot.signals[0]);
-  add_exactly(row, snapshot.signals[1]);
-  add_exactly(row, snapshot.signals[2] - zero_degC_K);
-  add_exactly(row, snapshot.signals[3] - zero_degC_K);
-  add(row, um_per_m * snapshot.nose_m);
-  add(row, um_per_m * snapshot.nose_uncorrected_m);
-  add(row, um_per_m * snapshot.tare_m);
-  for (std::size_t c = 0; c < snapshot.circuits; ++c) add_exactly(row, snapshot.signals[first_flow_signal + c]);
-  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.measured_K[k] - zero_degC_K);
-  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.measured_age_s[k]);
-  add_values(row, snapshot.predicted_K, snapshot.key_points, -zero_degC_K, 1.0);
-  add_values(row, snapshot.uncorrected_K, snapshot.key_points, -zero_degC_K, 1.0);
-  add_values(row, snapshot.part_maximum_K, snapshot.parts, -zero_degC_K, 1.0);
-  add_values(row, snapshot.deformation_m, snapshot.deformations, 0.0, um_per_m);
-  add_values(row, snapshot.heat_factor, snapshot.sources, 0.0, 1.0);
-  add_values(row, snapshot.conductance_factor, snapshot.conductances, 0.0, 1.0);
-  add_values(row, snapshot.predicted_sd_K, snapshot.key_points, 0.0, 1.0);
-  add_values(row, snapshot.part_maximum_sd_K, snapshot.parts, 0.0, 1.0);
-  add_values(row, snapshot.deformation_raw_m, snapshot.deformations, 0.0, um_per_m);
-  add_values(row, snapshot.deformation_sd_m, snapshot.deformations, 0.0, um_per_m);
-  add(row, snapshot.updates);
-  add(row, snapshot.parameters_determined);
-  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_update(row, snapshot.sensor_update[k]);
-  add(row, snapshot.displacement_count);
-  const ChannelUpdate& length = snapshot.displacement_update;
-  add(row, um_per_m * length.observation);
-  add(row, um_per_m * length.innovation);
-  add(row, um_per_m * std::sqrt(length.variance));
-  add(row, length.test_ratio);
-  add(row, length.flags);
-  fmt::format_to(std::back_inserter(row), ",{},{},{},{}", snapshot.clock_ns, snapshot.tare_count,
-                 snapshot.displacement_orders, snapshot.displacement.output);
-  add_exactly(row, snapshot.displacement.value_m);
-  add_exactly(row, snapshot.displacement.sd_m);
-  const auto each = [&](const auto& value) {
-    for (std::size_t k = 0; k < snapshot.key_points; ++k) add(row, value(k));
-  };
-  each([&](std::size_t k) { return bits(snapshot.sensor_quality[k]); });
-  each([&](std::size_t k) { return bits(snapshot.sensor_health[k].state); });
-  each([&](std::size_t k) { return bits(snapshot.sensor_health[k].fault); });
-  each([&](std::size_t k) { return snapshot.sensor_health[k].misfit_ratio; });
-  add(row, snapshot.sensor_orders);
-  add(row, bits(snapshot.sensor_order));
-  for (std::size_t k = 0; k < snapshot.key_points; ++k) add_exactly(row, snapshot.raw_K[k] - zero_degC_K);
-  for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_m[d]);
-  for (std::size_t d = 0; d < snapshot.deformations; ++d) add_exactly(row, snapshot.probe_age_s[d]);
-  add_exactly(row, snapshot.signals[static_cast<std::size_t>(Signal::current)]);
-  add_exactly(row, snapshot.signals[static_cast<std::size_t>(Signal::power)]);
-  for (std::size_t h = 0; h < snapshot.heats; ++h) add_exactly(row, snapshot.signals[first_heat_signal + h]);
-  return row;
+History::History(HistoryPlan plan, const rom::Network& network, Troubles& troubles)
+    : plan_(std::move(plan)), header_(history_header(network) + "\n"), troubles_(troubles) {
+  begin_file();
 }
 
-History::History(const std::string& path, const rom::Network& network)
-    : file_(std::fopen(path.c_str(), "we")), path_(path) {
-  if (!file_) {
-    throw rom::InputError({path, 0}, "history.path", std::string("cannot be written: ") + std::strerror(errno));
+History::~History() { close_file(); }
+
+void History::close_file() {
+  if (file_ >= 0) close(file_);
+  file_ = -1;
+}
+
+void History::complain(const char* what) {
+  const int reason = errno;
+  close_file();
+  troubles_.set(Fault::history_lost, true);
+  const std::int64_t now_ns = MonotonicClock().now_ns();
+  try_from_ns_ = now_ns + 1'000'000'000;
+  const auto before = complaints_.pass(now_ns);
+  if (before) {
+    spdlog::error("history {}: {}: {}; rows are lost{}", plan_.path, what, std::strerror(reason),
+                  LogLimit::also(*before));
   }
-  std::fprintf(file_.get(), "%s\n", history_header(network).c_str());
+}
+
+bool History::begin_file() {
+  close_file();
+  written_ = 0;
+  if (!put_aside(plan_.path, header_.size())) {
+    complain("cannot be put aside");
+    return false;
+  }
+  remove_oldest(plan_);
+  file_ = open(plan_.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644);
+  if (file_ < 0 || !write_all(file_, header_)) {
+    complain("cannot be written");
+    return false;
+  }
+  written_ = header_.size();
+  if ((troubles_.faults() & bits(Fault::history_lost)) != 0) spdlog::info("history {}: is written again", plan_.path);
+  troubles_.set(Fault::history_lost, false);
+  return true;
+}
+
+void History::write_rows(const std::string& rows, std::uint64_t count) {
+  if (count == 0) return;
+  const bool may_try = file_ >= 0 || (MonotonicClock().now_ns() >= try_from_ns_ && begin_file());
+  if (may_try && write_all(file_, rows)) {
+    written_ += rows.size();
+    return;
+  }
+  lost_ += count;
+  if (!may_try) return;
+  // What is there of a row would merge with the next one. A disk that is full can still be cut.
+  const int reason = errno;
+  [[maybe_unused]] const int cut = ftruncate(file_, static_cast<off_t>(written_));
+  errno = reason;
+  complain("cannot be written");
 }
 
 void History::drain() {
   Snapshot snapshot;
-  while (ring_.pop(snapshot)) std::fprintf(file_.get(), "%s\n", history_row(snapshot).c_str());
-  std::fflush(file_.get());
+  std::string rows;
+  std::uint64_t count = 0;
+  while (ring_.pop(snapshot)) {
+    const bool gap = sequence_ != 0 && snapshot.sequence != sequence_ + 1;
+    if (file_ >= 0 && (gap || written_ + rows.size() >= plan_.segment_bytes || count == rows_at_once)) {
+      write_rows(rows, std::exchange(count, 0));
+      rows.clear();
+      if (file_ >= 0 && (gap || written_ >= plan_.segment_bytes)) begin_file();
+    }
+    sequence_ = snapshot.sequence;
+    rows += history_row(snapshot) + "\n";
+    ++count;
+  }
+  write_rows(rows, count);
+  troubles_.history_rows_lost.store(lost_.load(), std::memory_order_relaxed);
 }
 
 void History::run(const std::atomic<bool>& stop) {
-  bool complained = false;
   while (!stop.load(std::memory_order_acquire)) {
     drain();
-    if (std::ferror(file_.get()) != 0 && !complained) {
-      spdlog::error("history {}: cannot be written, rows are lost", path_);
-      complained = true;
-    }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   drain();
-  if (const std::uint64_t lost = lost_.load(); lost > 0) spdlog::warn("history {}: {} rows lost", path_, lost);
+  if (const std::uint64_t lost = lost_.load(); lost > 0) spdlog::warn("history {}: {} rows lost", plan_.path, lost);
 }
 
 }  // namespace spindle_twin::firmware

@@ -2,26 +2,32 @@
 
 #include <atomic>
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/cycle/troubles.hpp"
+#include "firmware/keep/history_row.hpp"
+#include "firmware/keep/keep_plan.hpp"
+#include "firmware/watch/log_limit.hpp"
 #include "rom/network.hpp"
-#include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
 
-/// The header and one row of the history: a CSV with a row per cycle, temperatures in degC, lengths in um, empty
-/// fields for values that do not exist. Readings and signals to the last bit, as `spindle-twin replay` reads them back.
-std::string history_header(const rom::Network& network);
-std::string history_row(const Snapshot& snapshot);
+/// The files of a history that are no longer written, oldest first: of twin.csv these are twin.000001.csv and so on.
+std::vector<std::string> earlier_histories(const std::string& path);
 
-/// Writes each cycle's snapshot as a row, in the thread that calls run(); the cycle thread only fills the ring.
+/// Writes each cycle's snapshot as a row, in the thread that calls run(); the cycle thread only fills the ring. Each
+/// start, each gap and each segment_bytes begin a file; the one before gets the next number, and the oldest go when
+/// all together are more than most_bytes. So every file replays by itself. Rows are written whole: what a full disk or
+/// a power cut leaves of one is cut off. While nothing can be written rows are lost and counted, the fault history_lost
+/// is up, and each second it is tried again.
 class History {
  public:
-  /// Begins the file anew. Throws rom::InputError naming the path if it cannot be written.
-  History(const std::string& path, const rom::Network& network);
+  History(HistoryPlan plan, const rom::Network& network, Troubles& troubles);
+  ~History();
+  History(const History&) = delete;
+  History& operator=(const History&) = delete;
 
   SnapshotRing& ring() { return ring_; }
   std::atomic<std::uint64_t>& lost() { return lost_; }
@@ -30,15 +36,22 @@ class History {
   void run(const std::atomic<bool>& stop);
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
+  bool begin_file();
   void drain();
+  void write_rows(const std::string& rows, std::uint64_t count);
+  void close_file();
+  void complain(const char* what);
 
-  std::unique_ptr<std::FILE, Close> file_;
-  std::string path_;
+  HistoryPlan plan_;
+  std::string header_;
+  Troubles& troubles_;
+  int file_ = -1;
+  std::uint64_t written_ = 0;   ///< bytes of whole rows
+  std::uint64_t sequence_ = 0;  ///< of the last row
+  std::int64_t try_from_ns_ = 0;
   SnapshotRing ring_;
   std::atomic<std::uint64_t> lost_{0};
+  LogLimit complaints_;
 };
 
 }  // namespace spindle_twin::firmware

@@ -8,6 +8,7 @@
 
 #include "firmware/keep/checkpoint.hpp"
 #include "firmware/keep/parameters.hpp"
+#include "firmware/watch/clock.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -15,10 +16,6 @@ namespace spindle_twin::firmware {
 namespace {
 
 constexpr double seconds_per_hour = 3600.0;
-
-double unix_now_s() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 /// Empty where it fits.
 std::string objection(const Checkpoint& checkpoint, const KeepPlan& plan, const std::string& network_sha256,
@@ -34,35 +31,44 @@ std::string objection(const Checkpoint& checkpoint, const KeepPlan& plan, const 
 
 }  // namespace
 
-Resumed resume_from_checkpoint(const KeepPlan& plan, const std::string& network_sha256, double clock_rate,
-                               double unix_now_s, Cycle& cycle) {
+std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan) {
   const std::string& path = plan.checkpoint_path;
-  if (path.empty()) return Resumed::nothing;
+  if (path.empty()) return std::nullopt;
   try {
-    const std::optional<Checkpoint> checkpoint = read_checkpoint(path);
-    if (!checkpoint) {
-      spdlog::info("checkpoint {}: there is none yet", path);
-      return Resumed::nothing;
-    }
-    const double age_s = unix_now_s - checkpoint->saved_unix_s;
-    const std::string reason = objection(*checkpoint, plan, network_sha256, age_s);
-    const Resumed resumed =
-        reason.empty() ? cycle.resume(checkpoint->remembered, age_s * clock_rate) : Resumed::nothing;
-    if (resumed == Resumed::nothing) {
-      spdlog::warn("checkpoint {}: not used, {}; a cold start", path, reason.empty() ? "its sizes do not fit" : reason);
-    } else {
-      spdlog::info("checkpoint {}: goes on from {:.0f} s ago, {}", path, age_s,
-                   resumed == Resumed::temperatures ? "temperatures and tare only" : "with what the estimator knew");
-    }
-    return resumed;
+    std::optional<Checkpoint> checkpoint = read_checkpoint(path);
+    if (!checkpoint) spdlog::info("checkpoint {}: there is none yet", path);
+    return checkpoint;
   } catch (const rom::InputError& error) {
     spdlog::warn("checkpoint {}; not used, a cold start", error.what());
-    return Resumed::nothing;
+    return std::nullopt;
   }
 }
 
-Keeper::Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, const Cycle& cycle)
-    : plan_(std::move(plan)), network_sha256_(std::move(network_sha256)), clock_rate_(clock_rate) {
+Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
+                               const std::string& network_sha256, double clock_rate, double now_unix_s, Cycle& cycle) {
+  if (!checkpoint) return Resumed::nothing;
+  const std::string& path = plan.checkpoint_path;
+  const double age_s = now_unix_s - checkpoint->saved_unix_s;
+  std::string reason = objection(*checkpoint, plan, network_sha256, age_s);
+  const Resumed resumed = reason.empty() ? cycle.resume(checkpoint->remembered, age_s * clock_rate) : Resumed::nothing;
+  if (reason.empty() && resumed == Resumed::nothing) reason = "its sizes do not fit";
+  if (resumed == Resumed::implausible) reason = "it has temperatures or tares that no spindle has";
+  if (!reason.empty()) {
+    spdlog::warn("checkpoint {}: not used, {}; a cold start", path, reason);
+  } else {
+    spdlog::info("checkpoint {}: goes on from {:.0f} s ago, {}", path, age_s,
+                 resumed == Resumed::temperatures ? "temperatures and tare only" : "with what the estimator knew");
+  }
+  return resumed;
+}
+
+Keeper::Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, const Cycle& cycle,
+               const OrderKeeper* orders, Troubles* troubles)
+    : plan_(std::move(plan)),
+      network_sha256_(std::move(network_sha256)),
+      clock_rate_(clock_rate),
+      orders_(orders),
+      troubles_(troubles) {
   if (const correction::ParameterModel* parameters = cycle.parameters()) parameters_ = parameters->list();
   cycle.remember(remembered_.value);
 }
@@ -71,14 +77,18 @@ void Keeper::keep(bool say) {
   const Remembered& now = remembered_.value;
   if (!now.started) return;
   try {
-    if (!plan_.checkpoint_path.empty()) write_checkpoint({network_sha256_, unix_now_s(), now}, plan_.checkpoint_path);
+    if (!plan_.checkpoint_path.empty()) {
+      const std::uint32_t revision = orders_ != nullptr ? orders_->revision() : 0;
+      write_checkpoint({network_sha256_, unix_now_s(), now, revision}, plan_.checkpoint_path);
+    }
     if (!plan_.parameters_path.empty() && !parameters_.empty()) {
       rom::write_whole_file(plan_.parameters_path, parameters_csv(parameters_, now.parameters));
     }
-    complained_ = false;
+    if (troubles_ != nullptr) troubles_->set(Fault::checkpoint_lost, false);
   } catch (const rom::InputError& error) {
-    if (!complained_) spdlog::error("{}", error.what());
-    complained_ = true;
+    if (troubles_ != nullptr) troubles_->set(Fault::checkpoint_lost, true);
+    const auto before = complaints_.pass(MonotonicClock().now_ns());
+    if (before) spdlog::error("{}{}", error.what(), LogLimit::also(*before));
   }
   const std::string heats = unexplained_heats(parameters_, now.parameters);
   if (heats.empty() != heats_said_.empty()) {

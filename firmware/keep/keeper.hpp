@@ -1,26 +1,33 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/keep/checkpoint.hpp"
 #include "firmware/keep/keep_plan.hpp"
+#include "firmware/keep/order_keeper.hpp"
 
 namespace spindle_twin::firmware {
 
+/// The checkpoint as it stands; empty without one, and where it cannot be used, which the log then says.
+std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan);
+
 /// Before the cycle's first step: goes on from the checkpoint where there is one that fits, and says in the log what
-/// became of it. Of another network, too old, from the future, damaged: the start is as without one. unix_now_s: now by
+/// became of it. Of another network, too old, from the future, damaged: the start is as without one. now_unix_s: now by
 /// the clock that the checkpoint's time was taken from.
-Resumed resume_from_checkpoint(const KeepPlan& plan, const std::string& network_sha256, double clock_rate,
-                               double unix_now_s, Cycle& cycle);
+Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
+                               const std::string& network_sha256, double clock_rate, double now_unix_s, Cycle& cycle);
 
 /// Writes the checkpoint and the table of parameters each interval, and once an hour says in the log what the sensors
 /// determine, in the thread that calls run(); the cycle thread only copies what it is asked for.
 class Keeper {
  public:
-  /// Sizes what the cycle fills.
-  Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, const Cycle& cycle);
+  /// Sizes what the cycle fills. The checkpoint says how many orders were on the disk; null: none.
+  Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, const Cycle& cycle,
+         const OrderKeeper* orders = nullptr, Troubles* troubles = nullptr);
 
   OnRequest<Remembered>& remembered() { return remembered_; }
 
@@ -38,7 +45,9 @@ class Keeper {
   double clock_rate_;
   std::vector<correction::Parameter> parameters_;
   OnRequest<Remembered> remembered_;
-  bool complained_ = false;
+  const OrderKeeper* orders_;
+  Troubles* troubles_;
+  LogLimit complaints_;
   double said_at_s_ = 0.0;
   std::string heats_said_;  // of unexplained heats, the sentence said last
 };

@@ -1,5 +1,7 @@
 #include "firmware/serve/command_registers.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "firmware/serve/pack.hpp"
@@ -14,41 +16,18 @@ bool touches(WriteRange written, Register which, int slot = 0) {
   return written.address < first + words_of(entry.type) && first < written.address + written.count;
 }
 
-CorrectionOrder correction_order(double value) {
-  if (std::isnan(value)) return CorrectionOrder::as_configured;
-  return value == 0.0 ? CorrectionOrder::off : CorrectionOrder::on;
-}
+constexpr std::array<Register, most_orders> order_registers{
+    Register::command_correction, Register::command_displacement_take, Register::command_sensors,
+    Register::command_tare, Register::command_acknowledge};
 
-void take_tare(RegisterImage& image, PlcCommand& command) {
-  const double order = get(image, Register::command_tare);
-  if (order == 1.0 || order == 2.0) {
-    command.tare_order = order == 1.0 ? TareOrder::take : TareOrder::clear;
-    ++command.tare_orders;
-  }
-  put(image, Register::command_tare, 0.0);
-}
+std::uint16_t word_of(const RegisterImage& image, Register which) { return image[entry_of(which).address]; }
 
-void take_sensors(RegisterImage& image, PlcCommand& command) {
-  const double order = get(image, Register::command_sensors);
-  if (order == 1.0 || order == 2.0 || order == 3.0) {
-    command.sensor_order = order == 1.0   ? SensorOrder::tare
-                           : order == 2.0 ? SensorOrder::clear_tare
-                                          : SensorOrder::acknowledge;
-    ++command.sensor_orders;
-  }
-  put(image, Register::command_sensors, 0.0);
-}
-
-void take_displacement(RegisterImage& image, PlcCommand& command) {
+Displacement length_of(const RegisterImage& image) {
   using rom::m_per_um;
   const double output = get(image, Register::command_displacement_output);
-  if (get(image, Register::command_displacement_take) == 1.0) {
-    command.displacement = {std::isnan(output) ? std::size_t{0} : static_cast<std::size_t>(output),
-                            m_per_um * get(image, Register::command_displacement),
-                            m_per_um * get(image, Register::command_displacement_sd)};
-    ++command.displacements;
-  }
-  put(image, Register::command_displacement_take, 0.0);
+  return {std::isnan(output) ? std::size_t{0} : static_cast<std::size_t>(output),
+          m_per_um * get(image, Register::command_displacement),
+          m_per_um * get(image, Register::command_displacement_sd)};
 }
 
 }  // namespace
@@ -59,18 +38,45 @@ void clear_commands(RegisterImage& image) {
   for (const Register which :
        {Register::command_speed, Register::command_load, Register::command_coolant, Register::command_ambient,
         Register::command_current, Register::command_power, Register::command_correction,
-        Register::command_displacement, Register::command_displacement_sd, Register::command_displacement_output}) {
+        Register::command_displacement, Register::command_displacement_sd, Register::command_displacement_output,
+        Register::command_order_id}) {
     put_not_present(image, which);
   }
   for (const Register which : {Register::command_flow, Register::command_heat}) {
     for (int slot = 0; slot < entry_of(which).slots; ++slot) put_not_present(image, which, slot);
   }
-  put(image, Register::command_tare, 0.0);
-  put(image, Register::command_displacement_take, 0.0);
-  put(image, Register::command_sensors, 0.0);
+  for (const Register which : {Register::command_tare, Register::command_displacement_take, Register::command_sensors,
+                               Register::command_acknowledge}) {
+    put(image, which, 0.0);
+  }
 }
 
-void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image, PlcCommand& command) {
+bool may_order(WriteRange written) {
+  return std::any_of(order_registers.begin(), order_registers.end(),
+                     [&](Register which) { return touches(written, which); });
+}
+
+std::vector<Order> take_orders(WriteRange written, std::uint16_t switched_to, RegisterImage& image) {
+  const std::uint16_t id = word_of(image, Register::command_order_id);
+  std::vector<Order> orders;
+  const auto take = [&](OrderKind kind, Register which) {
+    const std::uint16_t code = word_of(image, which);
+    const bool is_switch = kind == OrderKind::correction;
+    if (!touches(written, which) || (is_switch ? code == switched_to : code == 0)) return;
+    orders.push_back({kind, id == not_present_code ? std::uint16_t{0} : id, code, {}});
+    if (kind == OrderKind::length) orders.back().length = length_of(image);
+    if (!is_switch) put(image, which, 0.0);
+  };
+  take(OrderKind::correction, Register::command_correction);
+  take(OrderKind::length, Register::command_displacement_take);
+  take(OrderKind::sensors, Register::command_sensors);
+  take(OrderKind::tare, Register::command_tare);
+  take(OrderKind::acknowledge, Register::command_acknowledge);
+  return orders;
+}
+
+bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told) {
+  bool any = false;
   struct Way {
     Register from;
     Signal to;
@@ -83,26 +89,20 @@ void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image
                                                      {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K},
                                                      {Register::command_current, Signal::current, 1.0, 0.0},
                                                      {Register::command_power, Signal::power, 1e3, 0.0}}};
-  for (const Way& way : ways) {
-    if (!touches(written, way.from)) continue;
-    command.signals[static_cast<std::size_t>(way.to)] = {get(image, way.from) * way.scale + way.shift, now_ns};
-  }
+  const auto take = [&](Register from, int slot, std::size_t to, double scale, double shift) {
+    if (!touches(written, from, slot)) return;
+    told.values[to] = {get(image, from, slot) * scale + shift, now_ns};
+    any = true;
+  };
+  for (const Way& way : ways) take(way.from, 0, static_cast<std::size_t>(way.to), way.scale, way.shift);
   constexpr double kg_per_gram = 1e-3;
-  for (int c = 0; c < entry_of(Register::command_flow).slots; ++c) {
-    if (!touches(written, Register::command_flow, c)) continue;
-    command.signals[first_flow_signal + static_cast<std::size_t>(c)] = {
-        kg_per_gram * get(image, Register::command_flow, c), now_ns};
+  for (std::size_t c = 0; c < slots::circuits; ++c) {
+    take(Register::command_flow, static_cast<int>(c), first_flow_signal + c, kg_per_gram, 0.0);
   }
-  for (int h = 0; h < entry_of(Register::command_heat).slots; ++h) {
-    if (!touches(written, Register::command_heat, h)) continue;
-    command.signals[first_heat_signal + static_cast<std::size_t>(h)] = {get(image, Register::command_heat, h), now_ns};
+  for (std::size_t h = 0; h < slots::heats; ++h) {
+    take(Register::command_heat, static_cast<int>(h), first_heat_signal + h, 1.0, 0.0);
   }
-  if (touches(written, Register::command_correction)) {
-    command.correction = correction_order(get(image, Register::command_correction));
-  }
-  if (touches(written, Register::command_tare)) take_tare(image, command);
-  if (touches(written, Register::command_displacement_take)) take_displacement(image, command);
-  if (touches(written, Register::command_sensors)) take_sensors(image, command);
+  return any;
 }
 
 }  // namespace spindle_twin::firmware

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/snapshot.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
@@ -12,8 +15,17 @@ WriteRange writable_registers();
 /// A command block with nothing written.
 void clear_commands(RegisterImage& image);
 
-/// Takes over what a request wrote to `image` at now_ns into `command`: only what it wrote counts as read now.
-/// An order (tare, measured length) is taken and its register set back to 0.
-void take_commands(WriteRange written, std::int64_t now_ns, RegisterImage& image, PlcCommand& command);
+/// Whether a request writes registers that may bring orders.
+bool may_order(WriteRange written);
+/// More orders cannot come with one request.
+inline constexpr std::size_t most_orders = 5;
+
+/// Takes over what a request wrote to `image` at now_ns into `told`: only what it wrote counts as read now. True where
+/// it wrote one of these.
+bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told);
+
+/// The orders that a request wrote to `image`, at most most_orders; their registers are set back to 0. The correction's
+/// switch is one only where it is not as `switched_to` says, so that who writes all registers each second orders once.
+std::vector<Order> take_orders(WriteRange written, std::uint16_t switched_to, RegisterImage& image);
 
 }  // namespace spindle_twin::firmware

@@ -35,10 +35,13 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::map_version, register_map_version);
   // The heartbeat wraps over all 16 bits, so it alone uses the not-present value too.
   fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
-  for (const Register which : {Register::sequence, Register::temperatures_sequence, Register::parts_sequence,
-                               Register::factors_sequence, Register::deviations_sequence, Register::sensors_sequence,
-                               Register::estimator_sequence, Register::health_sequence, Register::motor_sequence}) {
-    fill.value(which, snapshot.sequence);
+  // At 1 ms a cycle 32 bits last for 49.7 days; the last of their numbers says "not present".
+  const auto sequence = static_cast<double>(snapshot.sequence % 0xFFFFFFFFU);
+  for (const Register which :
+       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence,
+        Register::deviations_sequence, Register::sensors_sequence, Register::estimator_sequence,
+        Register::health_sequence, Register::motor_sequence, Register::service_sequence}) {
+    fill.value(which, sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
   fill.value(Register::fault, snapshot.fault);
@@ -58,19 +61,20 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::correction_enabled, snapshot.correction_enabled ? 1.0 : 0.0);
   fill.value(Register::correction_freeze, snapshot.correction_configured ? snapshot.correction_freeze : not_a_value);
   const auto signal = [&](Signal which) { return snapshot.signals[static_cast<std::size_t>(which)]; };
-  fill.value(Register::speed, std::abs(signal(Signal::speed)));
-  fill.value(Register::load, 100.0 * signal(Signal::load));
-  fill.value(Register::coolant_temperature, signal(Signal::coolant) - zero_degC_K);
-  fill.value(Register::ambient_temperature, signal(Signal::ambient) - zero_degC_K);
-  fill.value(Register::motor_current, signal(Signal::current));
-  fill.value(Register::motor_power, 1e-3 * signal(Signal::power));
+  // An echo of what the machine tells is no prediction either.
+  put(fill.image, Register::speed, std::abs(signal(Signal::speed)));
+  put(fill.image, Register::load, 100.0 * signal(Signal::load));
+  put(fill.image, Register::coolant_temperature, signal(Signal::coolant) - zero_degC_K);
+  put(fill.image, Register::ambient_temperature, signal(Signal::ambient) - zero_degC_K);
+  put(fill.image, Register::motor_current, signal(Signal::current));
+  put(fill.image, Register::motor_power, 1e-3 * signal(Signal::power));
   fill.value(Register::circuit_count, static_cast<double>(snapshot.circuits));
   for (std::size_t c = 0; c < slots::circuits; ++c) {
     const double flow_kg_per_s = c < snapshot.circuits ? snapshot.signals[first_flow_signal + c] : not_a_value;
-    fill.value(Register::coolant_flow, grams_per_kg * flow_kg_per_s, static_cast<int>(c));
+    put(fill.image, Register::coolant_flow, grams_per_kg * flow_kg_per_s, static_cast<int>(c));
   }
   for (std::size_t h = 0; h < slots::heats; ++h) {
-    fill.value(Register::measured_heat, snapshot.signals[first_heat_signal + h], static_cast<int>(h));
+    put(fill.image, Register::measured_heat, snapshot.signals[first_heat_signal + h], static_cast<int>(h));
   }
 }
 
@@ -157,6 +161,23 @@ void fill_health(const Snapshot& snapshot, RegisterImage& image) {
   put_not_present(image, Register::health_reserved);
 }
 
+/// Orders and what is amiss; what is clipped here is no prediction.
+void fill_service(const Snapshot& snapshot, RegisterImage& image) {
+  put(image, Register::order_count, snapshot.orders);
+  for (std::size_t i = 0; i < order_records; ++i) {
+    const OrderRecord& order = snapshot.last_orders[i];
+    put(image, Register::order_id, order.id, static_cast<int>(i));
+    put(image, Register::order_kind, bits(order.kind), static_cast<int>(i));
+    put(image, Register::order_result, bits(order.result), static_cast<int>(i));
+  }
+  put(image, Register::signals_held, snapshot.signals_held);
+  put(image, Register::signals_implausible, snapshot.signals_implausible);
+  put(image, Register::outputs_clamped, snapshot.outputs_clamped);
+  put_not_present(image, Register::service_reserved);
+  put(image, Register::history_rows_lost, static_cast<double>(snapshot.history_rows_lost));
+  put(image, Register::log_lines_dropped, static_cast<double>(snapshot.log_lines_dropped));
+}
+
 }  // namespace
 
 void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
@@ -169,8 +190,11 @@ void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& im
   fill_deviations(snapshot, fill);
   fill_updates(snapshot, image);
   fill_health(snapshot, image);
+  fill_service(snapshot, image);
   const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
   put(image, Register::quality, quality);
+  // What stands in a register is not what the twin says: no running prediction, whatever the cycle knows of itself.
+  if (fill.clipped && snapshot.state == State::running) put(image, Register::state, bits(State::degraded));
 }
 
 }  // namespace spindle_twin::firmware

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <string>
 
 #include "firmware/serve/command_registers.hpp"
 #include "firmware/serve/device_identification.hpp"
@@ -26,6 +27,16 @@ namespace {
 
 /// libmodbus keeps descriptors in an fd_set.
 constexpr int descriptor_limit = 1024;
+
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
+constexpr int talks_cyclically = 3;                       ///< a client that goes on after it told a signal
+
+std::string text_of(std::uint32_t host) {
+  const in_addr address{htonl(host)};
+  std::array<char, INET_ADDRSTRLEN> text{};
+  return inet_ntop(AF_INET, &address, text.data(), text.size());
+}
 
 /// Input registers end where the command block, which is the last one, begins.
 constexpr int input_registers() {
@@ -53,11 +64,12 @@ Descriptor::~Descriptor() {
 }
 
 ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots,
-                           Latest<PlcCommand>& commands)
+                           Latest<PlcSignals>& signals, OrderDesk& orders)
     : plan_(plan),
       clock_(clock),
       snapshots_(snapshots),
-      commands_(commands),
+      signals_(signals),
+      orders_(orders),
       listener_(listen_on(plan.address, plan.port)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       modbus_(modbus_new_tcp(nullptr, 0)),
@@ -71,6 +83,9 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>
   modbus_set_error_recovery(modbus_, MODBUS_ERROR_RECOVERY_NONE);
   connections_.reserve(static_cast<std::size_t>(plan.connections));
   clear_commands(image_);
+  const CorrectionOrder switched = orders.first_command().correction;
+  if (switched != CorrectionOrder::as_configured) switched_to_ = switched == CorrectionOrder::on ? 1 : 0;
+  image_[entry_of(Register::command_correction).address] = switched_to_;
   const WriteRange writable = writable_registers();
   std::copy_n(image_.begin() + writable.address, writable.count, mapping_->tab_registers + writable.address);
   fill_image(snapshot_, clock_.now_ns(), image_);
@@ -90,11 +105,12 @@ void ModbusServer::stop() {
 
 int ModbusServer::poll_timeout_ms() const {
   std::int64_t first_ns = 0;
+  const auto take = [&](std::int64_t time_ns) { first_ns = first_ns == 0 ? time_ns : std::min(first_ns, time_ns); };
   for (const Connection& connection : connections_) {
-    if (connection.deadline_ns != 0 && (first_ns == 0 || connection.deadline_ns < first_ns)) {
-      first_ns = connection.deadline_ns;
-    }
+    if (connection.deadline_ns != 0) take(connection.deadline_ns);
+    take(connection.asked_ns + idle_ns());
   }
+  if (accept_from_ns_ != 0) take(accept_from_ns_);
   if (first_ns == 0) return -1;
   return static_cast<int>(std::max<std::int64_t>(0, (first_ns - clock_.now_ns()) / 1'000'000 + 1));
 }
@@ -105,12 +121,17 @@ void ModbusServer::run() {
   while (true) {
     polled.clear();
     polled.push_back({wake_.get(), POLLIN, 0});
-    polled.push_back({listener_.get(), POLLIN, 0});
+    // A client that waits for a descriptor would make poll() return at once for as long as there is none.
+    if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
+    polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
     for (const Connection& connection : connections_)
       polled.push_back({connection.socket.get(), POLLIN | POLLRDHUP, 0});
     if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
-      spdlog::error("poll: {}", std::strerror(errno));
-      return;
+      const int reason = errno;
+      const auto before = troubles_.pass(clock_.now_ns());
+      if (before) spdlog::error("server: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
+      clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
+      for (pollfd& each : polled) each.revents = 0;
     }
     if (polled[0].revents != 0) return;
     const std::int64_t now_ns = clock_.now_ns();
@@ -118,6 +139,7 @@ void ModbusServer::run() {
       Connection& connection = connections_[c];
       if (polled[c + 2].revents != 0) look_at(connection, polled[c + 2].revents);
       if (connection.deadline_ns != 0 && now_ns >= connection.deadline_ns) connection.open = false;
+      if (now_ns - connection.asked_ns >= idle_ns()) connection.open = false;
     }
     std::erase_if(connections_, [](const Connection& connection) { return !connection.open; });
     if (polled[1].revents != 0) accept_all();
@@ -130,19 +152,64 @@ void ModbusServer::accept_all() {
     socklen_t size = sizeof peer;
     Descriptor socket(
         accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (socket.get() < 0) return;
-    if (!is_allowed(plan_.allow, ntohl(peer.sin_addr.s_addr))) {
-      std::array<char, INET_ADDRSTRLEN> text{};
-      spdlog::warn("client {} is not in serve.allow", inet_ntop(AF_INET, &peer.sin_addr, text.data(), text.size()));
+    if (socket.get() < 0) return wait_for_descriptors(errno);
+    const std::uint32_t host = ntohl(peer.sin_addr.s_addr);
+    const std::int64_t now_ns = clock_.now_ns();
+    if (!is_allowed(plan_.allow, host)) {
+      const auto before = strangers_.pass(now_ns);
+      if (before) spdlog::warn("client {} is not in serve.allow{}", text_of(host), LogLimit::also(*before));
       continue;
     }
-    if (connections_.size() >= static_cast<std::size_t>(plan_.connections) || socket.get() >= descriptor_limit) {
-      spdlog::warn("client refused: {} connections are open", connections_.size());
+    if (socket.get() >= descriptor_limit || !make_room_for(host)) {
+      const auto before = refusals_.pass(now_ns);
+      if (before) {
+        spdlog::warn("client {} refused: {} connections are open, none idle for long{}", text_of(host),
+                     connections_.size(), LogLimit::also(*before));
+      }
       continue;
     }
     make_quick(socket.get());
-    connections_.push_back({std::move(socket)});
+    Connection& connection = connections_.emplace_back();
+    connection.socket = std::move(socket);
+    connection.host = host;
+    connection.asked_ns = now_ns;
   }
+}
+
+/// Accepting goes on when others may have closed theirs; what waits is in the backlog.
+void ModbusServer::wait_for_descriptors(int reason) {
+  if (reason != EMFILE && reason != ENFILE && reason != ENOBUFS && reason != ENOMEM) return;
+  accept_from_ns_ = clock_.now_ns() + ns_per_s;
+  const auto before = troubles_.pass(clock_.now_ns());
+  if (before) spdlog::error("server: no client can be accepted: {}{}", std::strerror(reason), LogLimit::also(*before));
+}
+
+/// Closes the longest idle connection, of the same address where that has all it may have; false where none is idle.
+bool ModbusServer::make_room_for(std::uint32_t host) {
+  const auto of_host = [&](const Connection& connection) { return connection.host == host; };
+  const auto from_host = std::count_if(connections_.begin(), connections_.end(), of_host);
+  const bool host_is_full = from_host >= plan_.connections_per_host;
+  if (!host_is_full && connections_.size() < static_cast<std::size_t>(plan_.connections)) return true;
+  auto longest = connections_.end();
+  for (auto each = connections_.begin(); each != connections_.end(); ++each) {
+    if (host_is_full && each->host != host) continue;
+    if (longest == connections_.end() || each->asked_ns < longest->asked_ns) longest = each;
+  }
+  if (longest == connections_.end() || clock_.now_ns() - longest->asked_ns < may_be_evicted_ns) return false;
+  connections_.erase(longest);
+  return true;
+}
+
+/// Who told signals and goes on talking is watched: when it falls silent its signals are no longer believed. Who wrote
+/// once and never came back is a tool, or writes on change only.
+void ModbusServer::note_request(Connection& connection, bool told_signals) {
+  connection.asked_ns = clock_.now_ns();
+  connection.tells_signals = connection.tells_signals || told_signals;
+  if (!connection.tells_signals) return;
+  connection.requests = std::min(connection.requests + 1, talks_cyclically);
+  const bool is_watched = told_.alive_ns != 0;
+  if (connection.requests >= talks_cyclically || (is_watched && told_signals)) told_.alive_ns = connection.asked_ns;
+  if (told_signals || told_.alive_ns == connection.asked_ns) signals_.write(told_);
 }
 
 void ModbusServer::await(Connection& connection, std::size_t bytes) {
@@ -191,6 +258,7 @@ void ModbusServer::answer(Connection& connection, const Gate& gate, std::span<co
     connection.open = hand_over(connection, gate);
     return;
   }
+  note_request(connection, false);
   std::array<std::uint8_t, longest_frame> taken{};
   if (recv(fd, taken.data(), frame.size(), 0) != static_cast<ssize_t>(frame.size())) {
     connection.open = false;
@@ -210,16 +278,26 @@ bool ModbusServer::hand_over(Connection& connection, const Gate& gate) {
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> query{};
   const int length = modbus_receive(modbus_, query.data());
   if (length <= 0) return false;
+  if (may_order(gate.write) && !orders_.has_room_for(most_orders)) {
+    note_request(connection, false);
+    return modbus_reply_exception(modbus_, query.data(), MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY) > 0;
+  }
   refresh();
   const int sent = modbus_reply(modbus_, query.data(), length, mapping_);
   constexpr int exception_bytes = 9;
-  if (gate.write.count > 0 && sent > exception_bytes) {
-    const WriteRange writable = writable_registers();
-    std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
-    take_commands(gate.write, clock_.now_ns(), image_, command_);
-    commands_.write(command_);
-  }
+  const bool wrote = gate.write.count > 0 && sent > exception_bytes;
+  note_request(connection, wrote && take_written(gate.write));
   return sent > 0;
+}
+
+bool ModbusServer::take_written(WriteRange written) {
+  const WriteRange writable = writable_registers();
+  std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
+  for (const Order& order : take_orders(written, switched_to_, image_)) {
+    if (order.kind == OrderKind::correction) switched_to_ = order.code;
+    orders_.give(order);
+  }
+  return take_signals(written, clock_.now_ns(), image_, told_);
 }
 
 void ModbusServer::refresh() {

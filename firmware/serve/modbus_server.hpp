@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/snapshot.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
 #include "firmware/serve/serve_plan.hpp"
 #include "firmware/watch/clock.hpp"
+#include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -34,16 +36,19 @@ class Descriptor {
 /// Serves the register map by Modbus/TCP to any number of clients in the one thread that calls run().
 /// Every socket is non-blocking, every request passes judge_frame() before libmodbus sees it, and only whole requests
 /// are handed over; a request that is not whole within the deadline ends its connection. So no client can hold up
-/// another one. One request is answered from one snapshot.
+/// another one. A connection that is idle for too long is closed, and the longest idle one makes room for a new client.
+/// One request is answered from one snapshot. Signals go to the cycle as the newest, orders one by one.
 class ModbusServer {
  public:
   /// Listens. Throws rom::InputError naming address and port if that is not possible.
-  ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots, Latest<PlcCommand>& commands);
+  ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots, Latest<PlcSignals>& signals,
+               OrderDesk& orders);
   ~ModbusServer();
   ModbusServer(const ModbusServer&) = delete;
   ModbusServer& operator=(const ModbusServer&) = delete;
 
   int port() const;
+  /// Until stop(); a failing poll() is tried again.
   void run();
   /// Ends run(); from any thread or signal handler.
   void stop();
@@ -54,28 +59,41 @@ class ModbusServer {
     std::int64_t deadline_ns = 0;  ///< of the frame that has begun; 0: none has
     std::size_t awaited = 1;       ///< bytes below which poll() stays quiet
     bool open = true;
+    std::uint32_t host = 0;      ///< IPv4 address, host byte order
+    std::int64_t asked_ns = 0;   ///< last request, or the connection itself
+    int requests = 0;            ///< since it first told a signal; saturates
+    bool tells_signals = false;  ///< it has written a signal
   };
 
   void accept_all();
+  bool make_room_for(std::uint32_t host);
+  void wait_for_descriptors(int reason);
+  void note_request(Connection& connection, bool told_signals);
   void look_at(Connection& connection, short events);
   void await(Connection& connection, std::size_t bytes);
   void answer(Connection& connection, const Gate& gate, std::span<const std::uint8_t> frame);
   bool hand_over(Connection& connection, const Gate& gate);
+  bool take_written(WriteRange written);
+  std::int64_t idle_ns() const { return static_cast<std::int64_t>(1e9 * plan_.idle_s); }
   void refresh();
   int poll_timeout_ms() const;
 
   ServePlan plan_;
   Clock& clock_;
   Latest<Snapshot>& snapshots_;
-  Latest<PlcCommand>& commands_;
+  Latest<PlcSignals>& signals_;
+  OrderDesk& orders_;
   Descriptor listener_;
   Descriptor wake_;
   std::vector<Connection> connections_;
   modbus_t* modbus_ = nullptr;
   modbus_mapping_t* mapping_ = nullptr;
   Snapshot snapshot_;
-  PlcCommand command_;
+  PlcSignals told_;
   RegisterImage image_{};
+  std::uint16_t switched_to_ = not_present_code;  ///< the correction, by the last order
+  std::int64_t accept_from_ns_ = 0;               ///< no descriptor is free until then
+  LogLimit strangers_, refusals_, troubles_;
 };
 
 }  // namespace spindle_twin::firmware

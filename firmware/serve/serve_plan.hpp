@@ -13,6 +13,8 @@ struct ServePlan {
   int port = 502;                     ///< 0 takes a free one (tests)
   std::vector<AddressRange> allow;    ///< clients that are answered
   int connections = 32;               ///< at most at once
+  int connections_per_host = 16;      ///< of these, from one address
+  double idle_s = 300.0;              ///< a connection without a request for so long is closed
   double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
 };
 

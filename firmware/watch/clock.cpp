@@ -8,6 +8,12 @@ namespace {
 constexpr std::int64_t ns_per_s = 1'000'000'000;
 }
 
+double unix_now_s() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 std::int64_t MonotonicClock::now_ns() const {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);

@@ -4,6 +4,9 @@
 
 namespace spindle_twin::firmware {
 
+/// Seconds since 1970 by the clock on the wall, which may be set; for labels and for the age of files.
+double unix_now_s();
+
 /// The seam through which the daemon sees time; tests replace it. Never steps back.
 class Clock {
  public:

@@ -2,7 +2,6 @@
 
 daemon_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]
 """
-import os
 import pathlib
 import re
 import signal
@@ -10,100 +9,23 @@ import socket
 import statistics
 import struct
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 import unittest
 
-from pymodbus.client import ModbusTcpClient
-
 from ports import can_connect, free_port, wait_until
+from running_daemon import CONFIG, PROGRAMS, RunningDaemon, float32, int16, main, run_daemon
 
-HERE = pathlib.Path(__file__).resolve().parent
-DAEMON = ""
-MAKE_NETWORK = ""
 SLOWEST_ANSWER_S = 0.050  # beside a client that sends one byte a second
 
-SENSORS = "".join(f'[[sensor]]\nkey_point = "sleeve_{place}"\nregister = {2 * n}\ntype = "float32"\n'
-                  for n, place in enumerate(("inner", "middle", "outer")))
-CONFIG = """
-network = "small.rom"
-[serve]
-port = {port}
-[device]
-port = {device}
-timeout_s = 2.0
-{sensors}[cycle]
-clock_rate = 10.0
-[signals]
-speed = {{ source = "plc" }}
-load = {{ source = "plc" }}
-coolant = {{ source = "device", register = 6, type = "float32" }}
-ambient = {{ source = "constant", value = 22.0 }}
-[correction]
-law = "estimator"
-[history]
-path = "history.csv"
-parameters = "parameters.csv"
-[checkpoint]
-path = "twin.checkpoint"
-interval_s = 5.0
-""".replace("{sensors}", SENSORS)
 
-
-def int16(word):
-    return word - 65536 if word > 32767 else word
-
-
-def float32(first, second):
-    return struct.unpack(">f", struct.pack(">HH", first, second))[0]
-
-
-def run_daemon(*arguments):
-    return subprocess.run([DAEMON, *map(str, arguments)], capture_output=True, text=True, timeout=30)
-
-
-class Running(unittest.TestCase):
-    """With a device and a daemon that run."""
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-        subprocess.run([MAKE_NETWORK, self.folder / "small.rom"], check=True)
-        self.port, self.device_port = free_port(), free_port()
-        self.config = self.folder / "twin.toml"
-        self.config.write_text(CONFIG.format(port=self.port, device=self.device_port))
-        self.device = self.start([sys.executable, HERE / "fake_device.py", self.device_port], stderr=subprocess.DEVNULL)
-        wait_until(lambda: can_connect(self.device_port), "the device's port")
-        self.log = open(self.folder / "log", "w+")
-        self.addCleanup(self.log.close)
-        self.daemon = self.start([DAEMON, self.config], stderr=self.log)
-        wait_until(lambda: can_connect(self.port), "the daemon's port")
-        self.client = ModbusTcpClient("127.0.0.1", port=self.port)
-        self.assertTrue(self.client.connect())
-        self.addCleanup(self.client.close)
-
-    def start(self, command, **options):
-        process = subprocess.Popen(list(map(str, command)), **options)
-        self.addCleanup(lambda: (process.kill(), process.wait()))
-        return process
-
-    def read(self, first, count, holding=False):
-        function = self.client.read_holding_registers if holding else self.client.read_input_registers
-        reply = function(first, count, slave=1)
-        self.assertFalse(reply.isError(), reply)
-        return reply.registers
-
+class Running(RunningDaemon):
     def mbpoll(self, *arguments):
         command = ["mbpoll", "-m", "tcp", "-1", "-0", "-q", "-p", str(self.port), *map(str, arguments)]
         result = subprocess.run(command, capture_output=True, text=True, timeout=20)
         values = {int(at): float(value) for at, value in re.findall(r"^\[(\d+)\]:\s+(\S+)", result.stdout, re.MULTILINE)}
         return result.returncode, values, result.stdout
-
-    def wait_for_state(self, wanted):
-        return wait_until(lambda: self.read(10, 1)[0] == wanted, f"state {wanted}")
 
     def test_mbpoll_and_pymodbus_read_the_same_values(self):
         code, words, output = self.mbpoll("-r", 0, "-c", 2, "-t", "3", "127.0.0.1")
@@ -129,10 +51,6 @@ class Running(unittest.TestCase):
         self.assertEqual((code, list(values.values())), (0, measured), output)
         self.assertEqual(self.read(36, 2), [2150, 2200])
         self.assertEqual(self.read(43, 13), [0x8000] * 13)
-
-    def write_signals(self):
-        self.assertFalse(self.client.write_register(1000, 6000, slave=1).isError())
-        self.assertFalse(self.client.write_registers(1001, [1000], slave=1).isError())
 
     def test_plc_signals_drive_the_prediction_and_tare_zeroes_the_nose(self):
         self.wait_for_state(2)
@@ -242,12 +160,6 @@ class Running(unittest.TestCase):
         self.assertTrue(all(row.count(",") + 1 == len(columns) for row in rows))
         self.assertEqual(float(rows[-1].split(",")[columns.index("measured.sleeve_inner_degC")]), 28.5)
 
-    def start_again(self):
-        self.client.close()
-        self.daemon = self.start([DAEMON, self.config], stderr=self.log)
-        wait_until(lambda: can_connect(self.port), "the daemon's port")
-        self.assertTrue(self.client.connect())
-
     def test_a_checkpoint_survives_a_kill_and_the_next_start_goes_on_from_it(self):
         self.write_signals()
         self.wait_for_state(1)
@@ -299,14 +211,15 @@ class Running(unittest.TestCase):
         second = run_daemon(self.config)
         self.assertEqual(second.returncode, 1)
         self.assertEqual(second.stderr,
-                         f"spindle-twind: {self.config}: another spindle-twind already runs with this configuration\n")
+                         f"spindle-twind: {self.folder}/twin.checkpoint.orders: another spindle-twind already writes this file\n")
 
     def test_a_busy_port_is_one_clear_error(self):
         other = self.folder / "other.toml"
-        other.write_text(self.config.read_text().replace("history.csv", "other.csv"))
+        text = self.config.read_text().replace("parameters.csv", "others.csv")
+        other.write_text(text.replace("history.csv", "other.csv").replace("twin.checkpoint", "other.checkpoint"))
         second = run_daemon(other)
         self.assertEqual(second.returncode, 1)
-        self.assertEqual(second.stderr.splitlines(), [
+        self.assertEqual(second.stderr.splitlines()[-1:], [
             f"spindle-twind: serve: cannot listen on 127.0.0.1 port {self.port}: Address already in use"])
 
     def test_a_device_that_goes_away_shows_in_state_and_quality(self):
@@ -323,7 +236,7 @@ class BadInput(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         self.network = self.folder / "small.rom"
-        subprocess.run([MAKE_NETWORK, self.network], check=True)
+        subprocess.run([PROGRAMS["make_network"], self.network], check=True)
         self.config = self.folder / "twin.toml"
         self.good = CONFIG.format(port=free_port(), device=free_port())
         self.config.write_text(self.good)
@@ -371,5 +284,4 @@ class BadInput(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    DAEMON, MAKE_NETWORK = map(os.path.abspath, sys.argv[1:3])
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+    main()

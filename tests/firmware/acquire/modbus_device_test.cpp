@@ -57,15 +57,39 @@ TEST(BackOff, doubles_up_to_five_seconds) {
   EXPECT_DOUBLE_EQ(back_off_s(1000000), 5.0);
 }
 
+TEST(CheckAnswer, only_what_answers_the_question_in_every_field_is_taken) {
+  const ReadQuestion question{0x1234, 7, RegisterTable::input, 10, 2};
+  EXPECT_EQ(encode(question), (std::array<std::uint8_t, 12>{0x12, 0x34, 0, 0, 0, 6, 7, 4, 0, 10, 0, 2}));
+  const std::vector<std::uint8_t> good{0x12, 0x34, 0, 0, 0, 7, 7, 4, 4, 1, 2, 3, 4};
+  EXPECT_EQ(check_answer(question, good).is, Answer::values);
+  EXPECT_EQ(word_of(good, 1), 0x0304);
+  for (std::size_t bytes = 0; bytes < good.size(); ++bytes) {
+    EXPECT_EQ(check_answer(question, std::span(good).first(bytes)).is, Answer::not_whole) << bytes;
+  }
+  for (std::size_t at = 0; at < 9; ++at) {  // transaction, protocol, length, unit, function, byte count
+    std::vector<std::uint8_t> bad = good;
+    bad[at] ^= 1;
+    EXPECT_EQ(check_answer(question, bad).is, Answer::wrong) << at;
+  }
+  std::vector<std::uint8_t> longer = good;
+  longer.push_back(0);
+  EXPECT_EQ(check_answer(question, longer).is, Answer::wrong);
+  const std::vector<std::uint8_t> refusal{0x12, 0x34, 0, 0, 0, 3, 7, 0x84, 2};
+  EXPECT_EQ(check_answer(question, refusal).is, Answer::refused);
+  EXPECT_EQ(check_answer(question, refusal).exception, 2);
+  EXPECT_EQ(check_answer(question, std::vector<std::uint8_t>{0x12, 0x34, 0, 0, 0, 4, 7, 0x84, 2, 0}).is, Answer::wrong);
+}
+
 /// The daemon's own server, which knows some answers, stands for the device.
 struct Device {
   MonotonicClock clock;
   Latest<Snapshot> snapshots;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
   ModbusServer server;
   std::thread thread;
 
-  explicit Device(int port) : server(plan(port), clock, snapshots, commands), thread([this] { server.run(); }) {}
+  explicit Device(int port) : server(plan(port), clock, snapshots, signals, orders), thread([this] { server.run(); }) {}
   ~Device() {
     server.stop();
     thread.join();

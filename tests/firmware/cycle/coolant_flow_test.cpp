@@ -147,15 +147,15 @@ TEST(CoolantFlow, the_plc_writes_and_reads_it_in_tenths_of_a_gram_per_second) {
   RegisterImage image{};
   clear_commands(image);
   EXPECT_TRUE(std::isnan(get(image, Register::command_flow, 0)));
-  PlcCommand command;
+  PlcSignals told;
   put(image, Register::command_flow, -20.5, 0);
-  take_commands({entry_of(Register::command_flow).address, 1}, 77, image, command);
-  EXPECT_NEAR(command.signals[first_flow_signal].value, -0.0205, 1e-12);
-  EXPECT_EQ(command.signals[first_flow_signal].time_ns, 77);
-  EXPECT_EQ(command.signals[first_flow_signal + 1].time_ns, 0);
+  EXPECT_TRUE(take_signals({entry_of(Register::command_flow).address, 1}, 77, image, told));
+  EXPECT_NEAR(told.values[first_flow_signal].value, -0.0205, 1e-12);
+  EXPECT_EQ(told.values[first_flow_signal].time_ns, 77);
+  EXPECT_EQ(told.values[first_flow_signal + 1].time_ns, 0);
 
   Twin twin("flow.jacket = { source = \"plc\" }\n");
-  twin.command = command;
+  twin.command.signals = told.values;
   fill_image(twin.run(1), 0, image);
   EXPECT_NEAR(get(image, Register::coolant_flow, 0), -20.5, 1e-9);
   EXPECT_TRUE(std::isnan(get(image, Register::coolant_flow, 1)));

@@ -321,9 +321,9 @@ TEST(RunCycle, model_time_runs_clock_rate_times_as_fast) {
   std::atomic<bool> stop{false};
   SteppedClock clock(stop, 10'000'000'000);
   Latest<DeviceFrame> frames;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
   Latest<Snapshot> snapshots;
-  run_cycle(cycle, plan, clock, {frames, commands, snapshots}, stop);
+  run_cycle(cycle, plan, clock, {frames, signals, snapshots}, stop);
   Snapshot last;
   ASSERT_TRUE(snapshots.read(last));
   EXPECT_NEAR(last.model_time_s, 600.0, 2.5);  // a cycle at both ends

@@ -77,7 +77,9 @@ TEST(MeasuredHeat, what_the_plc_writes_warms_the_winding_and_is_served_again) {
   EXPECT_NE(unread.quality & bits(Quality::signal_held), 0);
 
   put(image, Register::command_heat, 90.0, 0);
-  take_commands({entry_of(Register::command_heat).address, 2}, 77, image, twin.command);
+  PlcSignals told;
+  EXPECT_TRUE(take_signals({entry_of(Register::command_heat).address, 2}, 77, image, told));
+  twin.command.signals = told.values;
   EXPECT_EQ(twin.command.signals[first_heat_signal].value, 90.0);
   EXPECT_EQ(twin.command.signals[first_heat_signal].time_ns, 77);
   EXPECT_EQ(twin.command.signals[first_heat_signal + 1].time_ns, 0);

@@ -213,20 +213,20 @@ TEST(MotorSignals, the_plc_writes_tenths_of_an_ampere_and_hundredths_of_a_kilowa
   clear_commands(image);
   EXPECT_TRUE(std::isnan(get(image, Register::command_current)));
   EXPECT_TRUE(std::isnan(get(image, Register::command_power)));
-  PlcCommand command;
+  PlcSignals told;
   put(image, Register::command_current, 12.5);
-  take_commands({entry_of(Register::command_current).address, 1}, 77, image, command);
-  EXPECT_NEAR(command.signals[current].value, 12.5, 1e-12);
-  EXPECT_EQ(command.signals[current].time_ns, 77);
-  EXPECT_EQ(command.signals[power].time_ns, 0);
+  EXPECT_TRUE(take_signals({entry_of(Register::command_current).address, 1}, 77, image, told));
+  EXPECT_NEAR(told.values[current].value, 12.5, 1e-12);
+  EXPECT_EQ(told.values[current].time_ns, 77);
+  EXPECT_EQ(told.values[power].time_ns, 0);
   put(image, Register::command_power, -3.21);
-  take_commands({entry_of(Register::command_power).address, 1}, 78, image, command);
-  EXPECT_NEAR(command.signals[power].value, -3210.0, 1e-9);
+  EXPECT_TRUE(take_signals({entry_of(Register::command_power).address, 1}, 78, image, told));
+  EXPECT_NEAR(told.values[power].value, -3210.0, 1e-9);
 
   Twin twin(by_current(), "current = { source = \"plc\" }\n");
   fill_image(twin.step(), 0, image);
   EXPECT_TRUE(std::isnan(get(image, Register::motor_current)));
-  twin.command = command;
+  twin.command.signals = told.values;
   fill_image(twin.step(), 0, image);
   EXPECT_EQ(get(image, Register::motor_current), 12.5);
   EXPECT_TRUE(std::isnan(get(image, Register::motor_power))) << "written, but not asked for";

@@ -273,13 +273,19 @@ TEST(WatchSensors, registers_show_state_fault_and_tare_and_take_the_orders) {
   EXPECT_EQ(get(image, Register::sensors_failed), 1.0);
   EXPECT_EQ(get(image, Register::model_in_doubt), 0.0);
 
+  OrderDesk desk;
   PlcCommand command;
+  Snapshot snapshot;
   const WriteRange written{entry_of(Register::command_sensors).address, 1};
   for (const auto& [number, order] :
        {std::pair{1.0, SensorOrder::tare}, {2.0, SensorOrder::clear_tare}, {3.0, SensorOrder::acknowledge}}) {
     const std::uint32_t before = command.sensor_orders;
     put(image, Register::command_sensors, number);
-    take_commands(written, at_s(0), image, command);
+    for (const Order& taken : take_orders(written, not_present_code, image)) desk.give(taken);
+    desk.hand_out(command);
+    OrderResults done{};
+    done.fill(OrderResult::done);
+    desk.settle(done, {}, snapshot);
     EXPECT_EQ(command.sensor_orders, before + 1);
     EXPECT_EQ(command.sensor_order, order);
     EXPECT_EQ(get(image, Register::command_sensors), 0.0);

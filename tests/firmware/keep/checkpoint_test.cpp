@@ -239,6 +239,12 @@ TEST(Resume, other_sensors_keep_the_temperatures_but_not_the_estimate_and_anothe
   wrong.nodes_K[0] = not_a_value;
   EXPECT_EQ(other.resume(wrong, 10.0), Resumed::nothing);
   EXPECT_EQ(other.resume(ran.checkpoint.remembered, not_a_value), Resumed::nothing);
+  wrong = ran.checkpoint.remembered;
+  wrong.nodes_K[0] = 1e6;
+  EXPECT_EQ(other.resume(wrong, 10.0), Resumed::implausible) << "whatever its hash";
+  wrong = ran.checkpoint.remembered;
+  wrong.tare_m = 0.339;
+  EXPECT_EQ(other.resume(wrong, 10.0), Resumed::implausible);
 }
 
 TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
@@ -247,7 +253,7 @@ TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
   const InFolder folder;
   const auto resumed = [&](const std::string& hash, double now_s) {
     Cycle cycle(network, estimated(), runtime);
-    return resume_from_checkpoint(folder.plan, hash, 1.0, now_s, cycle);
+    return resume_from_checkpoint(folder.plan, look_for_checkpoint(folder.plan), hash, 1.0, now_s, cycle);
   };
   EXPECT_EQ(resumed(sha256, saved_unix_s), Resumed::nothing) << "there is none yet";
   write_checkpoint(ran.checkpoint, folder.plan.checkpoint_path);
@@ -270,11 +276,11 @@ TEST(Keeper, asks_the_cycle_thread_and_writes_what_it_gets) {
   Keeper keeper(folder.plan, sha256, plan.clock_rate, cycle);
   std::atomic<bool> stop{false};
   Latest<DeviceFrame> frames;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
   Latest<Snapshot> snapshots;
   MonotonicClock clock;
   std::thread cycling([&] {
-    run_cycle(cycle, plan, clock, {frames, commands, snapshots, nullptr, nullptr, &keeper.remembered()}, stop);
+    run_cycle(cycle, plan, clock, {frames, signals, snapshots, nullptr, nullptr, &keeper.remembered()}, stop);
   });
   std::thread keeping([&] { keeper.run(stop); });
   while (!std::filesystem::exists(folder.plan.checkpoint_path) ||

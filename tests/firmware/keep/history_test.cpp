@@ -1,9 +1,14 @@
 #include "firmware/keep/history.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "tests/firmware/support/small_network.hpp"
@@ -36,7 +41,8 @@ TEST(History, every_snapshot_becomes_a_row_in_order) {
   std::atomic<bool> stop{false};
   constexpr int rows = 500;
   {
-    History history(path, network);
+    Troubles troubles;
+    History history({path}, network, troubles);
     std::thread writer([&] { history.run(stop); });
     Snapshot snapshot = first_snapshot(network);
     for (int n = 1; n <= rows; ++n) {
@@ -55,14 +61,104 @@ TEST(History, every_snapshot_becomes_a_row_in_order) {
   EXPECT_EQ(n, rows);
 }
 
-TEST(History, a_path_that_cannot_be_written_is_one_clear_error) {
-  try {
-    const History history("/nonexistent/history.csv", tests::small_network());
-    FAIL() << "no error";
-  } catch (const rom::InputError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "/nonexistent/history.csv: history.path: cannot be written: No such file or directory");
+std::string text_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Writes the rows of these cycles and ends.
+void write_cycles(History& history, std::uint64_t first, std::uint64_t last) {
+  std::atomic<bool> stop{false};
+  std::thread writer([&] { history.run(stop); });
+  Snapshot snapshot = first_snapshot(tests::small_network());
+  for (snapshot.sequence = first; snapshot.sequence <= last; ++snapshot.sequence) {
+    while (!history.ring().push(snapshot)) std::this_thread::yield();
   }
+  stop.store(true);
+  writer.join();
+}
+
+TEST(History, what_runs_before_wrote_stays_and_a_row_that_was_torn_is_cut_off) {
+  const rom::Network network = tests::small_network();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  Troubles troubles;
+  {
+    History history({path}, network, troubles);
+    write_cycles(history, 1, 3);
+  }
+  const std::string first = text_of(path);
+  std::ofstream(path, std::ios::app) << "0,4,1,0,0.5";  // and then the power went
+  {
+    History history({path}, network, troubles);
+    write_cycles(history, 1, 2);
+  }
+  { const History without_a_row({path}, network, troubles); }
+  const History again({path}, network, troubles);
+  ASSERT_EQ(earlier_histories(path),
+            (std::vector<std::string>{folder.file("history.000001.csv"), folder.file("history.000002.csv")}));
+  EXPECT_EQ(text_of(folder.file("history.000001.csv")), first);
+  EXPECT_EQ(text_of(path), history_header(network) + "\n");
+}
+
+TEST(History, is_bounded_and_begins_a_file_at_each_gap) {
+  const rom::Network network = tests::small_network();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  Troubles troubles;
+  constexpr std::uint64_t segment = 16384, most = 65536;
+  History history({path, segment, most}, network, troubles);
+  write_cycles(history, 1, 1000);
+  std::uint64_t bytes = std::filesystem::file_size(path);
+  const std::vector<std::string> files = earlier_histories(path);
+  for (const std::string& file : files) bytes += std::filesystem::file_size(file);
+  EXPECT_GT(files.size(), 1U);
+  EXPECT_LE(bytes, most + segment / 2) << "a row and a header more";
+  EXPECT_FALSE(std::filesystem::exists(folder.file("history.000001.csv")));
+  EXPECT_EQ(history.lost().load(), 0U);
+  const std::size_t before = earlier_histories(path).size();
+  write_cycles(history, 2000, 2001);
+  EXPECT_GE(earlier_histories(path).size(), before);
+  EXPECT_NE(text_of(path).find("\n0,2000,"), std::string::npos);
+  EXPECT_EQ(text_of(path).find("\n0,1000,"), std::string::npos) << "each file replays by itself";
+}
+
+TEST(History, an_unwritable_folder_is_a_fault_and_not_the_end_and_it_is_tried_again) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("away/history.csv");
+  Troubles troubles;
+  History history({path}, tests::small_network(), troubles);
+  EXPECT_NE(troubles.faults() & bits(Fault::history_lost), 0);
+  write_cycles(history, 1, 5);
+  EXPECT_EQ(troubles.history_rows_lost.load(), 5U);
+  std::filesystem::create_directory(folder.file("away"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  write_cycles(history, 6, 8);
+  EXPECT_EQ(troubles.faults(), 0);
+  EXPECT_EQ(troubles.history_rows_lost.load(), 5U);
+  const std::string text = text_of(path);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4);
+}
+
+/// A process's limit of file sizes stands for a full disk: a row is written in part.
+TEST(History, what_a_full_disk_leaves_of_a_row_is_cut_off) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  Troubles troubles;
+  History history({path}, tests::small_network(), troubles);
+  write_cycles(history, 1, 10);
+  const auto whole = std::filesystem::file_size(path);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{whole + 100, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &full);
+  write_cycles(history, 11, 20);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, ignored);
+  EXPECT_EQ(std::filesystem::file_size(path), whole);
+  EXPECT_NE(troubles.faults() & bits(Fault::history_lost), 0);
+  EXPECT_EQ(troubles.history_rows_lost.load(), 10U);
 }
 
 }  // namespace

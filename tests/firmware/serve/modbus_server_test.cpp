@@ -8,6 +8,7 @@
 #include <sys/time.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <thread>
@@ -22,7 +23,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// A server in its own thread on a free port.
 struct Serving {
-  explicit Serving(ServePlan the_plan = plan()) : server(the_plan, clock, snapshots, commands) {
+  explicit Serving(ServePlan the_plan = plan()) : server(the_plan, clock, snapshots, signals, orders) {
     thread = std::thread([this] { server.run(); });
   }
   ~Serving() {
@@ -40,7 +41,8 @@ struct Serving {
 
   MonotonicClock clock;
   Latest<Snapshot> snapshots;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
   ModbusServer server;
   std::thread thread;
 };
@@ -213,12 +215,14 @@ TEST(ModbusServer, commands_reach_the_cycle_and_read_back) {
   EXPECT_EQ(client.ask(write_single(Register::command_tare, 1)).size(), 12U);
   EXPECT_EQ(payload(client.ask({3, 3, 232, 0, 6})),
             (Bytes{0x17, 0x70, 0x01, 0xF4, 0xFF, 0x38, 0x80, 0x00, 0xFF, 0xFF, 0x00, 0x00}));
+  PlcSignals told;
+  ASSERT_TRUE(serving.signals.read(told));
+  EXPECT_EQ(told.values[0].value, 6000.0);
+  EXPECT_NEAR(told.values[1].value, 0.5, 1e-12);
+  EXPECT_NEAR(told.values[2].value, 273.15 - 2.0, 1e-9);
+  EXPECT_EQ(told.values[3].time_ns, 0);
   PlcCommand command;
-  ASSERT_TRUE(serving.commands.read(command));
-  EXPECT_EQ(command.signals[0].value, 6000.0);
-  EXPECT_NEAR(command.signals[1].value, 0.5, 1e-12);
-  EXPECT_NEAR(command.signals[2].value, 273.15 - 2.0, 1e-9);
-  EXPECT_EQ(command.signals[3].time_ns, 0);
+  serving.orders.hand_out(command);
   EXPECT_EQ(command.tare_orders, 1U);
 }
 
@@ -235,6 +239,85 @@ TEST(ModbusServer, the_client_after_the_last_place_is_turned_away) {
   EXPECT_EQ(payload(a.ask(read_known)), known_words);
 }
 
+TEST(ModbusServer, orders_that_find_the_queue_full_are_answered_with_busy_and_change_nothing) {
+  Serving serving;
+  Client client(serving.server.port());
+  std::size_t taken = 0;
+  Bytes reply;
+  while (taken < 100 && exception_of(reply = client.ask(write_single(Register::command_tare, 1))) == 0) ++taken;
+  EXPECT_EQ(exception_of(reply), 6);
+  EXPECT_GT(taken, 50U);
+  EXPECT_LE(taken, OrderDesk::room);
+  EXPECT_EQ(exception_of(client.ask(write_single(Register::command_speed, 5))), 0) << "a signal needs no place";
+}
+
+TEST(ModbusServer, a_connection_that_asks_nothing_is_closed_and_one_that_asks_is_not) {
+  ServePlan plan = Serving::plan();
+  plan.idle_s = 0.5;
+  Serving serving(plan);
+  Client idle(serving.server.port());
+  Client busy(serving.server.port());
+  for (int i = 0; i < 15; ++i) {
+    EXPECT_EQ(payload(busy.ask(read_known)), known_words);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_TRUE(idle.closed_by_server());
+  EXPECT_EQ(payload(busy.ask(read_known)), known_words);
+}
+
+/// A clock that is set by hand.
+struct HandClock final : Clock {
+  std::atomic<std::int64_t> time_ns{1'000'000'000};
+  std::int64_t now_ns() const override { return time_ns; }
+  void sleep_until_ns(std::int64_t) override {}
+};
+
+TEST(ModbusServer, the_longest_idle_connection_makes_room_and_one_address_has_its_share_only) {
+  HandClock clock;
+  Latest<Snapshot> snapshots;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
+  ServePlan plan = Serving::plan();
+  plan.connections_per_host = 2;
+  ModbusServer server(plan, clock, snapshots, signals, orders);
+  std::thread thread([&] { server.run(); });
+  Client first(server.port());
+  EXPECT_EQ(payload(first.ask(read_known)), known_words);
+  clock.time_ns += 1'000'000'000;
+  Client second(server.port());
+  EXPECT_EQ(payload(second.ask(read_known)), known_words);
+  clock.time_ns += 2'000'000'000;
+  Client refused(server.port());
+  EXPECT_TRUE(refused.closed_by_server()) << "nobody has been idle for long";
+  clock.time_ns += 6'000'000'000;
+  EXPECT_EQ(payload(first.ask(read_known)), known_words);
+  Client third(server.port());
+  EXPECT_EQ(payload(third.ask(read_known)), known_words);
+  EXPECT_TRUE(second.closed_by_server()) << "the longest idle one";
+  EXPECT_EQ(payload(first.ask(read_known)), known_words);
+  server.stop();
+  thread.join();
+}
+
+TEST(ModbusServer, who_told_signals_and_goes_on_talking_is_heard_and_who_wrote_once_is_not_waited_for) {
+  Serving serving;
+  Client plc(serving.server.port());
+  PlcSignals told;
+  plc.ask(write_single(Register::command_speed, 6000));
+  ASSERT_TRUE(serving.signals.read(told));
+  EXPECT_EQ(told.alive_ns, 0) << "a tool that writes once";
+  for (int i = 0; i < 3; ++i) plc.ask(read_known);
+  ASSERT_TRUE(serving.signals.read(told));
+  const std::int64_t heard_ns = told.alive_ns;
+  EXPECT_GT(heard_ns, 0);
+  Client reader(serving.server.port());
+  for (int i = 0; i < 5; ++i) reader.ask(read_known);
+  EXPECT_FALSE(serving.signals.read(told)) << "another one's requests say nothing of the PLC";
+  plc.ask(read_known);
+  ASSERT_TRUE(serving.signals.read(told));
+  EXPECT_GT(told.alive_ns, heard_ns);
+}
+
 TEST(ModbusServer, a_client_that_is_not_on_the_list_is_turned_away) {
   ServePlan plan = Serving::plan();
   plan.allow = {*parse_address_range("10.0.0.0/8")};
@@ -249,9 +332,10 @@ TEST(ModbusServer, a_busy_port_is_one_clear_error) {
   plan.port = serving.server.port();
   MonotonicClock clock;
   Latest<Snapshot> snapshots;
-  Latest<PlcCommand> commands;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
   try {
-    const ModbusServer second(plan, clock, snapshots, commands);
+    const ModbusServer second(plan, clock, snapshots, signals, orders);
     FAIL() << "no error";
   } catch (const rom::InputError& error) {
     EXPECT_EQ(std::string(error.what()),

@@ -194,51 +194,65 @@ TEST(Pack, get_inverts_put_for_every_type) {
 TEST(Commands, only_what_was_written_counts_as_read) {
   RegisterImage image{};
   clear_commands(image);
-  PlcCommand command;
+  PlcSignals told;
   put(image, Register::command_speed, 6000.0);
   put(image, Register::command_load, 55.5);
-  take_commands({entry_of(Register::command_speed).address, 1}, 77, image, command);
-  EXPECT_EQ(command.signals[0].value, 6000.0);
-  EXPECT_EQ(command.signals[0].time_ns, 77);
-  EXPECT_EQ(command.signals[1].time_ns, 0);
-  take_commands({entry_of(Register::command_speed).address, 2}, 78, image, command);
-  EXPECT_NEAR(command.signals[1].value, 0.555, 1e-12);
-  EXPECT_EQ(command.correction, CorrectionOrder::as_configured);
+  EXPECT_TRUE(take_signals({entry_of(Register::command_speed).address, 1}, 77, image, told));
+  EXPECT_EQ(told.values[0].value, 6000.0);
+  EXPECT_EQ(told.values[0].time_ns, 77);
+  EXPECT_EQ(told.values[1].time_ns, 0);
+  EXPECT_TRUE(take_signals({entry_of(Register::command_speed).address, 2}, 78, image, told));
+  EXPECT_NEAR(told.values[1].value, 0.555, 1e-12);
+  EXPECT_FALSE(take_signals({entry_of(Register::command_tare).address, 1}, 79, image, told));
+  EXPECT_TRUE(take_orders(writable_registers(), not_present_code, image).empty());
 }
 
 TEST(Commands, tare_order_is_taken_once_and_reads_back_as_zero) {
   RegisterImage image{};
   clear_commands(image);
-  PlcCommand command;
   put(image, Register::command_tare, 2.0);
-  take_commands(writable_registers(), 1, image, command);
-  EXPECT_EQ(command.tare_orders, 1U);
-  EXPECT_EQ(command.tare_order, TareOrder::clear);
+  put(image, Register::command_order_id, 4711.0);
+  const std::vector<Order> orders = take_orders(writable_registers(), not_present_code, image);
+  ASSERT_EQ(orders.size(), 1U);
+  EXPECT_EQ(orders[0].kind, OrderKind::tare);
+  EXPECT_EQ(orders[0].code, 2);
+  EXPECT_EQ(orders[0].id, 4711);
   EXPECT_EQ(get(image, Register::command_tare), 0.0);
-  take_commands(writable_registers(), 2, image, command);
-  EXPECT_EQ(command.tare_orders, 1U);
+  EXPECT_TRUE(take_orders(writable_registers(), not_present_code, image).empty());
+}
+
+TEST(Commands, the_switch_is_an_order_only_where_it_changes) {
+  RegisterImage image{};
+  clear_commands(image);
+  put(image, Register::command_correction, 0.0);
+  EXPECT_EQ(take_orders(writable_registers(), 1, image).size(), 1U);
+  EXPECT_EQ(take_orders(writable_registers(), 0, image).size(), 0U) << "a PLC may write all registers each second";
+  put_not_present(image, Register::command_correction);
+  const std::vector<Order> orders = take_orders(writable_registers(), 0, image);
+  ASSERT_EQ(orders.size(), 1U);
+  EXPECT_EQ(orders[0].code, not_present_code);
 }
 
 TEST(Commands, a_measured_length_is_taken_with_its_deviation_and_output) {
   RegisterImage image{};
   clear_commands(image);
-  PlcCommand command;
+  const auto take = [&](WriteRange written) { return take_orders(written, not_present_code, image); };
   put(image, Register::command_displacement, -3.5);
   put(image, Register::command_displacement_sd, 1.0);
-  take_commands({entry_of(Register::command_displacement).address, 4}, 1, image, command);
-  EXPECT_EQ(command.displacements, 0U) << "not before it is ordered";
+  EXPECT_TRUE(take({entry_of(Register::command_displacement).address, 4}).empty()) << "not before it is ordered";
   put(image, Register::command_displacement_take, 1.0);
-  take_commands(writable_registers(), 2, image, command);
-  EXPECT_EQ(command.displacements, 1U);
-  EXPECT_EQ(command.displacement.output, 0U);
-  EXPECT_NEAR(command.displacement.value_m, -3.5e-6, 1e-12);
-  EXPECT_NEAR(command.displacement.sd_m, 1e-6, 1e-12);
+  const std::vector<Order> first = take(writable_registers());
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].kind, OrderKind::length);
+  EXPECT_EQ(first[0].length.output, 0U);
+  EXPECT_NEAR(first[0].length.value_m, -3.5e-6, 1e-12);
+  EXPECT_NEAR(first[0].length.sd_m, 1e-6, 1e-12);
   EXPECT_EQ(get(image, Register::command_displacement_take), 0.0);
   put(image, Register::command_displacement_output, 1.0);
   put(image, Register::command_displacement_take, 1.0);
-  take_commands(writable_registers(), 3, image, command);
-  EXPECT_EQ(command.displacement.output, 1U);
-  EXPECT_EQ(command.displacements, 2U);
+  const std::vector<Order> second = take(writable_registers());
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].length.output, 1U);
 }
 
 }  // namespace

@@ -1,0 +1,115 @@
+#include "firmware/cycle/order_desk.hpp"
+
+#include <algorithm>
+
+namespace spindle_twin::firmware {
+namespace {
+
+bool is_known(const Order& order) {
+  switch (order.kind) {
+    case OrderKind::tare:
+      return order.code == 1 || order.code == 2;
+    case OrderKind::sensors:
+      return order.code >= 1 && order.code <= 3;
+    case OrderKind::length:
+    case OrderKind::acknowledge:
+      return order.code == 1;
+    default:
+      return true;
+  }
+}
+
+CorrectionOrder correction_of(std::uint16_t code) {
+  if (code == not_present_code) return CorrectionOrder::as_configured;
+  return code == 0 ? CorrectionOrder::off : CorrectionOrder::on;
+}
+
+void add_to(PlcCommand& command, const Order& order) {
+  switch (order.kind) {
+    case OrderKind::correction:
+      command.correction = correction_of(order.code);
+      break;
+    case OrderKind::length:
+      command.displacement = order.length;
+      ++command.displacements;
+      break;
+    case OrderKind::sensors:
+      command.sensor_order = order.code == 1   ? SensorOrder::tare
+                             : order.code == 2 ? SensorOrder::clear_tare
+                                               : SensorOrder::acknowledge;
+      ++command.sensor_orders;
+      break;
+    case OrderKind::tare:
+      command.tare_order = order.code == 1 ? TareOrder::take : TareOrder::clear;
+      ++command.tare_orders;
+      break;
+    case OrderKind::acknowledge:
+      ++command.acknowledgements;
+      break;
+    case OrderKind::none:
+      break;
+  }
+}
+
+}  // namespace
+
+void OrderDesk::begin_with(const StandingOrders& standing) {
+  revision_ = standing.revision;
+  correction_ = standing.correction;
+  kept_.store(standing.revision, std::memory_order_release);
+}
+
+void OrderDesk::add(const Order& order, PlcCommand& command) {
+  std::move_backward(records_.begin(), records_.end() - 1, records_.end());
+  const bool known = is_known(order);
+  records_[0] = {{++orders_, order.id, order.kind, known ? OrderResult::waiting : OrderResult::unknown}, 0, known};
+  if (known) add_to(command, order);
+}
+
+void OrderDesk::hand_out(PlcCommand& command) {
+  if (waiting_) return;
+  OrderKind last = OrderKind::none;
+  while (true) {
+    Order order;
+    if (!next_ && queue_.pop(order)) next_ = order;
+    if (!next_ || next_->kind <= last) return;
+    last = next_->kind;
+    add(*next_, command);
+    next_.reset();
+  }
+}
+
+OrderResult OrderDesk::kept_result(std::uint32_t revision) const {
+  if (kept_.load(std::memory_order_acquire) >= revision) return OrderResult::done;
+  return not_kept_.load(std::memory_order_acquire) >= revision ? OrderResult::not_kept : OrderResult::waiting;
+}
+
+void OrderDesk::settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot) {
+  const std::uint32_t before = revision_;
+  waiting_ = false;
+  // The oldest first: revisions count in the order of the orders.
+  for (std::size_t i = records_.size(); i-- > 0;) {
+    Record& record = records_[i];
+    if (!record.handed_out) continue;
+    record.told.result = results[static_cast<std::size_t>(record.told.kind)];
+    if (record.told.result == OrderResult::waiting) {
+      waiting_ = true;
+      continue;
+    }
+    record.handed_out = false;
+    // A measured length lives in the estimate, which the checkpoint keeps.
+    if (record.told.result == OrderResult::done && record.told.kind != OrderKind::length) record.revision = ++revision_;
+  }
+  if (revision_ != before) {
+    StandingOrders now = standing;
+    now.revision = revision_;
+    standing_.write(now);
+  }
+  snapshot.orders = orders_;
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    if (records_[i].revision > 0) records_[i].told.result = kept_result(records_[i].revision);
+    snapshot.last_orders[i] = records_[i].told;
+  }
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/snapshot.hpp"
+
+namespace spindle_twin::firmware {
+
+/// One order of the PLC as it was written.
+struct Order {
+  OrderKind kind = OrderKind::none;
+  std::uint16_t id = 0;    ///< the PLC's own number for it
+  std::uint16_t code = 0;  ///< what was written; of the correction 0 off, 1 on, not_present as configured
+  Displacement length;     ///< of the kind `length`
+};
+inline constexpr std::uint16_t not_present_code = 65535;
+
+/// What one cycle made of the orders of each kind, by OrderKind; none where it was given none.
+using OrderResults = std::array<OrderResult, 6>;
+
+/// What holds until another order changes it, and must outlive a restart: as it stands in the orders' file.
+struct StandingOrders {
+  std::uint32_t revision = 0;  ///< counts up with each order obeyed
+  CorrectionOrder correction = CorrectionOrder::as_configured;
+  double tare_m = 0.0;
+  std::uint32_t sensor_tares = 0;
+  std::array<double, slots::key_points> sensor_tare_K{};
+  std::array<double, slots::key_points> sensor_tare_deviation_K{};
+  std::uint32_t acknowledgements = 0;
+  bool lost = false;  ///< some of it was lost and nobody has acknowledged that
+};
+
+/// Where orders pass from the server to the cycle, and what holds of them from the cycle to the thread that writes it
+/// to the disk. Each order gets a result: done only once it is on the disk, if it must outlive a restart. No side
+/// waits for another; an order that finds the queue full is not taken.
+class OrderDesk {
+ public:
+  static constexpr std::size_t room = 64;
+
+  // The server's thread.
+  bool has_room_for(std::size_t orders) const { return queue_.size() + orders <= room; }
+  void give(const Order& order) { queue_.push(order); }
+
+  // The cycle's thread; no allocation.
+  /// What holds before the first order.
+  PlcCommand first_command() const {
+    PlcCommand command;
+    command.correction = correction_;
+    return command;
+  }
+  /// Adds the next orders to `command`: in the order in which they came, as long as each is of a later kind than the
+  /// one before, so that a row of the history tells all of them. None while an order of before waits for the
+  /// prediction.
+  void hand_out(PlcCommand& command);
+  /// After the cycle: the results of what was handed out, and of those that wait for the disk.
+  void settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot);
+
+  // The thread that writes standing orders.
+  Latest<StandingOrders>& standing() { return standing_; }
+  /// The first `revision` orders are on the disk, or could not be written.
+  void note_kept(std::uint32_t revision) { kept_.store(revision, std::memory_order_release); }
+  void note_not_kept(std::uint32_t revision) { not_kept_.store(revision, std::memory_order_release); }
+
+  /// Before the first cycle: what holds from a run before.
+  void begin_with(const StandingOrders& standing);
+
+ private:
+  struct Record {
+    OrderRecord told;
+    std::uint32_t revision = 0;  ///< done when so many are on the disk
+    bool handed_out = false;     ///< the cycle has it and says what becomes of it
+  };
+  void add(const Order& order, PlcCommand& command);
+  OrderResult kept_result(std::uint32_t revision) const;
+
+  Ring<Order, room> queue_;
+  std::optional<Order> next_;
+  std::array<Record, order_records> records_{};  ///< newest first
+  std::uint32_t orders_ = 0;
+  std::uint32_t revision_ = 0;
+  CorrectionOrder correction_ = CorrectionOrder::as_configured;
+  bool waiting_ = false;
+  Latest<StandingOrders> standing_;
+  std::atomic<std::uint32_t> kept_{0};
+  std::atomic<std::uint32_t> not_kept_{0};
+};
+
+}  // namespace spindle_twin::firmware

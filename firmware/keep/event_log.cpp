@@ -1,0 +1,119 @@
+#include "firmware/keep/event_log.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "firmware/watch/clock.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+template <class Codes>
+const char* name_of(const Codes& codes, std::uint16_t value) {
+  const auto found = std::find_if(codes.begin(), codes.end(), [&](const auto& code) { return code.value == value; });
+  return found == codes.end() ? "unknown" : found->name;
+}
+
+/// Names of the bits that are set.
+template <class Codes>
+std::string names_of(const Codes& codes, std::uint16_t bits) {
+  std::string names;
+  for (const auto& code : codes) {
+    if ((bits & code.value) != 0) names.append(names.empty() ? "" : ", ").append(code.name);
+  }
+  return names.empty() ? "none" : names;
+}
+
+}  // namespace
+
+EventLog::EventLog(const rom::Network& network) {
+  for (const rom::KeyPoint& point : network.key_points) key_points_.push_back(point.name);
+}
+
+void EventLog::run(const std::atomic<bool>& stop) {
+  Snapshot snapshot;
+  while (true) {
+    const bool last = stop.load(std::memory_order_acquire);
+    if (tap_.read(snapshot)) note(snapshot, MonotonicClock().now_ns());
+    if (last) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+void EventLog::note(const Snapshot& snapshot, std::int64_t now_ns) {
+  note_state(snapshot, now_ns);
+  note_faults(snapshot, now_ns);
+  note_sensors(snapshot, now_ns);
+  note_orders(snapshot, now_ns);
+  note_overruns(snapshot, now_ns);
+  before_ = snapshot;
+  first_ = false;
+}
+
+void EventLog::note_state(const Snapshot& now, std::int64_t now_ns) {
+  if (!first_ && now.state == before_.state) return;
+  const auto held_back = states_.pass(now_ns);
+  if (!held_back) return;
+  spdlog::info("state {}, quality: {}{}", name_of(state_codes, bits(now.state)), names_of(quality_codes, now.quality),
+               LogLimit::also(*held_back));
+}
+
+void EventLog::note_faults(const Snapshot& now, std::int64_t now_ns) {
+  const auto came = static_cast<std::uint16_t>(now.fault & ~before_.fault);
+  const auto went = static_cast<std::uint16_t>(before_.fault & ~now.fault);
+  if (came == 0 && went == 0) return;
+  const auto held_back = faults_.pass(now_ns);
+  if (!held_back) return;
+  if (came != 0) spdlog::warn("fault {}{}", names_of(fault_codes, came), LogLimit::also(*held_back));
+  if (went != 0) spdlog::info("fault {} is over{}", names_of(fault_codes, went), LogLimit::also(*held_back));
+}
+
+void EventLog::note_sensors(const Snapshot& now, std::int64_t now_ns) {
+  const auto is_out = [](const SensorHealthState& health) {
+    return health.state == SensorState::failed || health.state == SensorState::returning;
+  };
+  for (std::size_t k = 0; k < key_points_.size(); ++k) {
+    const SensorHealthState& health = now.sensor_health[k];
+    const bool failed = health.state == SensorState::failed && before_.sensor_health[k].state != SensorState::failed;
+    const bool back = !is_out(health) && is_out(before_.sensor_health[k]);
+    if (!failed && !back) continue;
+    const auto held_back = sensors_.pass(now_ns);
+    if (!held_back) continue;
+    if (failed) {
+      spdlog::warn("sensor {}: failed, {}{}", key_points_[k], name_of(sensor_fault_codes, bits(health.fault)),
+                   LogLimit::also(*held_back));
+    } else {
+      spdlog::info("sensor {}: believed again{}", key_points_[k], LogLimit::also(*held_back));
+    }
+  }
+}
+
+void EventLog::note_orders(const Snapshot& now, std::int64_t now_ns) {
+  for (std::size_t i = order_records; i-- > 0;) {  // the oldest first
+    const OrderRecord& order = now.last_orders[i];
+    if (order.number == 0 || order.result == OrderResult::waiting) continue;
+    const bool said = std::any_of(told_.begin(), told_.end(), [&](const OrderRecord& each) {
+      return each.number == order.number && each.result == order.result;
+    });
+    if (said) continue;
+    const auto held_back = orders_.pass(now_ns);
+    if (!held_back) continue;
+    spdlog::info("order {} (the PLC's {}), {}: {}{}", order.number, order.id,
+                 name_of(order_kind_codes, bits(order.kind)), name_of(order_result_codes, bits(order.result)),
+                 LogLimit::also(*held_back));
+  }
+  told_ = now.last_orders;
+}
+
+void EventLog::note_overruns(const Snapshot& now, std::int64_t now_ns) {
+  if (first_ || now.overruns == before_.overruns) return;
+  const auto held_back = overruns_.pass(now_ns);
+  if (!held_back) return;
+  spdlog::warn("{} cycles missed, {} since the start{}", now.overruns - before_.overruns, now.overruns,
+               LogLimit::also(*held_back));
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,65 @@
+#include "firmware/keep/state_files.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::firmware {
+
+bool exists_as_file(const std::string& path) {
+  std::error_code unknown;
+  const auto status = std::filesystem::status(path, unknown);
+  if (!std::filesystem::exists(status)) return false;
+  if (std::filesystem::is_regular_file(status)) return true;
+  throw rom::InputError({path, 0}, "", "it exists and is not a regular file");
+}
+
+int remove_left_overs(const std::string& path) {
+  constexpr std::size_t letters = 6;
+  const std::filesystem::path file(path);
+  const std::string begin = file.filename().string() + ".";
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code unknown;
+  std::vector<std::filesystem::path> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, unknown)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_temporary = name.size() == begin.size() + letters && name.starts_with(begin) &&
+                              std::all_of(name.end() - letters, name.end(),
+                                          [](char letter) { return std::isalnum(static_cast<unsigned char>(letter)); });
+    const bool is_a_word = is_temporary && std::all_of(name.end() - letters, name.end(),
+                                                       [](char letter) { return letter >= 'a' && letter <= 'z'; });
+    if (is_temporary && !is_a_word && std::filesystem::is_regular_file(entry.symlink_status(unknown)))
+      left.push_back(entry.path());
+  }
+  return static_cast<int>(std::count_if(left.begin(), left.end(), [&](const std::filesystem::path& temporary) {
+    return std::filesystem::remove(temporary, unknown);
+  }));
+}
+
+StateLock::StateLock(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    const int lock = open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    if (lock < 0) continue;
+    locks_.push_back(lock);
+    if (flock(lock, LOCK_EX | LOCK_NB) == 0) continue;
+    release();
+    throw rom::InputError({path, 0}, "", "another spindle-twind already writes this file");
+  }
+}
+
+StateLock::~StateLock() { release(); }
+
+void StateLock::release() {
+  for (const int lock : locks_) close(lock);
+  locks_.clear();
+}
+
+}  // namespace spindle_twin::firmware

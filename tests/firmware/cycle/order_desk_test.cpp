@@ -1,0 +1,154 @@
+#include "firmware/cycle/order_desk.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/firmware/support/machine.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+Order order(OrderKind kind, std::uint16_t code, std::uint16_t id = 0) { return {kind, id, code, {}}; }
+
+/// A cycle that orders reach through the desk; the disk obeys when told.
+struct Desked {
+  explicit Desked(const CyclePlan& plan = open_loop())
+      : network(tests::small_network()), cycle(network, plan, runtime) {}
+
+  const Snapshot& step() {
+    desk.hand_out(command);
+    last = cycle.step({}, command, at_s(n), 0);
+    ++n;
+    desk.settle(cycle.order_results(), cycle.standing_orders(), last);
+    return last;
+  }
+  OrderResult result(std::size_t newest) const { return last.last_orders[newest].result; }
+
+  rom::Network network;
+  Cycle cycle;
+  OrderDesk desk;
+  PlcCommand command;
+  Snapshot last;
+  int n = 0;
+};
+
+TEST(OrderDesk, every_order_of_one_cycle_is_obeyed_in_its_order_and_gets_its_own_result) {
+  Desked run;
+  for (int n = 0; n < 600; ++n) run.step();
+  const double grown_m = run.last.nose_m;
+  ASSERT_GT(grown_m, 1e-6);
+  run.desk.give(order(OrderKind::tare, 1, 11));
+  run.desk.give(order(OrderKind::tare, 2, 12));
+  run.desk.give(order(OrderKind::tare, 7, 13));
+  run.desk.give(order(OrderKind::tare, 1, 14));
+  for (int n = 0; n < 4; ++n) run.step();
+  EXPECT_EQ(run.last.orders, 4U);
+  EXPECT_EQ(run.last.tare_count, 3);
+  EXPECT_NEAR(run.last.tare_m, grown_m, 1e-7);
+  run.desk.note_kept(3);
+  run.step();
+  const std::array<std::uint16_t, 4> ids{14, 13, 12, 11};
+  const std::array<OrderResult, 4> results{OrderResult::done, OrderResult::unknown, OrderResult::done,
+                                           OrderResult::done};
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(run.last.last_orders[i].id, ids[i]) << i;
+    EXPECT_EQ(run.result(i), results[i]) << i;
+  }
+}
+
+TEST(OrderDesk, an_order_is_done_only_when_it_is_on_the_disk) {
+  Desked run;
+  run.step();
+  run.desk.give(order(OrderKind::tare, 1));
+  run.step();
+  EXPECT_NE(run.last.tare_m, 0.0) << "it holds at once";
+  EXPECT_EQ(run.result(0), OrderResult::waiting);
+  StandingOrders standing;
+  ASSERT_TRUE(run.desk.standing().read(standing));
+  EXPECT_EQ(standing.tare_m, run.last.tare_m);
+  run.desk.note_not_kept(standing.revision);
+  run.step();
+  EXPECT_EQ(run.result(0), OrderResult::not_kept);
+  run.desk.note_kept(standing.revision);
+  run.step();
+  EXPECT_EQ(run.result(0), OrderResult::done);
+}
+
+TEST(OrderDesk, what_cannot_be_obeyed_is_refused_and_says_so) {
+  Desked run;
+  run.step();
+  for (const OrderKind kind : {OrderKind::correction, OrderKind::length, OrderKind::sensors}) {
+    run.desk.give(order(kind, 1));
+    run.step();
+    EXPECT_EQ(run.last.last_orders[0].kind, kind);
+    EXPECT_EQ(run.result(0), OrderResult::refused) << "there is neither law nor rest";
+  }
+}
+
+TEST(OrderDesk, before_the_prediction_begins_orders_wait_in_their_order) {
+  CyclePlan plan = with_sensors();
+  plan.start_temperature_K.reset();
+  Desked run(plan);
+  run.desk.give(order(OrderKind::tare, 1, 1));
+  run.desk.give(order(OrderKind::tare, 2, 2));
+  for (int n = 0; n < 3; ++n) run.step();
+  EXPECT_EQ(run.last.orders, 1U);
+  EXPECT_EQ(run.result(0), OrderResult::waiting);
+  DeviceFrame frame;
+  frame.connected = true;
+  for (std::size_t k = 0; k < 3; ++k) frame.sensors[k] = {start_K + 5.0, at_s(run.n)};
+  for (int n = 0; n < 3; ++n) {
+    run.desk.hand_out(run.command);
+    run.last = run.cycle.step(frame, run.command, at_s(run.n), 0);
+    run.desk.settle(run.cycle.order_results(), run.cycle.standing_orders(), run.last);
+  }
+  EXPECT_EQ(run.last.tare_count, 2);
+  EXPECT_EQ(run.last.tare_m, 0.0) << "cleared last";
+}
+
+TEST(OrderDesk, a_full_queue_takes_no_more) {
+  OrderDesk desk;
+  for (std::size_t i = 0; i < OrderDesk::room; ++i) {
+    EXPECT_TRUE(desk.has_room_for(1));
+    desk.give(order(OrderKind::tare, 1));
+  }
+  EXPECT_FALSE(desk.has_room_for(1));
+}
+
+TEST(OrderDesk, the_switch_of_a_run_before_holds_until_another_order) {
+  OrderDesk desk;
+  StandingOrders standing;
+  standing.correction = CorrectionOrder::off;
+  desk.begin_with(standing);
+  EXPECT_EQ(desk.first_command().correction, CorrectionOrder::off);
+}
+
+TEST(StandBy, orders_of_a_run_before_hold_from_the_first_cycle_on_and_a_loss_stays_until_acknowledged) {
+  const rom::Network network = tests::small_network();
+  Cycle cycle(network, estimated(), runtime);
+  StandingOrders standing;
+  standing.tare_m = 3e-6;
+  standing.sensor_tares = 2;
+  standing.sensor_tare_K[1] = 0.4;
+  standing.lost = true;
+  cycle.stand_by_orders(standing);
+  DeviceFrame frame;
+  frame.connected = true;
+  for (std::size_t k = 0; k < 3; ++k) frame.sensors[k] = {start_K, at_s(0)};
+  PlcCommand command;
+  Snapshot last = cycle.step(frame, command, at_s(0), 0);
+  EXPECT_NEAR(last.nose_m, last.deformation_m[0] - 3e-6, 1e-12);
+  EXPECT_NEAR(last.measured_K[1], start_K - 0.4, 1e-9);
+  EXPECT_EQ(last.sensor_tare_count, 2);
+  EXPECT_NE(last.fault & bits(Fault::orders_lost), 0);
+  EXPECT_EQ(last.state, State::degraded);
+  ++command.acknowledgements;
+  last = cycle.step(frame, command, at_s(1), 0);
+  EXPECT_EQ(last.fault & bits(Fault::orders_lost), 0);
+  EXPECT_FALSE(cycle.standing_orders().lost);
+  EXPECT_EQ(cycle.standing_orders().tare_m, 3e-6);
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

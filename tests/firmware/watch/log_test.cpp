@@ -1,0 +1,152 @@
+#include "firmware/watch/log.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <string>
+#include <thread>
+
+#include "firmware/keep/event_log.hpp"
+#include "firmware/watch/log_limit.hpp"
+#include "tests/firmware/support/small_network.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+/// The tests' own logger comes back.
+struct KeepLogger {
+  std::shared_ptr<spdlog::logger> before = spdlog::default_logger();
+  ~KeepLogger() { spdlog::set_default_logger(before); }
+};
+
+struct Pipe {
+  Pipe() { EXPECT_EQ(pipe2(ends.data(), O_CLOEXEC), 0); }
+  ~Pipe() {
+    for (const int end : ends) {
+      if (end >= 0) close(end);
+    }
+  }
+  std::string read_all() {
+    fcntl(ends[0], F_SETFL, O_NONBLOCK);
+    std::string text;
+    std::array<char, 4096> part{};
+    for (ssize_t got = 0; (got = read(ends[0], part.data(), part.size())) > 0;) {
+      text.append(part.data(), static_cast<std::size_t>(got));
+    }
+    return text;
+  }
+  std::array<int, 2> ends{};
+};
+
+TEST(Log, writes_what_is_said_at_its_level) {
+  const KeepLogger keep;
+  Pipe pipe;
+  std::atomic<std::uint64_t> dropped{0};
+  {
+    const Log log("info", pipe.ends[1], dropped);
+    spdlog::info("one {}", 1);
+    spdlog::debug("not this");
+  }
+  const std::string text = pipe.read_all();
+  EXPECT_NE(text.find(" info one 1\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("not this"), std::string::npos);
+  EXPECT_EQ(dropped.load(), 0U);
+}
+
+TEST(Log, nobody_waits_for_a_reader_and_what_is_dropped_is_counted) {
+  const KeepLogger keep;
+  Pipe pipe;
+  std::atomic<std::uint64_t> dropped{0};
+  {
+    const Log log("info", pipe.ends[1], dropped, 100);
+    const std::string line(1000, 'x');
+    for (int i = 0; i < 1000; ++i) spdlog::info("{}", line);  // a pipe holds 64 KiB
+    EXPECT_GT(dropped.load(), 700U);
+    EXPECT_LT(dropped.load(), 1000U);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_FALSE(pipe.read_all().empty());
+}
+
+TEST(Log, a_reader_that_has_gone_ends_nothing) {
+  const KeepLogger keep;
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  Pipe pipe;
+  close(pipe.ends[0]);
+  pipe.ends[0] = -1;
+  std::atomic<std::uint64_t> dropped{0};
+  {
+    const Log log("info", pipe.ends[1], dropped);
+    spdlog::info("to nobody");
+    for (int i = 0; i < 1000 && dropped.load() == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(dropped.load(), 1U);
+  }
+  std::signal(SIGPIPE, before);
+}
+
+TEST(LogLimit, lets_a_few_pass_each_minute_and_counts_the_others) {
+  LogLimit limit(2, 60.0);
+  constexpr std::int64_t s = 1'000'000'000;
+  EXPECT_EQ(limit.pass(1 * s), 0U);
+  EXPECT_EQ(limit.pass(2 * s), 0U);
+  for (int i = 0; i < 900; ++i) EXPECT_FALSE(limit.pass(3 * s).has_value());
+  EXPECT_EQ(limit.pass(62 * s), 900U);
+  EXPECT_EQ(LogLimit::also(0), "");
+  EXPECT_EQ(LogLimit::also(900), " (and 900 times that were not logged)");
+}
+
+TEST(EventLog, one_line_per_event_and_none_per_cycle) {
+  const KeepLogger keep;
+  Pipe pipe;
+  std::atomic<std::uint64_t> dropped{0};
+  {
+    const Log log("info", pipe.ends[1], dropped);
+    EventLog events(tests::small_network());
+    Snapshot now;
+    std::int64_t time_ns = 0;
+    const auto cycles = [&](int count) {
+      for (int i = 0; i < count; ++i) events.note(now, time_ns += 1'000'000'000);
+    };
+    now.state = State::running;
+    cycles(10);
+    now.sensor_health[1] = {SensorState::failed, SensorFault::drift};
+    now.state = State::degraded;
+    now.quality = bits(Quality::sensor_failed);
+    now.fault = bits(Fault::output_clamped);
+    now.last_orders[0] = {3, 4711, OrderKind::tare, OrderResult::waiting};
+    cycles(10);
+    now.last_orders[0].result = OrderResult::done;
+    now.sensor_health[1].state = SensorState::returning;
+    cycles(10);
+    now.sensor_health[1] = {};
+    now.fault = 0;
+    now.overruns = 4;
+    cycles(10);
+    for (int i = 0; i < 1000; ++i) {
+      now.state = i % 2 == 0 ? State::running : State::degraded;
+      events.note(now, time_ns);
+    }
+  }
+  const std::string text = pipe.read_all();
+  const auto count = [&](const std::string& line) {
+    int found = 0;
+    for (std::size_t at = 0; (at = text.find(line, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("state degraded, quality: sensor_failed"), 1 + 4) << text;
+  EXPECT_EQ(count("sensor sleeve_middle: failed, drift"), 1);
+  EXPECT_EQ(count("sensor sleeve_middle: believed again"), 1);
+  EXPECT_EQ(count("fault output_clamped\n"), 1);
+  EXPECT_EQ(count("fault output_clamped is over"), 1);
+  EXPECT_EQ(count("order 3 (the PLC's 4711), tare: done"), 1);
+  EXPECT_EQ(count("4 cycles missed, 4 since the start"), 1);
+  EXPECT_LE(count("state "), 10) << "flapping is held back";
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

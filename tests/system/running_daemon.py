@@ -1,0 +1,108 @@
+"""A daemon that runs beside a fake device, for the tests of the whole of it."""
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from pymodbus.client import ModbusTcpClient
+
+from ports import can_connect, free_port, wait_until
+
+HERE = pathlib.Path(__file__).resolve().parent
+PROGRAMS = {}  # "daemon", "make_network": set by the test's command line
+
+SENSORS = "".join(f'[[sensor]]\nkey_point = "sleeve_{place}"\nregister = {2 * n}\ntype = "float32"\n'
+                  for n, place in enumerate(("inner", "middle", "outer")))
+CONFIG = """
+network = "small.rom"
+[serve]
+port = {port}
+[device]
+port = {device}
+timeout_s = 2.0
+{sensors}[cycle]
+clock_rate = 10.0
+[signals]
+speed = {{ source = "plc" }}
+load = {{ source = "plc" }}
+coolant = {{ source = "device", register = 6, type = "float32" }}
+ambient = {{ source = "constant", value = 22.0 }}
+[correction]
+law = "estimator"
+[history]
+path = "history.csv"
+parameters = "parameters.csv"
+[checkpoint]
+path = "twin.checkpoint"
+interval_s = 5.0
+""".replace("{sensors}", SENSORS)
+
+
+def int16(word):
+    return word - 65536 if word > 32767 else word
+
+
+def float32(first, second):
+    return struct.unpack(">f", struct.pack(">HH", first, second))[0]
+
+
+def run_daemon(*arguments):
+    return subprocess.run([PROGRAMS["daemon"], *map(str, arguments)], capture_output=True, text=True, timeout=30)
+
+
+class RunningDaemon(unittest.TestCase):
+    """With a device and a daemon that run."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        subprocess.run([PROGRAMS["make_network"], self.folder / "small.rom"], check=True)
+        self.port, self.device_port = free_port(), free_port()
+        self.config = self.folder / "twin.toml"
+        self.config.write_text(CONFIG.format(port=self.port, device=self.device_port))
+        self.device = self.start([sys.executable, HERE / "fake_device.py", self.device_port], stderr=subprocess.DEVNULL)
+        wait_until(lambda: can_connect(self.device_port), "the device's port")
+        self.log = open(self.folder / "log", "w+")
+        self.addCleanup(self.log.close)
+        self.daemon = self.start([PROGRAMS["daemon"], self.config], stderr=self.log)
+        wait_until(lambda: can_connect(self.port), "the daemon's port")
+        self.client = ModbusTcpClient("127.0.0.1", port=self.port)
+        self.assertTrue(self.client.connect())
+        self.addCleanup(self.client.close)
+
+    def start(self, command, **options):
+        process = subprocess.Popen(list(map(str, command)), **options)
+        self.addCleanup(lambda: (process.kill(), process.wait()))
+        return process
+
+    def read(self, first, count, holding=False):
+        function = self.client.read_holding_registers if holding else self.client.read_input_registers
+        reply = function(first, count, slave=1)
+        self.assertFalse(reply.isError(), reply)
+        return reply.registers
+
+    def wait_for_state(self, wanted):
+        return wait_until(lambda: self.read(10, 1)[0] == wanted, f"state {wanted}")
+
+    def write_signals(self):
+        self.assertFalse(self.client.write_register(1000, 6000, slave=1).isError())
+        self.assertFalse(self.client.write_registers(1001, [1000], slave=1).isError())
+
+    def start_again(self):
+        self.client.close()
+        self.daemon = self.start([PROGRAMS["daemon"], self.config], stderr=self.log)
+        wait_until(lambda: can_connect(self.port), "the daemon's port")
+        self.assertTrue(self.client.connect())
+
+    def log_text(self):
+        self.log.seek(0)
+        return self.log.read()
+
+
+def main():
+    PROGRAMS["daemon"], PROGRAMS["make_network"] = map(os.path.abspath, sys.argv[1:3])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
