@@ -40,9 +40,11 @@ TEST(FrameGate, waits_until_the_last_byte_then_hands_over) {
 }
 
 TEST(FrameGate, closes_on_another_protocol_and_on_impossible_lengths) {
-  Bytes frame = framed(read_ten);
-  frame[3] = 1;
-  EXPECT_EQ(judge_frame(frame, writable).verdict, Verdict::close);
+  for (const std::size_t byte_of_protocol : {2U, 3U}) {
+    Bytes frame = framed(read_ten);
+    frame[byte_of_protocol] = 1;
+    EXPECT_EQ(judge_frame(frame, writable).verdict, Verdict::close) << byte_of_protocol;
+  }
   for (const int length : {0, 1, 255, 1000, 65535}) {
     Bytes wrong = framed(read_ten);
     wrong[4] = static_cast<std::uint8_t>(length >> 8);
