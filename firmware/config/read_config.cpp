@@ -259,6 +259,33 @@ ConfiguredNetwork read_network_table(const TomlTable& root, const std::string& p
   return network;
 }
 
+/// [history], [orders] and [checkpoint]: the files that the daemon writes.
+void read_files(const TomlTable& root, const std::string& path, Config& config) {
+  if (const auto history = root.optional_table("history")) {
+    constexpr double bytes_per_MiB = 1048576.0;
+    HistoryPlan& plan = config.history;
+    plan.path = read_state_file(*history, "path", path);
+    const double segment_MiB = history->number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
+    const double most_MiB =
+        history->number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
+    plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
+    plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
+    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
+  }
+  const auto orders = root.optional_table("orders");
+  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
+  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
+  if (const auto checkpoint = root.optional_table("checkpoint")) {
+    constexpr double seconds_per_hour = 3600.0;
+    KeepPlan& keep = config.keep;
+    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
+    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
+    keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
+    keep.max_age_s = seconds_per_hour *
+                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
+  }
+}
+
 Config read_root(const TomlTable& root, const std::string& path) {
   Config config;
   config.path = path;
@@ -330,29 +357,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 
-  if (const auto history = root.optional_table("history")) {
-    constexpr double bytes_per_MiB = 1048576.0;
-    HistoryPlan& plan = config.history;
-    plan.path = read_state_file(*history, "path", path);
-    const double segment_MiB = history->number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
-    const double most_MiB =
-        history->number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
-    plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
-    plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
-    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
-  }
-  const auto orders = root.optional_table("orders");
-  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
-  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
-  if (const auto checkpoint = root.optional_table("checkpoint")) {
-    constexpr double seconds_per_hour = 3600.0;
-    KeepPlan& keep = config.keep;
-    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
-    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
-    keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
-    keep.max_age_s = seconds_per_hour *
-                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
-  }
+  read_files(root, path, config);
   root.finish();
   return config;
 }
