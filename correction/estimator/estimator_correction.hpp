@@ -23,7 +23,7 @@ struct EstimatorOptions {
   double noise_K = 0.03;   ///< of the sensors that are made from key points
   double offset_K = 0.02;
   double lag_s = 0.0;
-  double lag_deviation_s = 15.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
+  double lag_deviation_s = 14.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
   double floor_K = 0.03;  ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
   double floor_by_hand_K = 0.3;  ///< the same of a hand-written network, which nobody could measure
   double floor_largest_K = 1.0;  ///< the estimated one ends here

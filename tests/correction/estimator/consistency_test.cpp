@@ -42,14 +42,15 @@ TEST(Consistency, healthy_innovations_never_contradict_in_a_day) {
 }
 
 TEST(Consistency, a_mean_square_innovation_above_what_is_expected_contradicts_after_a_minute) {
-  Consistency consistency({}, 4);
+  const ConsistencyLimits limits;
+  Consistency consistency(limits, 4);
   double time_s = 0.0, above_s = 0.0;
   bool found = false;
   while (!found && time_s < 600.0) {
     time_s += period_s;
     found = all(consistency, at_ratio(4.0), time_s);
-    // 4 (1 − e^(−t/60)) exceeds 1 from 17.3 s on.
-    if (above_s == 0.0 && 4.0 * (1.0 - std::exp(-time_s / 60.0)) > 1.0) above_s = time_s;
+    const double mean = 4.0 * (1.0 - std::exp(-time_s / limits.nis_memory_s));
+    if (above_s == 0.0 && mean > limits.nis) above_s = time_s;
   }
   EXPECT_EQ(time_s, above_s - period_s + 60.0);
   EXPECT_TRUE(consistency.in_doubt());
