@@ -4,6 +4,7 @@ orders that come at once, files in its place.
 daemon_fault_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]
 """
 import os
+import pathlib
 import resource
 import signal
 import socket
@@ -190,6 +191,9 @@ class Faults(RunningDaemon):
                 self.assertEqual(other.recv(64)[-2:], b"\x12\x34")
 
     def test_without_descriptors_accepting_pauses_instead_of_spinning(self):
+        if b"__ubsan_" in pathlib.Path(PROGRAMS["daemon"]).read_bytes():
+            self.skipTest("the undefined-behaviour sanitizer opens a pipe to look at an object and takes the want of "
+                          "a descriptor for a broken one; the release build runs this")
         limit = len(os.listdir(f"/proc/{self.daemon.pid}/fd")) + 4
         resource.prlimit(self.daemon.pid, resource.RLIMIT_NOFILE, (limit, limit))
         clients = [socket.create_connection(("127.0.0.1", self.port)) for _ in range(12)]
