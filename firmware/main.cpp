@@ -29,6 +29,7 @@
 #include "firmware/serve/modbus_server.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log.hpp"
+#include "firmware/watch/service_manager.hpp"
 
 namespace {
 
@@ -113,7 +114,8 @@ class Daemon {
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  /// Clients are answered before the cycle runs: a long pause since the checkpoint takes seconds to go through.
+  /// Clients are answered before the cycle runs: a long pause since the checkpoint takes seconds to go through. Gives up
+  /// where end() is called meanwhile, in another thread.
   void start() {
     const std::optional<Checkpoint> checkpoint = look_for_checkpoint(config_.keep);
     const StandingOrders orders = recall_orders(config_.keep.orders_path, file_.sha256, checkpoint);
@@ -123,7 +125,9 @@ class Daemon {
     spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", file_.network.spindle,
                  file_.network.nodes.size(), plan_.cycle.period_s, plan_.cycle.clock_rate, plan_.serve.address,
                  server_->port());
-    resume_from_checkpoint(config_.keep, checkpoint, file_.sha256, plan_.cycle.clock_rate, unix_now_s(), cycle_);
+    const Resumed resumed = resume_from_checkpoint(config_.keep, checkpoint, file_.sha256, plan_.cycle.clock_rate,
+                                                   unix_now_s(), cycle_, &stop_);
+    if (resumed == Resumed::given_up) return;
     cycle_.stand_by_orders(orders);
     keeper_.emplace(config_.keep, file_.sha256, plan_.cycle.clock_rate, cycle_, &order_keeper_, &troubles_);
 
@@ -132,13 +136,17 @@ class Daemon {
     after_cycle([this] { order_keeper_.run(stop_after_cycle_); });
     after_cycle([this] { events_.run(stop_after_cycle_); });
     run([this] { keeper_->run(stop_); });
+    run([this] { manager_.run(stop_); });
     run([this] { run_cycle(cycle_, plan_.cycle, clock_, ports(), stop_); });
   }
 
-  /// Ends all threads and keeps what the cycle knows.
+  /// No work is begun any more, and start() returns soon.
+  void end() { stop_.store(true); }
+
+  /// Ends all threads and keeps what the cycle knows. Not while start() runs.
   void stop() {
+    end();
     if (!server_) return;
-    stop_.store(true);
     server_->stop();
     for (std::thread& thread : threads_) thread.join();
     stop_after_cycle_.store(true);
@@ -165,7 +173,8 @@ class Daemon {
             &keeper_->remembered(),
             &desk_,
             &events_.tap(),
-            &troubles_};
+            &troubles_,
+            &pulse_};
   }
 
   const Config& config_;
@@ -184,11 +193,34 @@ class Daemon {
   std::unique_ptr<History> history_;
   std::optional<ModbusServer> server_;
   std::optional<Keeper> keeper_;
+  Pulse pulse_;
+  ServiceManager manager_{pulse_, plan_.cycle.period_s / plan_.cycle.clock_rate};
   std::atomic<bool> stop_{false};
   std::atomic<bool> stop_after_cycle_{false};
   std::vector<std::thread> threads_;
   std::vector<std::thread> after_cycle_;  ///< until nothing more comes from the cycle
 };
+
+/// Until a signal ends it. The start is in a thread of its own, so that a signal is heard meanwhile. Throws what the start
+/// threw.
+int run_until_signal(Daemon& daemon, const sigset_t& signals) {
+  std::exception_ptr failure;
+  std::thread starter([&] {
+    try {
+      daemon.start();
+    } catch (...) {
+      failure = std::current_exception();
+      kill(getpid(), SIGTERM);
+    }
+  });
+  const int signal = wait_for_the_end(signals);
+  sd_notify(0, "STOPPING=1");
+  daemon.end();
+  starter.join();
+  daemon.stop();
+  if (failure) std::rethrow_exception(failure);
+  return signal;
+}
 
 int run(const std::string& config_path, bool only_check) {
   const Config config = read_config(config_path);
@@ -214,16 +246,12 @@ int run(const std::string& config_path, bool only_check) {
     if (const int removed = remove_left_overs(path)) spdlog::info("{}: {} unfinished files removed", path, removed);
   }
   Daemon daemon(config, file, plan, cycle, troubles);
-  daemon.start();
   spdlog::info("{}: SHA-256 {}, {}", config.network.path, file.sha256, signer(file));
   if (network.certificate.cases == 0) {
     spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set",
                  config.network.path);
   }
-  sd_notify(0, "READY=1");
-  const int signal = wait_for_the_end(signals);
-  sd_notify(0, "STOPPING=1");
-  daemon.stop();
+  const int signal = run_until_signal(daemon, signals);
   spdlog::info("stopped by {}", name_of(signal));
   return 0;
 }

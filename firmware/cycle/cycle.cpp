@@ -79,6 +79,12 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
       cycle.remember(ports.remembered->value);
       ports.remembered->fill();
     }
+    if (ports.pulse != nullptr) {
+      ports.pulse->predicts.store(snapshot.state == State::running || snapshot.state == State::degraded,
+                                  std::memory_order_relaxed);
+      ports.pulse->waits.store((snapshot.fault & bits(Fault::start_timed_out)) != 0, std::memory_order_relaxed);
+      ports.pulse->cycles.fetch_add(1, std::memory_order_release);
+    }
     if (ports.history != nullptr && !ports.history->push(snapshot)) ++*ports.lost;
   }
 }

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "firmware/cycle/correct.hpp"
 #include "firmware/cycle/hand_over.hpp"
@@ -11,12 +12,14 @@
 #include "firmware/cycle/troubles.hpp"
 #include "firmware/cycle/watch_sensors.hpp"
 #include "firmware/watch/clock.hpp"
+#include "firmware/watch/pulse.hpp"
 
 namespace spindle_twin::firmware {
 
 /// What was of use in what a cycle was to remember.
 /// `implausible`: nothing, because temperatures or tares are beyond what a spindle can have.
-enum class Resumed { nothing, implausible, temperatures, temperatures_and_estimator };
+/// `given_up`: it was not waited for.
+enum class Resumed { nothing, implausible, temperatures, temperatures_and_estimator, given_up };
 
 /// The twin's own work, once per period: sense, judge, correct, integrate, predict, publish.
 /// The prediction that a cycle publishes is for the end of the period that begins with it.
@@ -51,14 +54,15 @@ class Cycle {
   /// stood still since, with environments and flows as they were then; sensitivities and variances are carried through
   /// it, and the estimator is told what the spindle would have warmed if it had run all the time: first readings that
   /// say so find it open to that. The estimator goes on only where its parameters and sensors are the same. Nothing is
-  /// changed where nothing fits. Allocates.
-  Resumed resume(const Remembered& from, double gap_s);
+  /// changed where nothing fits. Allocates. Gives `given_up` as soon as `stop` is set (null: never): the cycle is then
+  /// of no use any more.
+  Resumed resume(const Remembered& from, double gap_s, const std::atomic<bool>* stop = nullptr);
 
  private:
   bool ready_to_start();
   void start_from(double temperature_K);
   void start();
-  Eigen::VectorXd stand_still(double gap_s);
+  std::optional<Eigen::VectorXd> stand_still(double gap_s, const std::atomic<bool>* stop);
   void take_orders(const PlcCommand& command);
   OrderResult take_length(const PlcCommand& command);
   OrderResult take_tare(const PlcCommand& command);
@@ -107,6 +111,7 @@ struct CyclePorts {
   OrderDesk* orders = nullptr;                  ///< null: nobody gives orders
   Latest<Snapshot>* events = nullptr;           ///< null: nobody says what happens
   Troubles* troubles = nullptr;                 ///< null: the others have none
+  Pulse* pulse = nullptr;                       ///< null: nobody watches
 };
 
 /// Runs the cycle at absolute deadlines until `stop` is set.

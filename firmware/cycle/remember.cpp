@@ -70,7 +70,7 @@ void Cycle::remember(Remembered& to) const {
   }
 }
 
-Resumed Cycle::resume(const Remembered& from, double gap_s) {
+Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bool>* stop) {
   const Eigen::Index nodes = start_K_.size();
   if (!from.started || !fits(from.nodes_K, nodes) || !fits(from.uncorrected_K, nodes) || !std::isfinite(from.tare_m) ||
       !(gap_s >= 0.0)) {
@@ -98,8 +98,9 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
   if (fits(from.sensor_tare.offset_K, tared) && fits(from.sensor_tare.deviation_K, tared)) {
     watch_.tare = from.sensor_tare;
   }
-  const Eigen::VectorXd unseen_K = stand_still(gap_s);
-  if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), unseen_K);
+  const std::optional<Eigen::VectorXd> unseen_K = stand_still(gap_s, stop);
+  if (!unseen_K) return Resumed::given_up;
+  if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), *unseen_K);
   if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
 
   snapshot_.tare_m = from.tare_m;
@@ -110,7 +111,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s) {
 }
 
 /// What the spindle would be warmer now if it had run at the operating state all the time.
-Eigen::VectorXd Cycle::stand_still(double gap_s) {
+std::optional<Eigen::VectorXd> Cycle::stand_still(double gap_s, const std::atomic<bool>* stop) {
   Model running = make_model(network_, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
   running.stepper->set_temperatures(model_.stepper->temperatures_K());
   rom::OperatingState operating = operating_;
@@ -124,6 +125,7 @@ Eigen::VectorXd Cycle::stand_still(double gap_s) {
   rom::CorrectionFactors no_heat = corrector_.none;
   no_heat.heat.setZero();
   for (int step = 0; step < steps; ++step) {
+    if (stop != nullptr && stop->load(std::memory_order_relaxed)) return std::nullopt;
     const double advance_s = gap_s / steps;
     const CorrectedInputs inputs =
         correct({}, judgement_, operating_, -gap_s + step * advance_s, advance_s, model_, corrector_);

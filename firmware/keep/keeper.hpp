@@ -17,9 +17,10 @@ std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan);
 
 /// Before the cycle's first step: goes on from the checkpoint where there is one that fits, and says in the log what
 /// became of it. Of another network, too old, from the future, damaged: the start is as without one. now_unix_s: now by
-/// the clock that the checkpoint's time was taken from.
+/// the clock that the checkpoint's time was taken from. `stop` as in Cycle::resume().
 Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
-                               const std::string& network_sha256, double clock_rate, double now_unix_s, Cycle& cycle);
+                               const std::string& network_sha256, double clock_rate, double now_unix_s, Cycle& cycle,
+                               const std::atomic<bool>* stop = nullptr);
 
 /// Writes the checkpoint and the table of parameters each interval, and once an hour says in the log what the sensors
 /// determine, in the thread that calls run(); the cycle thread only copies what it is asked for.

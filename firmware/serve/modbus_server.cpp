@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -24,6 +25,17 @@
 
 namespace spindle_twin::firmware {
 namespace {
+
+/// Orders, checkpoint, history and parameters are written through descriptors of their own, two at a time; and the device
+/// is dialled again.
+constexpr int kept_for_files = 8;
+
+/// Descriptors are given from the lowest: after this one so few are left that a file could not be opened.
+bool crowds_out_files(int descriptor) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return false;
+  return static_cast<rlim_t>(descriptor) + kept_for_files >= limit.rlim_cur;
+}
 
 /// libmodbus keeps descriptors in an fd_set.
 constexpr int descriptor_limit = 1024;
@@ -160,11 +172,13 @@ void ModbusServer::accept_all() {
       if (before) spdlog::warn("client {} is not in serve.allow{}", text_of(host), LogLimit::also(*before));
       continue;
     }
-    if (socket.get() >= descriptor_limit || !make_room_for(host)) {
+    if (socket.get() >= descriptor_limit || crowds_out_files(socket.get()) || !make_room_for(host)) {
       const auto before = refusals_.pass(now_ns);
       if (before) {
-        spdlog::warn("client {} refused: {} connections are open, none idle for long{}", text_of(host),
-                     connections_.size(), LogLimit::also(*before));
+        const char* why = crowds_out_files(socket.get()) ? "the last file descriptors are kept for orders and checkpoint"
+                                                         : "none is idle for long";
+        spdlog::warn("client {} refused: {} connections are open, {}{}", text_of(host), connections_.size(), why,
+                     LogLimit::also(*before));
       }
       continue;
     }

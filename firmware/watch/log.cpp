@@ -3,12 +3,14 @@
 #include <poll.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <deque>
 #include <mutex>
 #include <string_view>
@@ -85,20 +87,44 @@ void write_lines(const Shared& lines) {
   lines->changed.notify_all();
 }
 
+/// Whether the descriptor is the journal of the service manager (systemd.exec(5), JOURNAL_STREAM).
+bool is_journal(int descriptor) {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  struct stat status {};
+  if (stream == nullptr || fstat(descriptor, &status) != 0) return false;
+  return stream == fmt::format("{}:{}", status.st_dev, status.st_ino);
+}
+
+/// How the journal reads a line's severity (sd-daemon(3)).
+const char* severity(spdlog::level::level_enum level) {
+  switch (level) {
+    case spdlog::level::trace:
+    case spdlog::level::debug:
+      return "<7>";
+    case spdlog::level::info:
+      return "<6>";
+    case spdlog::level::warn:
+      return "<4>";
+    default:
+      return "<3>";
+  }
+}
+
 template <class Shared>
 class Sink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
-  explicit Sink(Shared lines) : lines_(std::move(lines)) {}
+  Sink(Shared lines, bool to_journal) : lines_(std::move(lines)), to_journal_(to_journal) {}
 
  private:
   void sink_it_(const spdlog::details::log_msg& message) override {
     spdlog::memory_buf_t text;
     formatter_->format(message, text);
-    lines_->add(fmt::to_string(text));
+    lines_->add((to_journal_ ? severity(message.level) : "") + fmt::to_string(text));
   }
   void flush_() override {}
 
   Shared lines_;
+  bool to_journal_;
 };
 
 }  // namespace
@@ -106,9 +132,10 @@ class Sink final : public spdlog::sinks::base_sink<std::mutex> {
 Log::Log(const std::string& level, int descriptor, std::atomic<std::uint64_t>& dropped, std::size_t room)
     : lines_(std::make_shared<Lines>(descriptor, room, dropped)) {
   using Shared = std::shared_ptr<Lines>;
-  auto logger = std::make_shared<spdlog::logger>("spindle-twind", std::make_shared<Sink<Shared>>(lines_));
+  const bool to_journal = is_journal(descriptor);  // which has time and severity of its own
+  auto logger = std::make_shared<spdlog::logger>("spindle-twind", std::make_shared<Sink<Shared>>(lines_, to_journal));
   logger->set_level(spdlog::level::from_str(level));
-  logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
+  logger->set_pattern(to_journal ? "%v" : "%Y-%m-%d %H:%M:%S.%e %l %v");
   spdlog::set_default_logger(logger);
   // Not joined: it may hang in a write that nobody reads, and then goes with the program.
   std::thread([lines = lines_] { write_lines(lines); }).detach();

@@ -10,7 +10,8 @@ namespace spindle_twin::firmware {
 
 /// While it lives, the program's log (spdlog's default logger) goes to a file descriptor from a thread of its own: who
 /// logs never waits for who reads. At most `room` lines wait; what comes then is dropped and counted, and a line says
-/// so when there is a reader again. The program must ignore SIGPIPE.
+/// so when there is a reader again. The program must ignore SIGPIPE. Lines for the journal of a service manager carry
+/// their severity in its form and no time.
 class Log {
  public:
   /// `level`: debug, info, warning or error. `dropped` is counted up and must outlive this.

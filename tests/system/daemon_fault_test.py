@@ -194,7 +194,7 @@ class Faults(RunningDaemon):
         if b"__ubsan_" in pathlib.Path(PROGRAMS["daemon"]).read_bytes():
             self.skipTest("the undefined-behaviour sanitizer opens a pipe to look at an object and takes the want of "
                           "a descriptor for a broken one; the release build runs this")
-        limit = len(os.listdir(f"/proc/{self.daemon.pid}/fd")) + 4
+        limit = len(os.listdir(f"/proc/{self.daemon.pid}/fd")) + 12
         resource.prlimit(self.daemon.pid, resource.RLIMIT_NOFILE, (limit, limit))
         clients = [socket.create_connection(("127.0.0.1", self.port)) for _ in range(12)]
         self.addCleanup(lambda: [client.close() for client in clients])
@@ -208,6 +208,11 @@ class Faults(RunningDaemon):
         time.sleep(2.0)
         self.assertLess(cpu_s() - before, 0.3)
         self.assertEqual(self.read(0, 1), [0x1234])
+        self.write_signals()
+        self.client.write_register(ORDER_ID, 9, slave=1)
+        self.client.write_register(TARE, 1, slave=1)
+        wait_until(lambda: self.read(1404, 1) == [9] and self.read(1420, 1) == [DONE], "a tare on the disk all the same")
+        self.assertIn("kept for orders and checkpoint", self.log_text())
         for client in clients:
             client.close()
         with socket.create_connection(("127.0.0.1", self.port)) as late:

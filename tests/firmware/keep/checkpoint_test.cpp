@@ -4,6 +4,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -123,6 +124,14 @@ TEST(Resume, without_a_gap_the_twin_goes_on_as_if_it_had_never_stopped) {
   EXPECT_EQ(resumed.tare_m, ran.last.tare_m);
   EXPECT_NEAR(resumed.predicted_sd_K[0], ran.last.predicted_sd_K[0], 0.02 * ran.last.predicted_sd_K[0]);
   EXPECT_NEAR(resumed.heat_factor[0], ran.last.heat_factor[0], 0.01);
+}
+
+TEST(Resume, a_long_pause_is_given_up_when_the_daemon_is_to_end) {
+  const rom::Network network = tests::small_network();
+  const Ran ran(network);
+  Cycle again(network, estimated(), runtime);
+  std::atomic<bool> stop{true};
+  EXPECT_EQ(again.resume(ran.checkpoint.remembered, 36000.0, &stop), Resumed::given_up);
 }
 
 TEST(Resume, the_model_cools_through_the_gap_as_the_machine_did) {

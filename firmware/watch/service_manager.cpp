@@ -1,0 +1,66 @@
+#include "firmware/watch/service_manager.hpp"
+
+#include <systemd/sd-daemon.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+namespace spindle_twin::firmware {
+namespace {
+
+constexpr double cycles_missed = 3.0;    // until the watchdog may bite
+constexpr double looks_a_watchdog = 4.0;  // sd_watchdog_enabled(3) asks for two at least
+constexpr double rarest_look_s = 0.5;
+constexpr double start_extension_s = 30.0;
+
+std::string microseconds(double seconds) { return std::to_string(std::llround(1e6 * seconds)); }
+
+double asked_for_s() {
+  std::uint64_t watchdog_us = 0;
+  return sd_watchdog_enabled(0, &watchdog_us) > 0 ? 1e-6 * static_cast<double>(watchdog_us) : 0.0;
+}
+
+}  // namespace
+
+ServiceManager::ServiceManager(const Pulse& pulse, double cycle_s, double watchdog_s, Notify notify)
+    : pulse_(pulse),
+      notify_(std::move(notify)),
+      cycle_s_(cycle_s),
+      watchdog_s_(watchdog_s > 0.0 ? std::max(watchdog_s, cycles_missed * cycle_s) : 0.0),
+      look_s_(watchdog_s > 0.0 ? std::min(rarest_look_s, watchdog_s / looks_a_watchdog) : rarest_look_s) {
+  if (watchdog_s_ > watchdog_s) notify_("WATCHDOG_USEC=" + microseconds(watchdog_s_));
+}
+
+ServiceManager::ServiceManager(const Pulse& pulse, double cycle_s)
+    : ServiceManager(pulse, cycle_s, asked_for_s(), [](const std::string& state) { sd_notify(0, state.c_str()); }) {}
+
+void ServiceManager::look() {
+  const std::uint64_t cycles = pulse_.cycles.load(std::memory_order_acquire);
+  const bool beats = cycles != std::exchange(seen_, cycles);
+  if (!beats) return;
+  const bool waits = pulse_.waits.load(std::memory_order_relaxed);
+  if (!ready_ && !waits && !pulse_.predicts.load(std::memory_order_relaxed)) {
+    notify_("EXTEND_TIMEOUT_USEC=" + microseconds(start_extension_s + cycle_s_) +
+            "\nSTATUS=waits for the first good readings");
+    return;
+  }
+  if (!ready_ || waits != told_) {
+    const std::string status = waits ? "STATUS=no good reading to start from, see the registers" : "STATUS=predicts";
+    notify_(ready_ ? status : "READY=1\n" + status);
+    ready_ = true;
+    told_ = waits;
+  }
+  if (watchdog_s_ > 0.0) notify_("WATCHDOG=1");
+}
+
+void ServiceManager::run(const std::atomic<bool>& stop) {
+  while (!stop.load()) {
+    look();
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(look_s_, 0.1)));
+  }
+}
+
+}  // namespace spindle_twin::firmware
