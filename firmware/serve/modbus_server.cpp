@@ -26,8 +26,8 @@
 namespace spindle_twin::firmware {
 namespace {
 
-/// Orders, checkpoint, history and parameters are written through descriptors of their own, two at a time; and the device
-/// is dialled again.
+/// Orders, checkpoint, history and parameters are written through descriptors of their own, two at a time; and the
+/// device is dialled again.
 constexpr int kept_for_files = 8;
 
 /// Descriptors are given from the lowest: after this one so few are left that a file could not be opened.
@@ -175,8 +175,9 @@ void ModbusServer::accept_all() {
     if (socket.get() >= descriptor_limit || crowds_out_files(socket.get()) || !make_room_for(host)) {
       const auto before = refusals_.pass(now_ns);
       if (before) {
-        const char* why = crowds_out_files(socket.get()) ? "the last file descriptors are kept for orders and checkpoint"
-                                                         : "none is idle for long";
+        const char* why = crowds_out_files(socket.get())
+                              ? "the last file descriptors are kept for orders and checkpoint"
+                              : "none is idle for long";
         spdlog::warn("client {} refused: {} connections are open, {}{}", text_of(host), connections_.size(), why,
                      LogLimit::also(*before));
       }
