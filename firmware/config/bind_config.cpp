@@ -4,6 +4,7 @@
 #include "firmware/config/bind_limits.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/find_by_name.hpp"
+#include "firmware/config/read_compensation.hpp"
 #include "rom/boundary_values/held_law.hpp"
 
 namespace spindle_twin::firmware {
@@ -155,6 +156,7 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
   bind_heats(config, network, plan);
   bind_start(config, network, plan.cycle);
   limit_outputs(config, network, plan.cycle);
+  bind_compensation(config, network, plan.cycle);
   if (!plan.cycle.paper) return plan;
   for (const ConfiguredGroup& configured : config.groups) {
     correction::HeatGroup group{configured.name, {}, {}};

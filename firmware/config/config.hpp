@@ -95,6 +95,13 @@ struct ConfiguredNetwork {
   std::vector<rom::PublicKey> trusted_keys;  ///< whose signature counts
 };
 
+/// What of the compensation needs the network.
+struct ConfiguredCompensation {
+  std::string other;  ///< deformation output that the slope comes from; empty: none
+  std::optional<double> limit_m, warning_m;
+  rom::SourceLine where;
+};
+
 /// The configuration file as it stands, checked as far as that goes without the network.
 struct Config {
   std::string path;
@@ -115,6 +122,7 @@ struct Config {
   std::vector<ConfiguredGroup> groups;
   std::vector<ConfiguredStart> start;  ///< of single nodes; the others have their mean
   std::vector<ConfiguredLimit> output_limits;
+  ConfiguredCompensation compensation;
 };
 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.

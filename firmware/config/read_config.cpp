@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/config/config.hpp"
+#include "firmware/config/read_compensation.hpp"
 #include "firmware/config/read_correction.hpp"
 #include "firmware/config/read_health.hpp"
 #include "rom/read/strict_toml.hpp"
@@ -345,6 +346,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
         m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);
     config.output_limits = read_limits(*output);
   }
+  read_compensation(root.optional_table("compensation"), config);
 
   const auto start = root.optional_table("start");
   if (start && start->is_table("temperature_degC")) {

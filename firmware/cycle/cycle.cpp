@@ -43,11 +43,14 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
     publish_health(watch_, corrector_, snapshot_);
+    if (forecast_) forecast_->step(model_, inputs.operating, inputs.factors);
     snapshot_.model_time_s += advance_s;
   } else {
     waited_s_ += advance_s;
   }
   label(missed);
+  compensation_.step(judgement_.good, judgement_.configured, advance_s, snapshot_);
+  if (forecast_) publish_forecast(*forecast_, plan_.compensation, snapshot_);
   return snapshot_;
 }
 

@@ -83,12 +83,14 @@ class Cycle {
   rom::OperatingState operating_;
   Eigen::VectorXd start_K_;
   Snapshot snapshot_;
+  Compensation compensation_;
+  std::optional<Forecast> forecast_;
   std::int64_t first_ns_ = 0;
   std::uint32_t tare_orders_ = 0;
   std::uint32_t displacements_ = 0;
   std::uint32_t acknowledgements_ = 0;       ///< of the command
   std::uint32_t acknowledgements_kept_ = 0;  ///< of runs before and of this one
-  CorrectionOrder correction_order_ = CorrectionOrder::as_configured;
+  SwitchOrder correction_order_ = SwitchOrder::as_configured;
   OrderResults results_{};
   std::uint16_t outside_faults_ = 0;
   bool has_stepped_ = false;

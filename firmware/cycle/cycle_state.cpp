@@ -16,7 +16,12 @@ Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepp
       judgement_(first_judgement(plan)),
       operating_(network.boundaries.operating),
       start_K_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.nodes.size()))),
-      snapshot_(first_snapshot(network)) {}
+      snapshot_(first_snapshot(network)),
+      compensation_(plan.compensation) {
+  if (plan.forecast.ahead_s > 0.0 && !network.deformations.empty()) {
+    forecast_.emplace(network, plan.forecast, make_stepper);
+  }
+}
 
 bool Cycle::ready_to_start() {
   if (plan_.start_nodes_K.size() == start_K_.size()) {
@@ -53,14 +58,17 @@ void Cycle::start() {
 }
 
 void Cycle::take_orders(const PlcCommand& command) {
-  const bool on = command.correction == CorrectionOrder::as_configured ? plan_.correction_enabled
-                                                                       : command.correction == CorrectionOrder::on;
+  const bool on = command.correction == SwitchOrder::as_configured ? plan_.correction_enabled
+                                                                   : command.correction == SwitchOrder::on;
   corrector_.enabled = corrector_.corrects && on;
   correction_order_ = command.correction;
   results_.fill(OrderResult::none);
   const auto result_of = [&](OrderKind kind) -> OrderResult& { return results_[static_cast<std::size_t>(kind)]; };
-  const bool in_vain = command.correction == CorrectionOrder::on && !corrector_.corrects;
+  const bool in_vain = command.correction == SwitchOrder::on && !corrector_.corrects;
   result_of(OrderKind::correction) = in_vain ? OrderResult::refused : OrderResult::done;
+  const bool no_such_switch = command.compensation != SwitchOrder::as_configured && !plan_.compensation.configured;
+  result_of(OrderKind::compensation) = no_such_switch ? OrderResult::refused : OrderResult::done;
+  compensation_.order(command.compensation);
   if (command.displacements != displacements_) result_of(OrderKind::length) = take_length(command);
   if (command.sensor_orders != watch_.orders) {
     result_of(OrderKind::sensors) = OrderResult::waiting;
@@ -108,6 +116,7 @@ OrderResult Cycle::take_tare(const PlcCommand& command) {
 StandingOrders Cycle::standing_orders() const {
   StandingOrders orders;
   orders.correction = correction_order_;
+  orders.compensation = compensation_.ordered();
   orders.tare_m = snapshot_.tare_m;
   orders.sensor_tares = watch_.tare.count;
   std::copy(watch_.tare.offset_K.begin(), watch_.tare.offset_K.end(), orders.sensor_tare_K.begin());
@@ -119,6 +128,7 @@ StandingOrders Cycle::standing_orders() const {
 
 void Cycle::stand_by_orders(const StandingOrders& orders) {
   correction_order_ = orders.correction;
+  compensation_.order(orders.compensation);
   acknowledgements_kept_ = orders.acknowledgements;
   if (orders.lost) snapshot_.fault |= bits(Fault::orders_lost);
   correction::SensorTare tare = watch_.tare;

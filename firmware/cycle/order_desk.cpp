@@ -19,15 +19,18 @@ bool is_known(const Order& order) {
   }
 }
 
-CorrectionOrder correction_of(std::uint16_t code) {
-  if (code == not_present_code) return CorrectionOrder::as_configured;
-  return code == 0 ? CorrectionOrder::off : CorrectionOrder::on;
+SwitchOrder switch_of(std::uint16_t code) {
+  if (code == not_present_code) return SwitchOrder::as_configured;
+  return code == 0 ? SwitchOrder::off : SwitchOrder::on;
 }
 
 void add_to(PlcCommand& command, const Order& order) {
   switch (order.kind) {
     case OrderKind::correction:
-      command.correction = correction_of(order.code);
+      command.correction = switch_of(order.code);
+      break;
+    case OrderKind::compensation:
+      command.compensation = switch_of(order.code);
       break;
     case OrderKind::length:
       command.displacement = order.length;
@@ -56,6 +59,7 @@ void add_to(PlcCommand& command, const Order& order) {
 void OrderDesk::begin_with(const StandingOrders& standing) {
   revision_ = standing.revision;
   correction_ = standing.correction;
+  compensation_ = standing.compensation;
   kept_.store(standing.revision, std::memory_order_release);
 }
 

@@ -14,18 +14,19 @@ namespace spindle_twin::firmware {
 struct Order {
   OrderKind kind = OrderKind::none;
   std::uint16_t id = 0;    ///< the PLC's own number for it
-  std::uint16_t code = 0;  ///< what was written; of the correction 0 off, 1 on, not_present as configured
+  std::uint16_t code = 0;  ///< what was written; of a switch 0 off, 1 on, not_present as configured
   Displacement length;     ///< of the kind `length`
 };
 inline constexpr std::uint16_t not_present_code = 65535;
 
 /// What one cycle made of the orders of each kind, by OrderKind; none where it was given none.
-using OrderResults = std::array<OrderResult, 6>;
+using OrderResults = std::array<OrderResult, order_kind_codes.size()>;
 
 /// What holds until another order changes it, and must outlive a restart: as it stands in the orders' file.
 struct StandingOrders {
   std::uint32_t revision = 0;  ///< counts up with each order obeyed
-  CorrectionOrder correction = CorrectionOrder::as_configured;
+  SwitchOrder correction = SwitchOrder::as_configured;
+  SwitchOrder compensation = SwitchOrder::as_configured;
   double tare_m = 0.0;
   std::uint32_t sensor_tares = 0;
   std::array<double, slots::key_points> sensor_tare_K{};
@@ -50,6 +51,7 @@ class OrderDesk {
   PlcCommand first_command() const {
     PlcCommand command;
     command.correction = correction_;
+    command.compensation = compensation_;
     return command;
   }
   /// Adds the next orders to `command`: in the order in which they came, as long as each is of a later kind than the
@@ -82,7 +84,8 @@ class OrderDesk {
   std::array<Record, order_records> records_{};  ///< newest first
   std::uint32_t orders_ = 0;
   std::uint32_t revision_ = 0;
-  CorrectionOrder correction_ = CorrectionOrder::as_configured;
+  SwitchOrder correction_ = SwitchOrder::as_configured;
+  SwitchOrder compensation_ = SwitchOrder::as_configured;
   bool waiting_ = false;
   Latest<StandingOrders> standing_;
   std::atomic<std::uint32_t> kept_{0};

@@ -8,6 +8,8 @@
 #include "correction/health/isothermal_tare.hpp"
 #include "correction/health/limits.hpp"
 #include "correction/paper/paper_correction.hpp"
+#include "firmware/cycle/compensate.hpp"
+#include "firmware/cycle/forecast.hpp"
 #include "firmware/cycle/snapshot.hpp"
 
 namespace spindle_twin::firmware {
@@ -71,7 +73,9 @@ struct CyclePlan {
     limits.fill(std::numeric_limits<double>::infinity());
     return limits;
   }();
-  double slew_m_per_s = 5e-7;                 ///< published deformations follow the prediction no faster, model time
+  double slew_m_per_s = 5e-7;  ///< published deformations follow the prediction no faster, model time
+  CompensationPlan compensation;
+  ForecastPlan forecast;
   std::optional<double> start_temperature_K;  ///< empty: mean of the first good readings
   Eigen::VectorXd start_nodes_K;              ///< one per node, in place of start_temperature_K; or empty
   double start_wait_s = 60.0;                 ///< model time until fewer sensors must do, or a fault is raised

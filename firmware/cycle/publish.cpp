@@ -139,4 +139,10 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
   if (corrector.displacements > 0) copy(estimator.displacement_record(), snapshot.displacement_update);
 }
 
+void publish_forecast(const Forecast& forecast, const CompensationPlan& plan, Snapshot& snapshot) {
+  const double nose_m = snapshot.deformation_raw_m[0] - snapshot.tare_m + forecast.change_m();
+  snapshot.compensation.forecast_m = std::clamp(plan.sign * nose_m, -plan.limit_m, plan.limit_m);
+  snapshot.compensation.settled_after_s = forecast.settled_after_s();
+}
+
 }  // namespace spindle_twin::firmware

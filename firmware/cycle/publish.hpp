@@ -25,6 +25,9 @@ void publish_correction(const Corrector& corrector, const rom::CorrectionFactors
 /// that is left counts too. After publish_corrected().
 void publish_estimate(const Corrector& corrector, Snapshot& snapshot);
 
+/// What the compensation will be, if nothing else changes. After Compensation::step().
+void publish_forecast(const Forecast& forecast, const CompensationPlan& plan, Snapshot& snapshot);
+
 /// A snapshot with the network's counts, all values NaN.
 Snapshot first_snapshot(const rom::Network& network);
 

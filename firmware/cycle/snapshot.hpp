@@ -63,7 +63,7 @@ struct Displacement {
 
 enum class TareOrder : std::uint8_t { take, clear };
 enum class SensorOrder : std::uint8_t { tare, clear_tare, acknowledge };
-enum class CorrectionOrder : std::uint8_t { as_configured, off, on };
+enum class SwitchOrder : std::uint8_t { as_configured, off, on };
 
 /// What the PLC last told of the machine.
 struct PlcSignals {
@@ -75,7 +75,7 @@ struct PlcSignals {
 struct PlcCommand {
   std::array<Reading, signal_count> signals;
   std::int64_t alive_ns = 0;  ///< as in PlcSignals
-  CorrectionOrder correction = CorrectionOrder::as_configured;
+  SwitchOrder correction = SwitchOrder::as_configured;
   TareOrder tare_order = TareOrder::take;
   std::uint32_t tare_orders = 0;  ///< counts up with each order
   SensorOrder sensor_order = SensorOrder::tare;
@@ -83,6 +83,7 @@ struct PlcCommand {
   Displacement displacement;
   std::uint32_t displacements = 0;     ///< counts up with each measurement
   std::uint32_t acknowledgements = 0;  ///< counts up with each order to take back latched faults
+  SwitchOrder compensation = SwitchOrder::as_configured;
 };
 
 /// What became of one order.
@@ -113,6 +114,19 @@ struct SensorHealthState {
   std::int16_t partner = -1;  ///< key point whose temperature a swapped sensor shows
   std::uint16_t spikes = 0;
   double misfit_ratio = not_a_value;
+};
+
+/// What the CNC adds to its axis (compensate.hpp).
+struct CompensationState {
+  double value_m = not_a_value;
+  double sd_m = not_a_value;
+  double age_s = not_a_value;  ///< since there was a prediction, model time
+  Rung rung = Rung::none;
+  std::uint16_t bits = 0;  ///< of CompensationBit
+  double slope = not_a_value;
+  double reference_m = not_a_value;
+  double forecast_m = not_a_value;       ///< the value wanted after the look-ahead, nothing else changing
+  double settled_after_s = not_a_value;  ///< from when on the growth hardly changes (Forecast)
 };
 
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
@@ -176,6 +190,8 @@ struct Snapshot {
   std::array<double, slots::deformations> deformation_sd_m = not_values;
   std::array<double, slots::sources> heat_factor = not_values;
   std::array<double, slots::conductances> conductance_factor = not_values;
+
+  CompensationState compensation;
 
   std::uint32_t updates = 0;  ///< of the estimator since the start
   std::uint16_t parameters = 0;

@@ -32,12 +32,14 @@ StandingOrders from_checkpoint(const std::optional<Checkpoint>& checkpoint, cons
   return orders;
 }
 
+const char* name_of(SwitchOrder order) {
+  if (order == SwitchOrder::as_configured) return "as configured";
+  return order == SwitchOrder::on ? "on" : "off";
+}
+
 std::string told(const StandingOrders& orders) {
-  const char* correction = orders.correction == CorrectionOrder::as_configured ? "as configured"
-                           : orders.correction == CorrectionOrder::on          ? "on"
-                                                                               : "off";
-  return fmt::format("tare {:.2f} um, {} tares of the sensors, correction {}", 1e6 * orders.tare_m, orders.sensor_tares,
-                     correction);
+  return fmt::format("tare {:.2f} um, {} tares of the sensors, correction {}, compensation {}", 1e6 * orders.tare_m,
+                     orders.sensor_tares, name_of(orders.correction), name_of(orders.compensation));
 }
 
 }  // namespace

@@ -52,6 +52,7 @@ std::vector<std::uint8_t> encode_orders(const KeptOrders& kept) {
   message.saved_unix_s = kept.saved_unix_s;
   message.revision = orders.revision;
   message.correction = static_cast<std::uint32_t>(orders.correction);
+  message.compensation = static_cast<std::uint32_t>(orders.compensation);
   message.tare_m = orders.tare_m;
   message.sensor_tares = orders.sensor_tares;
   message.acknowledgements = orders.acknowledgements;
@@ -66,6 +67,7 @@ KeptOrders decode_orders(const std::vector<std::uint8_t>& bytes, const std::stri
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
   const bool read = pb_decode(&stream, spindle_twin_firmware_Orders_fields, &message);
   const bool plausible = read && std::abs(message.tare_m) <= most_tare_m && message.correction <= 2 &&
+                         message.compensation <= 2 &&
                          are_within(lists.tare_K, -most_sensor_tare_K, most_sensor_tare_K) &&
                          are_within(lists.deviation_K, 0.0, most_sensor_tare_K);
   if (!plausible) throw rom::InputError({file, 0}, "", "malformed");
@@ -74,7 +76,8 @@ KeptOrders decode_orders(const std::vector<std::uint8_t>& bytes, const std::stri
   kept.saved_unix_s = message.saved_unix_s;
   StandingOrders& orders = kept.orders;
   orders.revision = message.revision;
-  orders.correction = static_cast<CorrectionOrder>(message.correction);
+  orders.correction = static_cast<SwitchOrder>(message.correction);
+  orders.compensation = static_cast<SwitchOrder>(message.compensation);
   orders.tare_m = message.tare_m;
   orders.sensor_tares = message.sensor_tares;
   std::copy(lists.tare_K.begin(), lists.tare_K.end(), orders.sensor_tare_K.begin());

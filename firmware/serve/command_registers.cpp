@@ -18,7 +18,7 @@ bool touches(WriteRange written, Register which, int slot = 0) {
 
 constexpr std::array<Register, most_orders> order_registers{
     Register::command_correction, Register::command_displacement_take, Register::command_sensors,
-    Register::command_tare, Register::command_acknowledge};
+    Register::command_tare,       Register::command_acknowledge,       Register::command_compensation};
 
 std::uint16_t word_of(const RegisterImage& image, Register which) { return image[entry_of(which).address]; }
 
@@ -39,7 +39,7 @@ void clear_commands(RegisterImage& image) {
        {Register::command_speed, Register::command_load, Register::command_coolant, Register::command_ambient,
         Register::command_current, Register::command_power, Register::command_correction,
         Register::command_displacement, Register::command_displacement_sd, Register::command_displacement_output,
-        Register::command_order_id}) {
+        Register::command_order_id, Register::command_compensation}) {
     put_not_present(image, which);
   }
   for (const Register which : {Register::command_flow, Register::command_heat}) {
@@ -56,13 +56,16 @@ bool may_order(WriteRange written) {
                      [&](Register which) { return touches(written, which); });
 }
 
-std::vector<Order> take_orders(WriteRange written, std::uint16_t switched_to, RegisterImage& image) {
+std::vector<Order> take_orders(WriteRange written, const Switched& switched, RegisterImage& image) {
   const std::uint16_t id = word_of(image, Register::command_order_id);
   std::vector<Order> orders;
   const auto take = [&](OrderKind kind, Register which) {
     const std::uint16_t code = word_of(image, which);
-    const bool is_switch = kind == OrderKind::correction;
-    if (!touches(written, which) || (is_switch ? code == switched_to : code == 0)) return;
+    const bool is_switch = kind == OrderKind::correction || kind == OrderKind::compensation;
+    const std::uint16_t no_order = !is_switch                        ? std::uint16_t{0}
+                                   : kind == OrderKind::compensation ? switched.compensation
+                                                                     : switched.correction;
+    if (!touches(written, which) || code == no_order) return;
     orders.push_back({kind, id == not_present_code ? std::uint16_t{0} : id, code, {}});
     if (kind == OrderKind::length) orders.back().length = length_of(image);
     if (!is_switch) put(image, which, 0.0);
@@ -72,6 +75,7 @@ std::vector<Order> take_orders(WriteRange written, std::uint16_t switched_to, Re
   take(OrderKind::sensors, Register::command_sensors);
   take(OrderKind::tare, Register::command_tare);
   take(OrderKind::acknowledge, Register::command_acknowledge);
+  take(OrderKind::compensation, Register::command_compensation);
   return orders;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "firmware/serve/pack.hpp"
 #include "rom/units.hpp"
@@ -37,10 +38,10 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
   // At 1 ms a cycle 32 bits last for 49.7 days; the last of their numbers says "not present".
   const auto sequence = static_cast<double>(snapshot.sequence % 0xFFFFFFFFU);
-  for (const Register which :
-       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence,
-        Register::deviations_sequence, Register::sensors_sequence, Register::estimator_sequence,
-        Register::health_sequence, Register::motor_sequence, Register::service_sequence}) {
+  for (const Register which : {Register::sequence, Register::temperatures_sequence, Register::parts_sequence,
+                               Register::factors_sequence, Register::deviations_sequence, Register::sensors_sequence,
+                               Register::estimator_sequence, Register::health_sequence, Register::motor_sequence,
+                               Register::service_sequence, Register::compensation_sequence}) {
     fill.value(which, sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
@@ -178,6 +179,27 @@ void fill_service(const Snapshot& snapshot, RegisterImage& image) {
   put(image, Register::log_lines_dropped, static_cast<double>(snapshot.log_lines_dropped));
 }
 
+void fill_compensation(const Snapshot& snapshot, Filler& fill) {
+  const CompensationState& told = snapshot.compensation;
+  for (const Register which : {Register::compensation, Register::compensation_cdab, Register::compensation_int32,
+                               Register::compensation_int16}) {
+    fill.value(which, um_per_m * told.value_m);
+  }
+  put(fill.image, Register::compensation_rung, bits(told.rung));
+  put(fill.image, Register::compensation_bits, told.bits);
+  put(fill.image, Register::compensation_age, told.age_s);
+  fill.value(Register::compensation_sd, um_per_m * told.sd_m);
+  fill.value(Register::compensation_slope, um_per_m * told.slope);
+  constexpr double mm_per_m = 1e3;
+  fill.value(Register::compensation_reference, mm_per_m * told.reference_m);
+  fill.value(Register::compensation_forecast, um_per_m * told.forecast_m);
+  constexpr double seconds_per_minute = 60.0;
+  put(fill.image, Register::compensation_settled_after, told.settled_after_s / seconds_per_minute);
+  for (int slot = 0; slot < entry_of(Register::compensation_reserved).slots; ++slot) {
+    put_not_present(fill.image, Register::compensation_reserved, slot);
+  }
+}
+
 }  // namespace
 
 void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
@@ -191,10 +213,17 @@ void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& im
   fill_updates(snapshot, image);
   fill_health(snapshot, image);
   fill_service(snapshot, image);
+  fill_compensation(snapshot, fill);
   const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
   put(image, Register::quality, quality);
   // What stands in a register is not what the twin says: no running prediction, whatever the cycle knows of itself.
   if (fill.clipped && snapshot.state == State::running) put(image, Register::state, bits(State::degraded));
+  for (const auto& [copy, of] : {std::pair{Register::compensation_heartbeat, Register::heartbeat},
+                                 {Register::compensation_state, Register::state},
+                                 {Register::compensation_quality, Register::quality},
+                                 {Register::compensation_fault, Register::fault}}) {
+    image[entry_of(copy).address] = image[entry_of(of).address];
+  }
 }
 
 }  // namespace spindle_twin::firmware

@@ -30,6 +30,11 @@ namespace {
 /// device is dialled again.
 constexpr int kept_for_files = 8;
 
+std::uint16_t code_of(SwitchOrder order) {
+  if (order == SwitchOrder::as_configured) return not_present_code;
+  return order == SwitchOrder::on ? 1 : 0;
+}
+
 /// Descriptors are given from the lowest: after this one so few are left that a file could not be opened.
 bool crowds_out_files(int descriptor) {
   rlimit limit{};
@@ -95,9 +100,10 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>
   modbus_set_error_recovery(modbus_, MODBUS_ERROR_RECOVERY_NONE);
   connections_.reserve(static_cast<std::size_t>(plan.connections));
   clear_commands(image_);
-  const CorrectionOrder switched = orders.first_command().correction;
-  if (switched != CorrectionOrder::as_configured) switched_to_ = switched == CorrectionOrder::on ? 1 : 0;
-  image_[entry_of(Register::command_correction).address] = switched_to_;
+  const PlcCommand first = orders.first_command();
+  switched_ = {code_of(first.correction), code_of(first.compensation)};
+  image_[entry_of(Register::command_correction).address] = switched_.correction;
+  image_[entry_of(Register::command_compensation).address] = switched_.compensation;
   const WriteRange writable = writable_registers();
   std::copy_n(image_.begin() + writable.address, writable.count, mapping_->tab_registers + writable.address);
   fill_image(snapshot_, clock_.now_ns(), image_);
@@ -308,8 +314,9 @@ bool ModbusServer::hand_over(Connection& connection, const Gate& gate) {
 bool ModbusServer::take_written(WriteRange written) {
   const WriteRange writable = writable_registers();
   std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
-  for (const Order& order : take_orders(written, switched_to_, image_)) {
-    if (order.kind == OrderKind::correction) switched_to_ = order.code;
+  for (const Order& order : take_orders(written, switched_, image_)) {
+    if (order.kind == OrderKind::correction) switched_.correction = order.code;
+    if (order.kind == OrderKind::compensation) switched_.compensation = order.code;
     orders_.give(order);
   }
   return take_signals(written, clock_.now_ns(), image_, told_);

@@ -12,6 +12,7 @@
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/snapshot.hpp"
+#include "firmware/serve/command_registers.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
 #include "firmware/serve/serve_plan.hpp"
@@ -91,8 +92,8 @@ class ModbusServer {
   Snapshot snapshot_;
   PlcSignals told_;
   RegisterImage image_{};
-  std::uint16_t switched_to_ = not_present_code;  ///< the correction, by the last order
-  std::int64_t accept_from_ns_ = 0;               ///< no descriptor is free until then
+  Switched switched_;                ///< by the last orders
+  std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then
   LogLimit strangers_, refusals_, troubles_;
 };
 

@@ -61,7 +61,7 @@ void take_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64
   }
   firmware::PlcCommand& command = inputs.command;
   if (log.switched_correction) {
-    command.correction = row.correction_enabled ? firmware::CorrectionOrder::on : firmware::CorrectionOrder::off;
+    command.correction = row.correction_enabled ? firmware::SwitchOrder::on : firmware::SwitchOrder::off;
   }
   command.tare_orders = row.tare_orders;
   command.tare_order = row.tared ? firmware::TareOrder::take : firmware::TareOrder::clear;

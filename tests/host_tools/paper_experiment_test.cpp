@@ -159,7 +159,7 @@ class PaperExperiment : public ::testing::Test {
       frame.signals[0] = {plant.operating.speed_rpm, now_ns};
       frame.signals[1] = {plant.operating.load, now_ns};
       frame.signals[2] = frame.signals[3] = {plant.operating.environment_K[0], now_ns};
-      command.correction = second < on_s ? firmware::CorrectionOrder::off : firmware::CorrectionOrder::on;
+      command.correction = second < on_s ? firmware::SwitchOrder::off : firmware::SwitchOrder::on;
       seconds.push_back(cycle.step(frame, command, now_ns, 0));
     }
     return seconds;

@@ -129,7 +129,7 @@ Life live(const rom::Network& network, unsigned seed, bool paper = true) {
                              : n == 1200 ? firmware::SensorOrder::clear_tare
                                          : firmware::SensorOrder::tare;
     }
-    command.correction = n > 300 && n < 420 ? firmware::CorrectionOrder::off : firmware::CorrectionOrder::on;
+    command.correction = n > 300 && n < 420 ? firmware::SwitchOrder::off : firmware::SwitchOrder::on;
     life.snapshots.push_back(cycle.step(frame, command, now_ns, missed));
     life.history += firmware::history_row(life.snapshots.back()) + "\n";
   }

@@ -94,7 +94,7 @@ TEST(Cycle, correction_off_runs_open_loop) {
   Cycle cycle(network, corrected(), runtime);
   Machine machine(network, 0.5);
   PlcCommand off;
-  off.correction = CorrectionOrder::off;
+  off.correction = SwitchOrder::off;
   Snapshot last;
   for (int n = 0; n < 500; ++n) {
     last = cycle.step(machine.frame(at_s(n)), off, at_s(n), 0);
@@ -130,11 +130,11 @@ TEST(Cycle, switching_the_correction_off_and_on_moves_no_temperature_and_correct
   ASSERT_GT(std::abs(last.conductance_factor[1] - 1.0), 0.01);
 
   largest_step_K = 0.0;
-  command.correction = CorrectionOrder::off;
+  command.correction = SwitchOrder::off;
   while (n < 2400) step();
   EXPECT_EQ(last.heat_factor[0], 1.0);
   EXPECT_EQ(last.conductance_factor[1], 1.0);
-  command.correction = CorrectionOrder::on;
+  command.correction = SwitchOrder::on;
   const std::uint16_t corrections = last.correction_count;
   for (int period = 0; period < 79; ++period) step();
   EXPECT_EQ(last.heat_factor[0], 1.0);
@@ -173,8 +173,8 @@ TEST(Cycle, no_heap_call_after_warm_up_with_corrections_and_orders) {
   for (int n = 0; n < cycles; ++n) {
     if (n == warm_up) calls_before = rom::tests::heap_calls();
     if (n == 300) ++command.tare_orders;
-    if (n == 500) command.correction = CorrectionOrder::off;
-    if (n == 600) command.correction = CorrectionOrder::on;
+    if (n == 500) command.correction = SwitchOrder::off;
+    if (n == 600) command.correction = SwitchOrder::on;
     const Snapshot& snapshot = cycle.step(frames[static_cast<std::size_t>(n)], command, at_s(n), n % 97 == 0 ? 1 : 0);
     if (n == warm_up) corrections_before = snapshot.correction_count;
     corrections_after = snapshot.correction_count;

@@ -150,7 +150,7 @@ TEST(EstimatorCycle, off_it_runs_open_loop_with_the_deviations_of_that_and_switc
   };
   run.until(1799);
   const double sd_on_K = run.last.predicted_sd_K[0];
-  run.command.correction = CorrectionOrder::off;
+  run.command.correction = SwitchOrder::off;
   step(3000);
   EXPECT_EQ(run.last.heat_factor[0], 1.0);
   EXPECT_EQ(run.last.conductance_factor[1], 1.0);
@@ -158,7 +158,7 @@ TEST(EstimatorCycle, off_it_runs_open_loop_with_the_deviations_of_that_and_switc
   EXPECT_FALSE(run.last.correction_enabled);
   EXPECT_GT(run.last.predicted_sd_K[0], 5.0 * sd_on_K);
   EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_sd_m[0]);
-  run.command.correction = CorrectionOrder::on;
+  run.command.correction = SwitchOrder::on;
   step(3009);
   EXPECT_LT(largest_step_K, 0.03);
   run.until(3600);
@@ -168,9 +168,9 @@ TEST(EstimatorCycle, off_it_runs_open_loop_with_the_deviations_of_that_and_switc
 TEST(EstimatorCycle, after_it_was_switched_on_with_a_large_error_it_does_not_ring) {
   const rom::Network network = tests::small_network();
   Pair run(network, estimated(), 0.46);
-  run.command.correction = CorrectionOrder::off;
+  run.command.correction = SwitchOrder::off;
   run.until(1800);
-  run.command.correction = CorrectionOrder::on;
+  run.command.correction = SwitchOrder::on;
   const auto error_K = [&] { return run.last.predicted_K[0] - run.machine.model.outputs.key_points_K[0]; };
   const double initial_K = error_K();
   ASSERT_GT(initial_K, 1.0);
@@ -195,7 +195,7 @@ TEST(EstimatorCycle, without_a_law_it_still_says_how_sure_the_open_loop_is) {
   CyclePlan plan = estimated();
   plan.estimator_corrects = false;
   Pair run(network, plan, 0.6);
-  run.command.correction = CorrectionOrder::on;  // there is nothing to switch on
+  run.command.correction = SwitchOrder::on;  // there is nothing to switch on
   run.until(1800);
   EXPECT_EQ(run.last.predicted_K[0], run.last.uncorrected_K[0]);
   EXPECT_FALSE(run.last.correction_configured);
@@ -209,9 +209,9 @@ TEST(EstimatorCycle, a_correction_is_no_step_for_the_machine) {
   CyclePlan plan = estimated();
   plan.slew_m_per_s = 2e-7;
   Pair run(network, plan, 0.3);
-  run.command.correction = CorrectionOrder::off;
+  run.command.correction = SwitchOrder::off;
   run.until(1800);
-  run.command.correction = CorrectionOrder::on;
+  run.command.correction = SwitchOrder::on;
   double largest_published_m = 0.0;
   double largest_raw_m = 0.0;
   bool slewing = false;
@@ -335,7 +335,9 @@ TEST(EstimatorCycle, a_probe_is_taken_in_each_interval_and_not_when_it_reads_non
 
 TEST(EstimatorCycle, no_heap_call_after_warm_up) {
   const rom::Network network = tests::small_network();
-  Cycle cycle(network, estimated(), runtime);
+  CyclePlan plan = estimated();
+  plan.forecast.ahead_s = 900.0;
+  Cycle cycle(network, plan, runtime);
   Machine machine(network, 0.5);
   PlcCommand command;
   std::vector<DeviceFrame> frames;
@@ -353,8 +355,8 @@ TEST(EstimatorCycle, no_heap_call_after_warm_up) {
       command.displacement = {0, 1e-6, 1e-6};
       ++command.displacements;
     }
-    if (n == 500) command.correction = CorrectionOrder::off;
-    if (n == 600) command.correction = CorrectionOrder::on;
+    if (n == 500) command.correction = SwitchOrder::off;
+    if (n == 600) command.correction = SwitchOrder::on;
     updates = cycle.step(frames[static_cast<std::size_t>(n)], command, at_s(n), n % 97 == 0 ? 1 : 0).updates;
   }
   EXPECT_GT(calls_before, 0) << "the counter does not count";

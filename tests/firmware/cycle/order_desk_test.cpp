@@ -119,9 +119,9 @@ TEST(OrderDesk, a_full_queue_takes_no_more) {
 TEST(OrderDesk, the_switch_of_a_run_before_holds_until_another_order) {
   OrderDesk desk;
   StandingOrders standing;
-  standing.correction = CorrectionOrder::off;
+  standing.correction = SwitchOrder::off;
   desk.begin_with(standing);
-  EXPECT_EQ(desk.first_command().correction, CorrectionOrder::off);
+  EXPECT_EQ(desk.first_command().correction, SwitchOrder::off);
 }
 
 TEST(StandBy, orders_of_a_run_before_hold_from_the_first_cycle_on_and_a_loss_stays_until_acknowledged) {

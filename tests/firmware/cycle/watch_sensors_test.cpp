@@ -281,7 +281,7 @@ TEST(WatchSensors, registers_show_state_fault_and_tare_and_take_the_orders) {
        {std::pair{1.0, SensorOrder::tare}, {2.0, SensorOrder::clear_tare}, {3.0, SensorOrder::acknowledge}}) {
     const std::uint32_t before = command.sensor_orders;
     put(image, Register::command_sensors, number);
-    for (const Order& taken : take_orders(written, not_present_code, image)) desk.give(taken);
+    for (const Order& taken : take_orders(written, {}, image)) desk.give(taken);
     desk.hand_out(command);
     OrderResults done{};
     done.fill(OrderResult::done);

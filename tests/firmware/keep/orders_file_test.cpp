@@ -22,7 +22,7 @@ const std::string other_network(64, 'b');
 StandingOrders ordered() {
   StandingOrders orders;
   orders.revision = 7;
-  orders.correction = CorrectionOrder::off;
+  orders.correction = SwitchOrder::off;
   orders.tare_m = 12.5e-6;
   orders.sensor_tares = 3;
   orders.sensor_tare_K[2] = -0.125;
@@ -49,7 +49,7 @@ TEST(OrdersFile, comes_back_as_it_was_and_no_damaged_bit_is_taken_for_an_order) 
   ASSERT_TRUE(kept.has_value());
   EXPECT_EQ(kept->network_sha256, network);
   EXPECT_EQ(kept->orders.revision, 7U);
-  EXPECT_EQ(kept->orders.correction, CorrectionOrder::off);
+  EXPECT_EQ(kept->orders.correction, SwitchOrder::off);
   EXPECT_EQ(kept->orders.tare_m, 12.5e-6);
   EXPECT_EQ(kept->orders.sensor_tares, 3U);
   EXPECT_EQ(kept->orders.sensor_tare_K, ordered().sensor_tare_K);
@@ -94,7 +94,7 @@ TEST(RecallOrders, holds_whatever_the_age_of_the_checkpoint_and_a_loss_is_told) 
   for (const auto& beside : {std::optional<Checkpoint>(), std::optional(checkpoint)}) {
     const StandingOrders orders = recall_orders(path, network, beside);
     EXPECT_EQ(orders.tare_m, 12.5e-6);
-    EXPECT_EQ(orders.correction, CorrectionOrder::off);
+    EXPECT_EQ(orders.correction, SwitchOrder::off);
     EXPECT_FALSE(orders.lost);
   }
   checkpoint.order_revision = 8;
@@ -103,7 +103,7 @@ TEST(RecallOrders, holds_whatever_the_age_of_the_checkpoint_and_a_loss_is_told) 
   const StandingOrders other = recall_orders(path, other_network, std::nullopt);
   EXPECT_TRUE(other.lost) << "the tare is of another network's nose";
   EXPECT_EQ(other.tare_m, 0.0);
-  EXPECT_EQ(other.correction, CorrectionOrder::off) << "the switch is not";
+  EXPECT_EQ(other.correction, SwitchOrder::off) << "the switch is not";
 
   std::ofstream(path, std::ios::app) << "x";
   EXPECT_TRUE(recall_orders(path, network, std::nullopt).lost);

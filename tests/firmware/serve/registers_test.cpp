@@ -204,7 +204,7 @@ TEST(Commands, only_what_was_written_counts_as_read) {
   EXPECT_TRUE(take_signals({entry_of(Register::command_speed).address, 2}, 78, image, told));
   EXPECT_NEAR(told.values[1].value, 0.555, 1e-12);
   EXPECT_FALSE(take_signals({entry_of(Register::command_tare).address, 1}, 79, image, told));
-  EXPECT_TRUE(take_orders(writable_registers(), not_present_code, image).empty());
+  EXPECT_TRUE(take_orders(writable_registers(), {}, image).empty());
 }
 
 TEST(Commands, tare_order_is_taken_once_and_reads_back_as_zero) {
@@ -212,31 +212,44 @@ TEST(Commands, tare_order_is_taken_once_and_reads_back_as_zero) {
   clear_commands(image);
   put(image, Register::command_tare, 2.0);
   put(image, Register::command_order_id, 4711.0);
-  const std::vector<Order> orders = take_orders(writable_registers(), not_present_code, image);
+  const std::vector<Order> orders = take_orders(writable_registers(), {}, image);
   ASSERT_EQ(orders.size(), 1U);
   EXPECT_EQ(orders[0].kind, OrderKind::tare);
   EXPECT_EQ(orders[0].code, 2);
   EXPECT_EQ(orders[0].id, 4711);
   EXPECT_EQ(get(image, Register::command_tare), 0.0);
-  EXPECT_TRUE(take_orders(writable_registers(), not_present_code, image).empty());
+  EXPECT_TRUE(take_orders(writable_registers(), {}, image).empty());
 }
 
 TEST(Commands, the_switch_is_an_order_only_where_it_changes) {
   RegisterImage image{};
   clear_commands(image);
   put(image, Register::command_correction, 0.0);
-  EXPECT_EQ(take_orders(writable_registers(), 1, image).size(), 1U);
-  EXPECT_EQ(take_orders(writable_registers(), 0, image).size(), 0U) << "a PLC may write all registers each second";
+  EXPECT_EQ(take_orders(writable_registers(), {1, not_present_code}, image).size(), 1U);
+  EXPECT_EQ(take_orders(writable_registers(), {0, not_present_code}, image).size(), 0U)
+      << "a PLC may write all registers each second";
   put_not_present(image, Register::command_correction);
-  const std::vector<Order> orders = take_orders(writable_registers(), 0, image);
+  const std::vector<Order> orders = take_orders(writable_registers(), {0, not_present_code}, image);
   ASSERT_EQ(orders.size(), 1U);
   EXPECT_EQ(orders[0].code, not_present_code);
+}
+
+TEST(Commands, the_compensation_has_a_switch_of_its_own) {
+  RegisterImage image{};
+  clear_commands(image);
+  put(image, Register::command_correction, 1.0);
+  put(image, Register::command_compensation, 0.0);
+  const std::vector<Order> orders = take_orders(writable_registers(), {1, not_present_code}, image);
+  ASSERT_EQ(orders.size(), 1U);
+  EXPECT_EQ(orders[0].kind, OrderKind::compensation);
+  EXPECT_EQ(orders[0].code, 0);
+  EXPECT_TRUE(take_orders(writable_registers(), {1, 0}, image).empty());
 }
 
 TEST(Commands, a_measured_length_is_taken_with_its_deviation_and_output) {
   RegisterImage image{};
   clear_commands(image);
-  const auto take = [&](WriteRange written) { return take_orders(written, not_present_code, image); };
+  const auto take = [&](WriteRange written) { return take_orders(written, {}, image); };
   put(image, Register::command_displacement, -3.5);
   put(image, Register::command_displacement_sd, 1.0);
   EXPECT_TRUE(take({entry_of(Register::command_displacement).address, 4}).empty()) << "not before it is ordered";
