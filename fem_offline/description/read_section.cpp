@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace spindle_twin::fem_offline {
 
@@ -106,42 +105,6 @@ Part read_part(const TomlTable& table, Names& names, const Names& materials, Geo
   }
   if (part.shapes.empty()) table.fail("rectangles", "a part needs at least one rectangle or polygon");
   return part;
-}
-
-Contact read_contact(const TomlTable& table, const Names& parts, Geometry geometry) {
-  Contact contact;
-  contact.where = table.where("between");
-  const auto names = table.strings("between");
-  if (names.size() == 2) table.show_as(names[0] + "-" + names[1]);
-  std::tie(contact.part_a, contact.part_b) = parts.find_pair(table, "between");
-  if (!rom::has_law(table, {"conductance_W_per_m2K"})) {
-    contact.conductance_W_per_m2K = table.number("conductance_W_per_m2K", positive);
-  }
-  if (const auto fit = table.optional_table("interference_fit")) {
-    if (geometry == Geometry::planar) table.fail("interference_fit", "a planar geometry has no rings to fit");
-    InterferenceFit read;
-    read.inner_radius_m = fit->number("inner_radius_mm", length_mm) * metre_per_mm;
-    read.fit_radius_m = fit->number("fit_radius_mm", length_mm) * metre_per_mm;
-    read.outer_radius_m = fit->number("outer_radius_mm", length_mm) * metre_per_mm;
-    read.interference_m = fit->number("interference_um", not_negative) * rom::m_per_um;
-    if (!(read.inner_radius_m < read.fit_radius_m && read.fit_radius_m < read.outer_radius_m)) {
-      fit->fail("fit_radius_mm", "must lie between inner_radius_mm and outer_radius_mm");
-    }
-    contact.fit = read;
-  }
-  contact.preload_pressure_Pa = table.optional_number("preload_pressure_Pa", not_negative);
-  return contact;
-}
-
-void check_contacts_once(const std::vector<Contact>& contacts, const std::vector<TomlTable>& tables) {
-  std::map<std::pair<std::size_t, std::size_t>, int> lines;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const auto pair = std::minmax(contacts[i].part_a, contacts[i].part_b);
-    const auto [known, fresh] = lines.try_emplace({pair.first, pair.second}, contacts[i].where.line);
-    if (!fresh) {
-      tables[i].fail("between", "this contact is declared already in line " + std::to_string(known->second));
-    }
-  }
 }
 
 }  // namespace spindle_twin::fem_offline

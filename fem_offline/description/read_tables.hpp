@@ -34,6 +34,25 @@ struct DescribedLaw {
   rom::PendingLaw pending;
 };
 
+/// A description that is being read: what stands in it so far, and the names that tables below may use.
+struct Reading {
+  Spindle spindle;
+  std::vector<DescribedLaw> laws;  ///< read last, when all that they may name is known
+  Names materials{"material"};
+  Names parts{"part"};
+  Names surroundings{"surrounding"};
+  Names films{"film"};  ///< gap films too, because a network addresses both as conductances
+  Names circuits{"coolant circuit"};
+  Names adiabatics{"adiabatic region"};
+  Names heats{"heat"};
+  Names key_points{"key point"};
+  Names deformations{"deformation output"};
+};
+
+/// Keeps the table `law` of an item for later, if it has one; `index` is the item's place in the spindle's list.
+void keep_law(const TomlTable& table, LawOwner owner, std::size_t index, const rom::LawDefaults& defaults,
+              Reading& into);
+
 Box box_from(const TomlTable& table, const std::string& key, const std::vector<double>& row_mm, bool may_be_flat);
 std::vector<Polygon> read_shapes(const TomlTable& table, const std::string& rectangles, const std::string& polygons,
                                  Geometry geometry, const MeshSettings& mesh, std::vector<ArcChord>& arcs);
@@ -48,20 +67,17 @@ Box read_face(const TomlTable& table, const std::string& key);
 Material read_material(const TomlTable& table, Names& names);
 Part read_part(const TomlTable& table, Names& names, const Names& materials, Geometry geometry,
                const MeshSettings& mesh);
-Contact read_contact(const TomlTable& table, const Names& parts, Geometry geometry);
-void check_contacts_once(const std::vector<Contact>& contacts, const std::vector<TomlTable>& tables);
-
 Surrounding read_surrounding(const TomlTable& table, Names& names);
-Film read_film(const TomlTable& table, Names& names, const Names& surroundings, const Names& parts);
-Film read_prescribed_temperature(const TomlTable& table, Names& names, const Names& surroundings, const Names& parts);
-Film read_radiation(const TomlTable& table, Names& names, const Names& surroundings, const Names& parts);
 /// Gives every prescribed temperature its coefficient, once materials, parts and mesh are known.
 void set_prescribed_coefficients(Spindle& spindle);
-/// [[coolant_circuit]], whose segments join the films.
-void read_coolant_circuits(const TomlTable& root, const Names& parts, const Names& surroundings, Names& films,
-                           Spindle& spindle, std::vector<DescribedLaw>& laws);
-GapFilm read_gap_film(const TomlTable& table, Names& names, const Names& parts);
-HeatSource read_heat(const TomlTable& table, Names& names, const Names& parts);
+
+// Readers of the rows of face_conditions: each adds one table to the description.
+void read_contact(const TomlTable& table, Reading& into);
+/// Its segments join the films.
+void read_coolant_circuit(const TomlTable& table, Reading& into);
+void read_gap_film(const TomlTable& table, Reading& into);
+void read_heat(const TomlTable& table, Reading& into);
+
 Operating read_operating(const TomlTable& table, const std::vector<Surrounding>& surroundings, const Names& names);
 
 /// The law of spindle.films[film_index], which is `film`.

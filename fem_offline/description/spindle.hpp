@@ -91,15 +91,17 @@ struct Surrounding {
   rom::SourceLine where;
 };
 
-/// A prescribed temperature is a film so good that the wall takes the surrounding's temperature; radiation is a film
-/// of 4 ε σ T³ that acts beside a film, on an adiabatic face or alone.
-enum class FilmKind { film, prescribed_temperature, radiation };
+struct FaceCondition;
+
+/// The condition of a [[film]] (description/face_conditions).
+const FaceCondition* plain_film();
 
 /// Film on every exposed face whose outward side lies in one of the regions (and, if `only_parts` is not
-/// empty, belongs to one of those parts).
+/// empty, belongs to one of those parts). Whatever exchanges heat with a surrounding is one: a prescribed temperature
+/// is a film so good that the wall takes the surrounding's temperature, radiation one of 4 ε σ T³.
 struct Film {
   std::string name;
-  FilmKind kind = FilmKind::film;
+  const FaceCondition* condition = plain_film();  ///< never null: which [[table]] it comes from
   double coefficient_W_per_m2K = 0.0;
   std::size_t surrounding = 0;
   std::vector<Box> regions;

@@ -21,10 +21,9 @@ void refuse_what_decks_cannot_carry(const Spindle& spindle) {
   if (spindle.mesh.degree != 2) {
     throw rom::InputError(file, "mesh.degree", "only degree 2 can be exported (eight-node and six-node elements)");
   }
-  for (const Film& film : spindle.films) {
-    if (film.kind == FilmKind::radiation) {
-      throw rom::InputError(film.where, film.name, "radiation cannot be exported; state it as a film");
-    }
+  for (const FaceItem& item : face_items(spindle)) {
+    const std::string_view reason = item.condition->not_exported;
+    if (!reason.empty()) throw rom::InputError(item.where, item.name, std::string(reason));
   }
   for (const Part& part : spindle.parts) {
     if (part.initial_K) {
@@ -147,15 +146,7 @@ double area_m2(const BoundaryPiece& piece) {
 std::vector<std::size_t> pieces_of(const HeatShare& share, const Spindle& spindle, const Section& section) {
   std::vector<std::size_t> found;
   for (std::size_t p = 0; p < section.pieces.size(); ++p) {
-    const BoundaryPiece& piece = section.pieces[p];
-    if (piece.part != share.part) continue;
-    if (share.on_contact_with) {
-      if (piece.kind != PieceKind::contact) continue;
-      const Contact& contact = spindle.contacts[piece.index];
-      if ((piece.side == 0 ? contact.part_b : contact.part_a) == *share.on_contact_with) found.push_back(p);
-    } else if (piece.kind != PieceKind::contact && piece.kind != PieceKind::axis && lies_in(piece, *share.on_face)) {
-      found.push_back(p);
-    }
+    if (carries(spindle, section.pieces[p], share)) found.push_back(p);
   }
   return found;
 }

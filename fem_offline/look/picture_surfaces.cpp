@@ -9,14 +9,9 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr Colour contact_colour{0.10, 0.10, 0.12, 1.0};
 constexpr Colour fit_colour{0.85, 0.05, 0.10, 1.0};
-constexpr Colour gap_colour{0.95, 0.55, 0.00, 1.0};
-constexpr Colour adiabatic_colour{0.55, 0.55, 0.58, 1.0};
-constexpr Colour heat_colour{0.86, 0.25, 0.05, 0.75};
-constexpr Colour radiation_colour{0.75, 0.10, 0.55, 1.0};
 constexpr Colour white{1.0, 1.0, 1.0, 1.0};
-constexpr double line_px = 4.0;
+constexpr double fit_line_px = 4.0, white_line_px = 2.8;
 constexpr double grams_per_kg = 1e3;
 
 /// What is drawn alike: a film by itself, or all segments of a circuit.
@@ -42,16 +37,28 @@ std::vector<DrawnFilm> drawn_films(const Spindle& spindle) {
   return drawn;
 }
 
-/// One hue per kind of surrounding, one lightness per film of that kind; all segments of a circuit are as the first.
+std::optional<Colour> own_colour(const FaceMark& mark) {
+  if (!mark.colour) return std::nullopt;
+  const auto [red, green, blue, opacity] = *mark.colour;
+  return Colour{red, green, blue, opacity};
+}
+
+std::vector<double> dashes_px(const FaceMark& mark) {
+  return mark.dashes_px[0] > 0.0 ? std::vector<double>(mark.dashes_px.begin(), mark.dashes_px.end())
+                                 : std::vector<double>{};
+}
+
+/// That of its condition; without one, one hue per kind of surrounding and one lightness per film of that kind, all
+/// segments of a circuit as the first.
 Colour film_colour(const Spindle& spindle, std::size_t film) {
-  if (spindle.films[film].kind == FilmKind::radiation) return radiation_colour;
+  if (const auto colour = own_colour(spindle.films[film].condition->mark)) return *colour;
   const auto kind_of = [&](std::size_t index) { return spindle.surroundings[spindle.films[index].surrounding].kind; };
   const auto circuit = circuit_of(spindle, film);
   const std::size_t shown = circuit ? spindle.circuits[*circuit].segments.front() : film;
   int before = 0;
   for (const DrawnFilm& other : drawn_films(spindle)) {
     if (other.film == shown) break;
-    if (spindle.films[other.film].kind != FilmKind::radiation && kind_of(other.film) == kind_of(shown)) ++before;
+    if (!spindle.films[other.film].condition->mark.colour && kind_of(other.film) == kind_of(shown)) ++before;
   }
   double hue_degrees = 145.0;
   if (kind_of(shown) == SurroundingKind::coolant) hue_degrees = 255.0;
@@ -59,35 +66,41 @@ Colour film_colour(const Spindle& spindle, std::size_t film) {
   return from_oklch(0.42 + 0.15 * (before % 4), 0.16, hue_degrees);
 }
 
-const std::vector<double> radiation_dashes{2.0, 5.0};
-const std::vector<double> prescribed_dashes{5.0, 5.0};
-
-/// A prescribed temperature is a white-dashed band, radiation a dotted line beside what else is there.
-void draw_film(Canvas& canvas, const View& view, const Spindle& spindle, const BoundaryPiece& piece, std::size_t film) {
-  const Colour colour = film_colour(spindle, film);
-  if (spindle.films[film].kind == FilmKind::radiation) {
-    draw_piece(canvas, view, piece, 2.0 * line_px, line_px, colour, radiation_dashes);
-    return;
-  }
-  const bool is_prescribed = spindle.films[film].kind == FilmKind::prescribed_temperature;
-  draw_piece(canvas, view, piece, 0.4 * line_px, is_prescribed ? 1.8 * line_px : line_px, colour);
-  if (is_prescribed) draw_piece(canvas, view, piece, 0.4 * line_px, 0.7 * line_px, white, prescribed_dashes);
+/// The mark of the condition that holds the index-th item of a kind of piece, along this piece.
+void draw_condition(Canvas& canvas, const View& view, const Spindle& spindle, const BoundaryPiece& piece,
+                    PieceKind kind, std::size_t index) {
+  const FaceMark& mark = face_condition(spindle, kind, index).mark;
+  const Colour colour = kind == PieceKind::film ? film_colour(spindle, index) : own_colour(mark).value_or(ink);
+  const std::vector<double> dashes = dashes_px(mark);
+  draw_piece(canvas, view, piece, mark.offset_px, mark.width_px, colour,
+             mark.white_dashes ? std::vector<double>{} : dashes);
+  if (mark.white_dashes) draw_piece(canvas, view, piece, mark.offset_px, white_line_px, white, dashes);
 }
 
-void hatch(Canvas& canvas, const PixelBox& box) {
+void hatch(Canvas& canvas, const PixelBox& box, const Colour& colour) {
   constexpr double distance_px = 9.0;
   for (double x = box.x0 - (box.y1 - box.y0); x < box.x1; x += distance_px) {
-    canvas.line({x, box.y1}, {x + box.y1 - box.y0, box.y0}, 1.6, heat_colour);
+    canvas.line({x, box.y1}, {x + box.y1 - box.y0, box.y0}, 1.6, colour);
   }
 }
 
-LegendLine line_entry(const Colour& colour, double width_px, const std::vector<double>& dashes_px,
-                      const std::string& words, const std::string& value) {
+LegendLine line_entry(const Colour& colour, double width_px, const std::string& words, const std::string& value) {
   return {[=](Canvas& canvas, const PixelBox& box) {
             const double y = 0.5 * (box.y0 + box.y1);
-            canvas.line({box.x0, y}, {box.x1, y}, width_px, colour, dashes_px);
+            canvas.line({box.x0, y}, {box.x1, y}, width_px, colour);
           },
           words, value};
+}
+
+LegendLine mark_entry(const FaceMark& mark, const Colour& colour, const std::string& words, const std::string& value) {
+  return {[=](Canvas& canvas, const PixelBox& box) {
+            const double y = 0.5 * (box.y0 + box.y1);
+            const std::vector<double> dashes = dashes_px(mark);
+            canvas.line({box.x0, y}, {box.x1, y}, mark.legend_width_px, colour,
+                        mark.white_dashes ? std::vector<double>{} : dashes);
+            if (mark.white_dashes) canvas.line({box.x0, y}, {box.x1, y}, white_line_px, white, dashes);
+          },
+          std::string(mark.legend) + words, value};
 }
 
 std::string per_square_metre(double value_W_per_m2K) { return compact(value_W_per_m2K) + " W/m²K"; }
@@ -98,23 +111,14 @@ std::string range_of(double least, double most) {
 
 LegendLine film_entry(const Spindle& spindle, std::size_t index) {
   const Film& film = spindle.films[index];
+  const FaceMark& mark = film.condition->mark;
   const Surrounding& surrounding = spindle.surroundings[film.surrounding];
-  const std::string words = film.name + " → " + surrounding.name;
   const Colour colour = film_colour(spindle, index);
-  if (film.kind == FilmKind::radiation) {
-    return line_entry(colour, line_px, radiation_dashes, "radiation " + words,
-                      per_square_metre(film.coefficient_W_per_m2K));
+  if (film.condition->assembles == Assembles::held_temperature) {
+    const double held_K = spindle.operating.surrounding_K[film.surrounding];
+    return mark_entry(mark, colour, film.name, surrounding.name + " " + fixed(held_K - rom::zero_degC_K, 1) + " °C");
   }
-  if (film.kind == FilmKind::film) {
-    return line_entry(colour, 1.6 * line_px, {}, words, per_square_metre(film.coefficient_W_per_m2K));
-  }
-  const double prescribed_K = spindle.operating.surrounding_K[film.surrounding];
-  return {[colour](Canvas& canvas, const PixelBox& box) {
-            const double y = 0.5 * (box.y0 + box.y1);
-            canvas.line({box.x0, y}, {box.x1, y}, 1.8 * line_px, colour);
-            canvas.line({box.x0, y}, {box.x1, y}, 0.7 * line_px, white, prescribed_dashes);
-          },
-          "prescribed " + film.name, surrounding.name + " " + fixed(prescribed_K - rom::zero_degC_K, 1) + " °C"};
+  return mark_entry(mark, colour, film.name + " → " + surrounding.name, per_square_metre(film.coefficient_W_per_m2K));
 }
 
 /// Middle of the wetted faces of a segment: in a groove or bore the liquid itself.
@@ -149,23 +153,33 @@ void draw_piece(Canvas& canvas, const View& view, const BoundaryPiece& piece, do
 }
 
 void draw_surfaces(Canvas& canvas, const View& view, const SectionPicture& picture) {
+  const Spindle& spindle = picture.spindle;
+  const auto draw_own = [&](const BoundaryPiece& piece) {
+    draw_condition(canvas, view, spindle, piece, piece.kind, piece.index);
+  };
+  for (const BoundaryPiece& piece : picture.section.pieces) {
+    if (piece.kind == PieceKind::film || piece.kind == PieceKind::adiabatic) draw_own(piece);
+    for (const std::size_t film : piece.beside) draw_condition(canvas, view, spindle, piece, PieceKind::film, film);
+  }
   // Contacts last: they are the shortest.
   for (const BoundaryPiece& piece : picture.section.pieces) {
-    if (piece.kind == PieceKind::film) draw_film(canvas, view, picture.spindle, piece, piece.index);
-    if (piece.kind == PieceKind::adiabatic) draw_piece(canvas, view, piece, 0.0, 3.0, adiabatic_colour, {6, 4});
-    for (const std::size_t radiation : piece.radiations) draw_film(canvas, view, picture.spindle, piece, radiation);
-  }
-  for (const BoundaryPiece& piece : picture.section.pieces) {
-    if (piece.kind == PieceKind::gap) draw_piece(canvas, view, piece, 0.0, line_px, gap_colour);
+    if (piece.kind == PieceKind::gap) draw_own(piece);
     if (piece.kind != PieceKind::contact || piece.side != 0) continue;
-    const bool is_fit = picture.spindle.contacts[piece.index].fit.has_value();
-    draw_piece(canvas, view, piece, 0.0, is_fit ? line_px : 2.6, is_fit ? fit_colour : contact_colour);
+    if (spindle.contacts[piece.index].fit) {
+      draw_piece(canvas, view, piece, 0.0, fit_line_px, fit_colour);
+    } else {
+      draw_own(piece);
+    }
   }
 }
 
 LegendGroup surfaces_legend(const Spindle& spindle) {
   LegendGroup surfaces{"Surfaces, coefficients at the reference state", {}};
-  const auto add_contacts = [&](bool with_fit, const Colour& colour, const std::string& words) {
+  const auto marked = [](std::string_view table, const std::string& words, const std::string& value) {
+    const FaceMark& mark = face_condition(table).mark;
+    return mark_entry(mark, own_colour(mark).value_or(ink), words, value);
+  };
+  const auto add_contacts = [&](bool with_fit) {
     double least = std::numeric_limits<double>::max(), most = 0.0;
     int count = 0;
     for (const Contact& contact : spindle.contacts) {
@@ -175,20 +189,20 @@ LegendGroup surfaces_legend(const Spindle& spindle) {
       ++count;
     }
     if (count == 0) return;
-    surfaces.lines.push_back(line_entry(colour, with_fit ? line_px : 2.6, {},
-                                        std::to_string(count) + (count == 1 ? " contact" : " contacts") + words,
-                                        range_of(least, most)));
+    const std::string words = std::to_string(count) + (count == 1 ? " contact" : " contacts");
+    surfaces.lines.push_back(with_fit
+                                 ? line_entry(fit_colour, fit_line_px, words + " with a fit", range_of(least, most))
+                                 : marked("contact", words, range_of(least, most)));
   };
-  add_contacts(false, contact_colour, "");
-  add_contacts(true, fit_colour, " with a fit");
+  add_contacts(false);
+  add_contacts(true);
   for (const GapFilm& gap : spindle.gap_films) {
-    surfaces.lines.push_back(
-        line_entry(gap_colour, line_px, {}, "gap: " + gap.name, per_square_metre(gap.coefficient_W_per_m2K)));
+    surfaces.lines.push_back(marked("gap_film", gap.name, per_square_metre(gap.coefficient_W_per_m2K)));
   }
   for (const DrawnFilm& drawn : drawn_films(spindle)) {
     if (!drawn.circuit) surfaces.lines.push_back(film_entry(spindle, drawn.film));
   }
-  if (!spindle.adiabatics.empty()) surfaces.lines.push_back(line_entry(adiabatic_colour, 3.0, {6, 4}, "adiabatic", ""));
+  if (!spindle.adiabatics.empty()) surfaces.lines.push_back(marked("adiabatic", "", ""));
   return surfaces;
 }
 
@@ -247,6 +261,8 @@ LegendGroup circuits_legend(const Spindle& spindle) {
 }
 
 void draw_heats(Canvas& canvas, const View& view, const SectionPicture& picture) {
+  const FaceMark& heat_mark = face_condition("heat").mark;
+  const Colour heat_colour = own_colour(heat_mark).value_or(ink);
   for (const HeatSource& heat : picture.spindle.heats) {
     for (const HeatShare& share : heat.shares) {
       if (!share.on_contact_with && !share.on_face) {
@@ -254,20 +270,14 @@ void draw_heats(Canvas& canvas, const View& view, const SectionPicture& picture)
           cairo_save(canvas.pen());
           trace(canvas, view, face);
           cairo_clip(canvas.pen());
-          hatch(canvas, view.frame);
+          hatch(canvas, view.frame, heat_colour);
           cairo_restore(canvas.pen());
         }
         continue;
       }
       for (const BoundaryPiece& piece : picture.section.pieces) {
-        if (piece.part != share.part) continue;
-        if (share.on_face && !lies_in(piece, *share.on_face)) continue;
-        if (share.on_contact_with) {
-          if (piece.kind != PieceKind::contact) continue;
-          const Contact& contact = picture.spindle.contacts[piece.index];
-          if ((piece.side == 0 ? contact.part_b : contact.part_a) != *share.on_contact_with) continue;
-        }
-        draw_piece(canvas, view, piece, -5.0, 4.5, heat_colour, {3, 4});
+        if (!carries(picture.spindle, piece, share)) continue;
+        draw_piece(canvas, view, piece, heat_mark.offset_px, heat_mark.width_px, heat_colour, dashes_px(heat_mark));
       }
     }
   }
@@ -276,6 +286,8 @@ void draw_heats(Canvas& canvas, const View& view, const SectionPicture& picture)
 LegendGroup heats_legend(const SectionPicture& picture) {
   const Spindle& spindle = picture.spindle;
   LegendGroup heats{"Heat sources (hatched: in the volume; dotted: on a face)", {}};
+  const FaceMark& mark = face_condition("heat").mark;  // outlives the lambdas: a row of the table
+  const Colour colour = own_colour(mark).value_or(ink);
   const std::string watt = spindle.geometry == Geometry::planar ? " W/m" : " W";
   for (std::size_t h = 0; h < picture.heats_W.size(); ++h) {
     const HeatSource& heat = spindle.heats[h];
@@ -287,16 +299,17 @@ LegendGroup heats_legend(const SectionPicture& picture) {
     }
     std::string value = compact(picture.heats_W[h].value) + watt;
     if (heat.flux_W_per_m2) value = compact(*heat.flux_W_per_m2) + " W/m², " + value;
-    heats.lines.push_back({[in_volume, on_face](Canvas& canvas, const PixelBox& box) {
+    heats.lines.push_back({[=, &mark](Canvas& canvas, const PixelBox& box) {
                              if (in_volume) {
                                cairo_save(canvas.pen());
                                cairo_rectangle(canvas.pen(), box.x0, box.y0, box.x1 - box.x0, box.y1 - box.y0);
                                cairo_clip(canvas.pen());
-                               hatch(canvas, box);
+                               hatch(canvas, box, colour);
                                cairo_restore(canvas.pen());
                              }
                              const double y = in_volume ? box.y1 : 0.5 * (box.y0 + box.y1);
-                             if (on_face) canvas.line({box.x0, y}, {box.x1, y}, 4.5, heat_colour, {3, 4});
+                             if (on_face)
+                               canvas.line({box.x0, y}, {box.x1, y}, mark.legend_width_px, colour, dashes_px(mark));
                            },
                            heat.name, value});
   }

@@ -174,9 +174,19 @@ double volume_within(const Polygon& ring, Geometry geometry) {
 }
 
 bool acts_on(std::size_t film, const BoundaryPiece& piece) {
-  const auto& beside = piece.radiations;
   return (piece.kind == PieceKind::film && piece.index == film) ||
-         std::find(beside.begin(), beside.end(), film) != beside.end();
+         std::find(piece.beside.begin(), piece.beside.end(), film) != piece.beside.end();
+}
+
+bool carries(const Spindle& spindle, const BoundaryPiece& piece, const HeatShare& share) {
+  if (piece.part != share.part) return false;
+  if (share.on_contact_with) {
+    if (piece.kind != PieceKind::contact) return false;
+    const Contact& contact = spindle.contacts[piece.index];
+    return (piece.side == 0 ? contact.part_b : contact.part_a) == *share.on_contact_with;
+  }
+  const bool is_exposed = piece.kind != PieceKind::contact && piece.kind != PieceKind::axis;
+  return share.on_face && is_exposed && lies_in(piece, *share.on_face);
 }
 
 bool lies_in(const BoundaryPiece& piece, const Box& box) {

@@ -4,11 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "fem_offline/description/face_conditions.hpp"
 #include "fem_offline/description/spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-
-enum class PieceKind { contact, film, gap, adiabatic, axis };
 
 /// A straight piece of one part's outline on which one thing happens. A contact or gap appears as two pieces, one
 /// per side, with the same `index` and `pair`.
@@ -17,11 +16,11 @@ struct BoundaryPiece {
   Point start;  ///< the part lies to the left from start to end
   Point end;
   PieceKind kind = PieceKind::adiabatic;
-  std::size_t index = 0;                     ///< into Spindle::contacts, films, gap_films or adiabatics
-  int side = 0;                              ///< contact, gap: 0 on part_a, 1 on part_b
-  std::size_t pair = 0;                      ///< contact, gap: number shared by the two pieces that face each other
-  std::vector<std::size_t> radiations = {};  ///< into Spindle::films: radiation that acts beside film or adiabatic
-  std::optional<ArcChord> arc = {};          ///< the side of the outline that holds this piece, if it stands for an arc
+  std::size_t index = 0;                 ///< into Spindle::contacts, films, gap_films or adiabatics
+  int side = 0;                          ///< contact, gap: 0 on part_a, 1 on part_b
+  std::size_t pair = 0;                  ///< contact, gap: number shared by the two pieces that face each other
+  std::vector<std::size_t> beside = {};  ///< into Spindle::films: those that act besides (Claims::beside)
+  std::optional<ArcChord> arc = {};      ///< the side of the outline that holds this piece, if it stands for an arc
 };
 
 /// One connected face of a part: outer ring counter-clockwise (r to the right, z up), holes clockwise.
@@ -55,6 +54,10 @@ double volume_within(const Polygon& ring, Geometry geometry);
 
 /// Whether the film (of any kind) acts on the piece.
 bool acts_on(std::size_t film, const BoundaryPiece& piece);
+
+/// Whether a heat's share lies on the piece: a face towards the part that it names, or an exposed face within its box.
+/// False of a share in a volume.
+bool carries(const Spindle& spindle, const BoundaryPiece& piece, const HeatShare& share);
 
 /// Whether both ends of the piece lie in the closed box, to the snap tolerance of 1e-6 mm. Outlines are split where the
 /// face box of a support, a deformation output or a heat begins and ends, so that a piece is either in or out.

@@ -88,12 +88,12 @@ void exchange_cuts(Edge& a, Edge& b, const std::pair<double, double>& stretch,
   }
 }
 
-void cut_at_gap(const GapFilm& gap, std::vector<Edge>& edges) {
-  const BoxMm region = to_mm(gap.region);
+void cut_at_gap(const FaceItem& gap, std::vector<Edge>& edges) {
+  const BoxMm region = to_mm(gap.regions.front());
   for (Edge& a : edges) {
-    if (a.part != gap.part_a) continue;
+    if (a.part != gap.parts[0]) continue;
     for (Edge& b : edges) {
-      if (b.part != gap.part_b) continue;
+      if (b.part != gap.parts[1]) continue;
       const Stretch stretch = facing_stretch(a, b, region);
       if (!stretch) continue;
       const auto across = [](const Edge& edge, const Vec& at) { return point_at(edge, edge.position(at)); };
@@ -123,6 +123,35 @@ void cut_at_neighbours(std::vector<Edge>& edges) {
         exchange_cuts(edges[i], edges[j], *stretch, [](const Edge&, const Vec& at) { return at; });
       }
     }
+  }
+}
+
+void cut_at_box(Edge& edge, std::size_t part, const Box& box) {
+  if (part == edge.part) add_cuts(edge, clip(edge.start, edge.end, to_mm(box)), true);
+}
+
+/// Where the faces of one condition begin and end; what lies between two parts is cut for both together.
+void cut_at_item(Edge& edge, const FaceItem& item) {
+  const Finds finds = item.condition->finds;
+  for (const Box& region : item.regions) {
+    if (finds == Finds::faces_towards_voids) cut_at_region(edge, to_mm(region));
+    if (finds == Finds::faces_in_a_box) cut_at_box(edge, item.parts.front(), region);
+  }
+}
+
+/// Where supports and the faces of deformation outputs begin and end.
+void cut_at_mechanics(Edge& edge, const Spindle& spindle) {
+  for (const Support& support : spindle.supports) {
+    if (!support.is_point()) {
+      cut_at_box(edge, support.part, support.face);
+      continue;
+    }
+    const BoxMm box = to_mm(support.face);
+    const Vec point{box.r0, box.z0};
+    if (support.part == edge.part && std::abs(edge.distance(point)) <= 2.0 * snap_mm) add_cut(edge, point, true);
+  }
+  for (const DeformationOutput& output : spindle.deformations) {
+    if (!output.at) cut_at_box(edge, output.part, output.face);
   }
 }
 
@@ -219,35 +248,14 @@ std::vector<Edge> edges_of(const std::vector<PartOutline>& outlines) {
 }
 
 std::vector<Piece> cut_edges(const Spindle& spindle, std::vector<Edge> edges) {
+  const std::vector<FaceItem> items = face_items(spindle);
   for (Edge& edge : edges) {
-    for (const Film& film : spindle.films) {
-      for (const Box& region : film.regions) cut_at_region(edge, to_mm(region));
-    }
-    for (const Adiabatic& adiabatic : spindle.adiabatics) {
-      for (const Box& region : adiabatic.regions) cut_at_region(edge, to_mm(region));
-    }
-    const auto cut_at_face = [&](std::size_t part, const Box& face) {
-      if (part == edge.part) add_cuts(edge, clip(edge.start, edge.end, to_mm(face)), true);
-    };
-    for (const Support& support : spindle.supports) {
-      if (!support.is_point()) {
-        cut_at_face(support.part, support.face);
-        continue;
-      }
-      const BoxMm box = to_mm(support.face);
-      const Vec point{box.r0, box.z0};
-      if (support.part == edge.part && std::abs(edge.distance(point)) <= 2.0 * snap_mm) add_cut(edge, point, true);
-    }
-    for (const DeformationOutput& output : spindle.deformations) {
-      if (!output.at) cut_at_face(output.part, output.face);
-    }
-    for (const HeatSource& heat : spindle.heats) {
-      for (const HeatShare& share : heat.shares) {
-        if (share.on_face) cut_at_face(share.part, *share.on_face);
-      }
-    }
+    for (const FaceItem& item : items) cut_at_item(edge, item);
+    cut_at_mechanics(edge, spindle);
   }
-  for (const GapFilm& gap : spindle.gap_films) cut_at_gap(gap, edges);
+  for (const FaceItem& item : items) {
+    if (item.condition->finds == Finds::walls_of_a_gap) cut_at_gap(item, edges);
+  }
   cut_at_neighbours(edges);
 
   std::vector<Piece> pieces;

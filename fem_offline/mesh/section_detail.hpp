@@ -42,12 +42,12 @@ struct Cut {
   bool lasting = false;
 };
 
-/// What happens on a piece; `pair` as in BoundaryPiece.
-struct Law {
+/// What has a piece to itself; as in BoundaryPiece.
+struct Claim {
   PieceKind kind = PieceKind::adiabatic;
   std::size_t index = 0;
   int side = 0;
-  bool operator==(const Law&) const = default;
+  bool operator==(const Claim&) const = default;
 };
 
 struct Edge {
@@ -67,9 +67,9 @@ struct Piece {
   Vec start, end;
   bool lasting_end = false;  // the cut at `end` must stay
   bool last_of_edge = false;
-  std::optional<Law> law;
+  std::optional<Claim> claim;
   std::size_t pair = 0;
-  std::vector<std::size_t> radiations = {};  // as in BoundaryPiece
+  std::vector<std::size_t> beside = {};  // as in BoundaryPiece
 
   Vec hair_outside() const;
 };
@@ -88,7 +88,8 @@ std::vector<Edge> edges_of(const std::vector<PartOutline>& outlines);
 /// same cuts.
 std::vector<Piece> cut_edges(const Spindle& spindle, std::vector<Edge> edges);
 
-/// Gives every piece its one law, joins pieces that need no cut between them and numbers the pairs.
+/// Gives every piece the one condition that claims it, joins pieces that need no cut between them and numbers the
+/// pairs.
 std::vector<BoundaryPiece> sort_pieces(const Spindle& spindle, std::vector<Piece> pieces);
 
 /// Throws for a support, key point, deformation output, heat or interference fit that is not where it says it is.

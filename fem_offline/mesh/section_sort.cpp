@@ -10,10 +10,6 @@ namespace {
 
 std::string quoted(const std::string& name) { return "\"" + name + "\""; }
 
-std::string contact_name(const Spindle& spindle, const Contact& contact) {
-  return spindle.parts[contact.part_a].name + "-" + spindle.parts[contact.part_b].name;
-}
-
 bool in_any(const std::vector<Box>& regions, const Vec& point) {
   return std::any_of(regions.begin(), regions.end(), [&](const Box& box) { return contains(to_mm(box), point); });
 }
@@ -39,15 +35,16 @@ bool faces_across(const Piece& a, const Piece& b) {
 
 class Sorter {
  public:
-  Sorter(const Spindle& spindle, std::vector<Piece> pieces) : spindle_(spindle), pieces_(std::move(pieces)) {}
+  Sorter(const Spindle& spindle, std::vector<Piece> pieces)
+      : spindle_(spindle), items_(face_items(spindle)), pieces_(std::move(pieces)) {}
 
   std::vector<BoundaryPiece> sort() {
-    sort_contacts();
-    sort_gaps();
+    claim_contacts();
+    claim_gaps();
     for (Piece& piece : pieces_) {
-      if (!piece.law || piece.law->kind == PieceKind::gap) sort_exposed(piece);
+      if (!piece.claim || piece.claim->kind == PieceKind::gap) claim_exposed(piece);
     }
-    refuse_idle_laws();
+    refuse_idle_conditions();
     refuse_bare_faces();
     join();
     number_pairs();
@@ -55,11 +52,10 @@ class Sorter {
   }
 
  private:
-  void sort_contacts() {
-    std::map<std::pair<std::size_t, std::size_t>, std::size_t> declared;
-    for (std::size_t i = 0; i < spindle_.contacts.size(); ++i) {
-      const Contact& contact = spindle_.contacts[i];
-      declared[std::minmax(contact.part_a, contact.part_b)] = i;
+  void claim_contacts() {
+    std::map<std::pair<std::size_t, std::size_t>, const FaceItem*> declared;
+    for (const FaceItem& item : items_) {
+      if (item.condition->finds == Finds::touching_parts) declared[std::minmax(item.parts[0], item.parts[1])] = &item;
     }
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       for (std::size_t j = i + 1; j < pieces_.size(); ++j) {
@@ -72,136 +68,112 @@ class Sorter {
                                 "touches part " + quoted(first.name) + " from " + printed(a.start, a.end) +
                                     ", but no contact between the two is declared");
         }
-        const Contact& contact = spindle_.contacts[found->second];
-        a.law = Law{PieceKind::contact, found->second, contact.part_a == a.part ? 0 : 1};
-        b.law = Law{PieceKind::contact, found->second, contact.part_a == b.part ? 0 : 1};
+        const FaceItem& contact = *found->second;
+        a.claim = claim_of(contact, contact.parts[0] == a.part ? 0 : 1);
+        b.claim = claim_of(contact, contact.parts[0] == b.part ? 0 : 1);
       }
     }
   }
 
-  void sort_gaps() {
-    for (std::size_t g = 0; g < spindle_.gap_films.size(); ++g) {
-      const GapFilm& gap = spindle_.gap_films[g];
-      const BoxMm region = to_mm(gap.region);
+  void claim_gaps() {
+    for (const FaceItem& gap : items_) {
+      if (gap.condition->finds != Finds::walls_of_a_gap) continue;
       for (Piece& a : pieces_) {
-        if (a.part != gap.part_a || !contains(region, a.hair_outside())) continue;
+        if (a.part != gap.parts[0] || !in_any(gap.regions, a.hair_outside())) continue;
         for (Piece& b : pieces_) {
-          if (b.part != gap.part_b || !contains(region, b.hair_outside()) || !faces_across(a, b)) continue;
+          if (b.part != gap.parts[1] || !in_any(gap.regions, b.hair_outside()) || !faces_across(a, b)) continue;
           for (const Piece* piece : {&a, &b}) {
-            if (piece->law && piece->law->kind == PieceKind::gap) {
-              refuse_two_laws(*piece, describe(*piece->law), "gap_film " + quoted(gap.name), gap.where,
-                              "gap_film." + gap.name);
-            }
+            if (piece->claim && piece->claim->kind == PieceKind::gap) refuse_two(*piece, gap);
           }
-          if (a.law || b.law) continue;
-          a.law = Law{PieceKind::gap, g, 0};
-          b.law = Law{PieceKind::gap, g, 1};
+          if (a.claim || b.claim) continue;
+          a.claim = claim_of(gap, 0);
+          b.claim = claim_of(gap, 1);
         }
       }
     }
   }
 
-  void sort_exposed(Piece& piece) {
+  void claim_exposed(Piece& piece) {
     if (spindle_.geometry == Geometry::axisymmetric && std::abs(piece.start.r) <= snap_mm &&
         std::abs(piece.end.r) <= snap_mm) {
-      piece.law = Law{PieceKind::axis, 0, 0};
+      piece.claim = Claim{PieceKind::axis, 0, 0};
       return;
     }
     const Vec outside = piece.hair_outside();
-    const auto take = [&](const Law& law, const std::string& name, const rom::SourceLine& where,
-                          const std::string& field) {
-      if (piece.law) refuse_two_laws(piece, describe(*piece.law), name, where, field);
-      piece.law = law;
-    };
-    for (std::size_t i = 0; i < spindle_.films.size(); ++i) {
-      const Film& film = spindle_.films[i];
-      const auto& only = film.only_parts;
+    for (const FaceItem& item : items_) {
+      if (item.condition->finds != Finds::faces_towards_voids || !in_any(item.regions, outside)) continue;
+      const auto& only = item.parts;
       if (!only.empty() && std::find(only.begin(), only.end(), piece.part) == only.end()) continue;
-      if (!in_any(film.regions, outside)) continue;
-      if (film.kind == FilmKind::radiation) {
-        const bool in_gap = piece.law && piece.law->kind == PieceKind::gap;
-        if (!in_gap) piece.radiations.push_back(i);
-      } else {
-        take(Law{PieceKind::film, i, 0}, "film " + quoted(film.name), film.where, "film." + film.name);
+      if (item.condition->claims == Claims::beside) {
+        const bool in_gap = piece.claim && piece.claim->kind == PieceKind::gap;
+        if (!in_gap) piece.beside.push_back(item.index);
+        continue;
       }
+      if (piece.claim) refuse_two(piece, item);
+      piece.claim = claim_of(item, 0);
     }
-    for (std::size_t i = 0; i < spindle_.adiabatics.size(); ++i) {
-      const Adiabatic& adiabatic = spindle_.adiabatics[i];
-      if (in_any(adiabatic.regions, outside)) {
-        take(Law{PieceKind::adiabatic, i, 0}, "adiabatic region " + quoted(adiabatic.name), adiabatic.where,
-             "adiabatic." + adiabatic.name);
-      }
-    }
-    if (piece.law || piece.radiations.empty()) return;
-    piece.law = Law{PieceKind::film, piece.radiations.front(), 0};
-    piece.radiations.erase(piece.radiations.begin());
+    if (piece.claim || piece.beside.empty()) return;
+    piece.claim = Claim{PieceKind::film, piece.beside.front(), 0};
+    piece.beside.erase(piece.beside.begin());
   }
 
-  std::string describe(const Law& law) const {
-    switch (law.kind) {
-      case PieceKind::film:
-        return "film " + quoted(spindle_.films[law.index].name);
-      case PieceKind::gap:
-        return "gap_film " + quoted(spindle_.gap_films[law.index].name);
-      case PieceKind::adiabatic:
-        return "adiabatic region " + quoted(spindle_.adiabatics[law.index].name);
-      case PieceKind::contact:
-        return "contact " + quoted(contact_name(spindle_, spindle_.contacts[law.index]));
-      default:
-        return "the axis";
-    }
+  static Claim claim_of(const FaceItem& item, int side) { return {*item.condition->piece, item.index, side}; }
+
+  static std::string described(const FaceItem& item) {
+    return std::string(item.condition->words) + " " + quoted(item.name);
   }
 
-  [[noreturn]] void refuse_two_laws(const Piece& piece, const std::string& first, const std::string& second,
-                                    const rom::SourceLine& where, const std::string& field) const {
-    throw rom::InputError(where, field,
+  static std::string field_of(const FaceItem& item) { return std::string(item.condition->field) + "." + item.name; }
+
+  std::string described(const Claim& claim) const {
+    for (const FaceItem& item : items_) {
+      if (item.condition->piece == claim.kind && item.index == claim.index) return described(item);
+    }
+    return "the axis";
+  }
+
+  [[noreturn]] void refuse_two(const Piece& piece, const FaceItem& second) const {
+    throw rom::InputError(second.where, field_of(second),
                           "the face of part " + quoted(spindle_.parts[piece.part].name) + " from " +
-                              printed(piece.start, piece.end) + " is hit by two laws: " + first + " and " + second);
+                              printed(piece.start, piece.end) + " is hit by two laws: " + described(*piece.claim) +
+                              " and " + described(second));
   }
 
-  bool any_with(PieceKind kind, std::size_t index) const {
+  bool acts_somewhere(const FaceItem& item) const {
+    const PieceKind kind = *item.condition->piece;
     return std::any_of(pieces_.begin(), pieces_.end(), [&](const Piece& piece) {
-      const auto& beside = piece.radiations;
-      return (piece.law && piece.law->kind == kind && piece.law->index == index) ||
-             (kind == PieceKind::film && std::find(beside.begin(), beside.end(), index) != beside.end());
+      return (piece.claim && piece.claim->kind == kind && piece.claim->index == item.index) ||
+             (kind == PieceKind::film &&
+              std::find(piece.beside.begin(), piece.beside.end(), item.index) != piece.beside.end());
     });
   }
 
-  void refuse_idle_laws() const {
-    for (std::size_t i = 0; i < spindle_.contacts.size(); ++i) {
-      const Contact& contact = spindle_.contacts[i];
-      if (any_with(PieceKind::contact, i)) continue;
-      throw rom::InputError(contact.where, "contact." + contact_name(spindle_, contact),
-                            "parts " + quoted(spindle_.parts[contact.part_a].name) + " and " +
-                                quoted(spindle_.parts[contact.part_b].name) + " do not touch");
-    }
-    for (std::size_t i = 0; i < spindle_.gap_films.size(); ++i) {
-      const GapFilm& gap = spindle_.gap_films[i];
-      if (any_with(PieceKind::gap, i)) continue;
-      throw rom::InputError(gap.where, "gap_film." + gap.name,
-                            "acts on no face: in its region no faces of parts " +
-                                quoted(spindle_.parts[gap.part_a].name) + " and " +
-                                quoted(spindle_.parts[gap.part_b].name) + " look at each other");
-    }
-    for (std::size_t i = 0; i < spindle_.films.size(); ++i) {
-      const Film& film = spindle_.films[i];
-      if (any_with(PieceKind::film, i)) continue;
-      std::string parts;
-      for (const std::size_t part : film.only_parts) parts += (parts.empty() ? "" : ", ") + spindle_.parts[part].name;
-      throw rom::InputError(
-          film.where, "film." + film.name,
-          "acts on no face: no exposed face " + (parts.empty() ? "" : "of " + parts + " ") + "looks into its regions");
-    }
-    for (std::size_t i = 0; i < spindle_.adiabatics.size(); ++i) {
-      const Adiabatic& adiabatic = spindle_.adiabatics[i];
-      if (any_with(PieceKind::adiabatic, i)) continue;
-      throw rom::InputError(adiabatic.where, "adiabatic." + adiabatic.name,
-                            "acts on no face: no exposed face looks into its regions");
+  void refuse_idle_conditions() const {
+    for (const FaceItem& item : items_) {
+      if (item.condition->piece && !acts_somewhere(item)) {
+        throw rom::InputError(item.where, field_of(item), why_idle(item));
+      }
     }
   }
 
+  std::string why_idle(const FaceItem& item) const {
+    const auto part = [&](std::size_t of_item) { return spindle_.parts[item.parts[of_item]].name; };
+    switch (item.condition->finds) {
+      case Finds::touching_parts:
+        return "parts " + quoted(part(0)) + " and " + quoted(part(1)) + " do not touch";
+      case Finds::walls_of_a_gap:
+        return "acts on no face: in its region no faces of parts " + quoted(part(0)) + " and " + quoted(part(1)) +
+               " look at each other";
+      default:
+        break;
+    }
+    std::string parts;
+    for (std::size_t p = 0; p < item.parts.size(); ++p) parts += (parts.empty() ? "" : ", ") + part(p);
+    return "acts on no face: no exposed face " + (parts.empty() ? "" : "of " + parts + " ") + "looks into its regions";
+  }
+
   void refuse_bare_faces() const {
-    const auto bare = [](const Piece& piece) { return !piece.law; };
+    const auto bare = [](const Piece& piece) { return !piece.claim; };
     const auto first = std::find_if(pieces_.begin(), pieces_.end(), bare);
     if (first == pieces_.end()) return;
     const auto more = std::count_if(first + 1, pieces_.end(), bare);
@@ -217,7 +189,7 @@ class Sorter {
     std::vector<Piece> joined;
     for (const Piece& piece : pieces_) {
       if (!joined.empty() && !joined.back().last_of_edge && !joined.back().lasting_end &&
-          joined.back().law == piece.law && joined.back().radiations == piece.radiations) {
+          joined.back().claim == piece.claim && joined.back().beside == piece.beside) {
         joined.back().end = piece.end;
         joined.back().lasting_end = piece.lasting_end;
         joined.back().last_of_edge = piece.last_of_edge;
@@ -231,15 +203,15 @@ class Sorter {
   void number_pairs() {
     std::size_t count = 0;
     for (Piece& a : pieces_) {
-      if ((a.law->kind != PieceKind::contact && a.law->kind != PieceKind::gap) || a.law->side != 0) continue;
+      if ((a.claim->kind != PieceKind::contact && a.claim->kind != PieceKind::gap) || a.claim->side != 0) continue;
       const auto other = std::find_if(pieces_.begin(), pieces_.end(), [&](const Piece& b) {
-        return b.law->kind == a.law->kind && b.law->index == a.law->index && b.law->side == 1 &&
-               (a.law->kind == PieceKind::contact ? reversed(a, b) : faces_across(a, b));
+        return b.claim->kind == a.claim->kind && b.claim->index == a.claim->index && b.claim->side == 1 &&
+               (a.claim->kind == PieceKind::contact ? reversed(a, b) : faces_across(a, b));
       });
       if (other == pieces_.end())
         throw std::logic_error("section: a face has no opposite at " + printed(a.start, a.end));
       // The grid allows two sides of a slanted contact to differ by a rounding; from here on they are one.
-      if (a.law->kind == PieceKind::contact) {
+      if (a.claim->kind == PieceKind::contact) {
         other->start = a.end;
         other->end = a.start;
       }
@@ -253,17 +225,18 @@ class Sorter {
       pieces.push_back({piece.part,
                         to_m(piece.start),
                         to_m(piece.end),
-                        piece.law->kind,
-                        piece.law->index,
-                        piece.law->side,
+                        piece.claim->kind,
+                        piece.claim->index,
+                        piece.claim->side,
                         piece.pair,
-                        piece.radiations,
+                        piece.beside,
                         {}});
     }
     return pieces;
   }
 
   const Spindle& spindle_;
+  std::vector<FaceItem> items_;
   std::vector<Piece> pieces_;
 };
 

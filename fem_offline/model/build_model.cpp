@@ -123,10 +123,7 @@ struct FeModel::Impl {
     ExchangeTerms exchange = exchange_terms(spindle, section, rules, unknowns, air_unknown);
     affine.conductance_terms_m2 = std::move(exchange.matrices_m2);
     affine.boundaries.conductances = std::move(exchange.conductances);
-    for (std::size_t i = 0; i < spindle.films.size(); ++i) {
-      if (spindle.films[i].kind != FilmKind::prescribed_temperature) continue;
-      affine.held.push_back(static_cast<int>(conductance_of_film(spindle, i)));
-    }
+    affine.held = std::move(exchange.held);
     fill_circuits(spindle, affine.boundaries);
     SourceTerms sources = source_terms(spindle, section, rules, unknowns, volume.function_volume_m3);
     affine.boundaries.sources = std::move(sources.sources);

@@ -5,8 +5,9 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// Sum of w (Σ vᵢ uᵢ)², where the trace may hold a jump between two bodies.
-class Quadratic {
+/// The matrix Σ w v vᵀ of ∫ u² dA over faces; w the weights of quadrature points [m²], v the trace of u at a point, or
+/// its jump between two bodies.
+class ExchangeMatrix {
  public:
   void add(double weight_m2, const std::vector<int>& dofs, const std::vector<double>& values) {
     area_m2_ += weight_m2;
@@ -35,19 +36,24 @@ class Quadratic {
   double area_m2_ = 0.0;
 };
 
-Quadratic between_parts(const SurfaceRules& rules, PieceKind kind, std::size_t index) {
-  Quadratic form;
+ExchangeMatrix between_parts(const SurfaceRules& rules, PieceKind kind, std::size_t index) {
+  ExchangeMatrix exchange;
   for (const SurfacePair& pair : rules.pairs) {
     if (pair.kind != kind || pair.index != index) continue;
-    for (const PairedPoint& point : pair.points) form.add_jump(point.weight_m2, point.a, point.b);
+    for (const PairedPoint& point : pair.points) exchange.add_jump(point.weight_m2, point.a, point.b);
   }
-  return form;
+  return exchange;
 }
 
-void append(ExchangeTerms& terms, const Quadratic& form, int unknowns, rom::Conductance conductance) {
-  conductance.area_m2 = form.area_m2();
-  terms.matrices_m2.push_back(form.matrix(unknowns));
-  terms.conductances.push_back(std::move(conductance));
+/// `air_unknown` -1: to an environment, which is no unknown.
+ExchangeMatrix to_surrounding(const Section& section, const SurfaceRules& rules, std::size_t film, int air_unknown) {
+  const Trace air = air_unknown >= 0 ? Trace{{air_unknown}, {1.0}} : Trace{};
+  ExchangeMatrix exchange;
+  for (std::size_t p = 0; p < section.pieces.size(); ++p) {
+    if (!acts_on(film, section.pieces[p])) continue;
+    for (const SurfacePoint& point : rules.pieces[p]) exchange.add_jump(point.weight_m2, point.trace, air);
+  }
+  return exchange;
 }
 
 /// The part whose faces the film wets, -1 when there are several.
@@ -61,24 +67,45 @@ int only_part(const Section& section, std::size_t film) {
   return part;
 }
 
-void append_film(ExchangeTerms& terms, const Spindle& spindle, const Section& section, const SurfaceRules& rules,
-                 int unknowns, std::size_t index, int environment, int air_unknown) {
-  const Film& film = spindle.films[index];
-  const Trace air = air_unknown >= 0 ? Trace{{air_unknown}, {1.0}} : Trace{};
-  Quadratic form;
-  for (std::size_t p = 0; p < section.pieces.size(); ++p) {
-    if (!acts_on(index, section.pieces[p])) continue;
-    for (const SurfacePoint& point : rules.pieces[p]) form.add_jump(point.weight_m2, point.trace, air);
+rom::Conductance contact_record(const Spindle& spindle, const Contact& contact) {
+  const Part& part_a = spindle.parts[contact.part_a];
+  const Part& part_b = spindle.parts[contact.part_b];
+  rom::Conductance conductance;
+  conductance.name = part_a.name + "/" + part_b.name;
+  conductance.kind = rom::ConductanceKind::contact;
+  conductance.nominal_W_per_m2K = contact.conductance_W_per_m2K;
+  conductance.physics = contact.physics;
+  conductance.part_a = static_cast<int>(contact.part_a);
+  conductance.part_b = static_cast<int>(contact.part_b);
+  if (contact.fit) {
+    conductance.fit = joint_fit(*contact.fit, spindle.materials[part_a.material], spindle.materials[part_b.material]);
   }
+  return conductance;
+}
+
+rom::Conductance gap_record(const GapFilm& gap) {
+  rom::Conductance conductance;
+  conductance.name = gap.name;
+  conductance.kind = rom::ConductanceKind::gap_film;
+  conductance.nominal_W_per_m2K = gap.coefficient_W_per_m2K;
+  conductance.part_a = static_cast<int>(gap.part_a);
+  conductance.part_b = static_cast<int>(gap.part_b);
+  conductance.law = gap.law;
+  conductance.physics = gap.physics;
+  return conductance;
+}
+
+rom::Conductance film_record(const Spindle& spindle, const Section& section, std::size_t index, bool is_air) {
+  const Film& film = spindle.films[index];
   rom::Conductance conductance;
   conductance.name = film.name;
-  conductance.kind = air_unknown >= 0 ? rom::ConductanceKind::air_film : rom::ConductanceKind::environment_film;
+  conductance.kind = is_air ? rom::ConductanceKind::air_film : rom::ConductanceKind::environment_film;
   conductance.nominal_W_per_m2K = film.coefficient_W_per_m2K;
-  conductance.environment = environment;
+  conductance.environment = environment_of(spindle, film.surrounding);
   conductance.part_a = only_part(section, index);
   conductance.law = film.law;
   conductance.physics = film.physics;
-  append(terms, form, unknowns, std::move(conductance));
+  return conductance;
 }
 
 }  // namespace
@@ -97,38 +124,24 @@ rom::JointFit joint_fit(const InterferenceFit& fit, const Material& inner, const
 ExchangeTerms exchange_terms(const Spindle& spindle, const Section& section, const SurfaceRules& rules, int unknowns,
                              const std::vector<int>& air_unknown) {
   ExchangeTerms terms;
-  for (std::size_t i = 0; i < spindle.contacts.size(); ++i) {
-    const Contact& contact = spindle.contacts[i];
-    const Part& part_a = spindle.parts[contact.part_a];
-    const Part& part_b = spindle.parts[contact.part_b];
-    rom::Conductance conductance;
-    conductance.name = part_a.name + "/" + part_b.name;
-    conductance.kind = rom::ConductanceKind::contact;
-    conductance.nominal_W_per_m2K = contact.conductance_W_per_m2K;
-    conductance.physics = contact.physics;
-    conductance.part_a = static_cast<int>(contact.part_a);
-    conductance.part_b = static_cast<int>(contact.part_b);
-    if (contact.fit) {
-      conductance.fit = joint_fit(*contact.fit, spindle.materials[part_a.material], spindle.materials[part_b.material]);
+  const auto append = [&](const ExchangeMatrix& exchange, rom::Conductance conductance) {
+    conductance.area_m2 = exchange.area_m2();
+    terms.matrices_m2.push_back(exchange.matrix(unknowns));
+    terms.conductances.push_back(std::move(conductance));
+  };
+  for (const FaceItem& item : face_items(spindle)) {
+    const std::size_t i = item.index;
+    const Assembles assembles = item.condition->assembles;
+    if (assembles != Assembles::conductance && assembles != Assembles::held_temperature) continue;
+    if (assembles == Assembles::held_temperature) terms.held.push_back(static_cast<int>(terms.conductances.size()));
+    if (*item.condition->piece == PieceKind::contact) {
+      append(between_parts(rules, PieceKind::contact, i), contact_record(spindle, spindle.contacts[i]));
+    } else if (*item.condition->piece == PieceKind::gap) {
+      append(between_parts(rules, PieceKind::gap, i), gap_record(spindle.gap_films[i]));
+    } else {
+      const int air = air_unknown[spindle.films[i].surrounding];
+      append(to_surrounding(section, rules, i, air), film_record(spindle, section, i, air >= 0));
     }
-    append(terms, between_parts(rules, PieceKind::contact, i), unknowns, std::move(conductance));
-  }
-  for (std::size_t i = 0; i < spindle.gap_films.size(); ++i) {
-    const GapFilm& gap = spindle.gap_films[i];
-    rom::Conductance conductance;
-    conductance.name = gap.name;
-    conductance.kind = rom::ConductanceKind::gap_film;
-    conductance.nominal_W_per_m2K = gap.coefficient_W_per_m2K;
-    conductance.part_a = static_cast<int>(gap.part_a);
-    conductance.part_b = static_cast<int>(gap.part_b);
-    conductance.law = gap.law;
-    conductance.physics = gap.physics;
-    append(terms, between_parts(rules, PieceKind::gap, i), unknowns, std::move(conductance));
-  }
-  for (std::size_t i = 0; i < spindle.films.size(); ++i) {
-    const std::size_t surrounding = spindle.films[i].surrounding;
-    append_film(terms, spindle, section, rules, unknowns, i, environment_of(spindle, surrounding),
-                air_unknown[surrounding]);
   }
   return terms;
 }

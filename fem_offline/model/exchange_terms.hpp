@@ -13,6 +13,7 @@ namespace spindle_twin::fem_offline {
 struct ExchangeTerms {
   std::vector<SparseMatrix> matrices_m2;
   std::vector<rom::Conductance> conductances;
+  std::vector<int> held;  ///< those that prescribe a temperature
 };
 
 /// `air_unknown`: of each surrounding its unknown, -1 if it is an environment.

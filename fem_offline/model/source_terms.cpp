@@ -3,16 +3,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-bool carries(const BoundaryPiece& piece, const HeatShare& share, const Spindle& spindle) {
-  if (piece.part != share.part) return false;
-  if (share.on_contact_with) {
-    if (piece.kind != PieceKind::contact) return false;
-    const Contact& contact = spindle.contacts[piece.index];
-    return (piece.side == 0 ? contact.part_b : contact.part_a) == *share.on_contact_with;
-  }
-  return piece.kind != PieceKind::contact && piece.kind != PieceKind::axis && lies_in(piece, *share.on_face);
-}
-
 /// ∫ N_i over the share's volume or faces; sums to that volume or area.
 Eigen::VectorXd function_extent(const HeatSource& heat, const HeatShare& share, const Spindle& spindle,
                                 const Section& section, const SurfaceRules& rules,
@@ -22,7 +12,7 @@ Eigen::VectorXd function_extent(const HeatSource& heat, const HeatShare& share, 
   }
   Eigen::VectorXd area_m2 = Eigen::VectorXd::Zero(function_volume_m3[share.part].size());
   for (std::size_t p = 0; p < section.pieces.size(); ++p) {
-    if (!carries(section.pieces[p], share, spindle)) continue;
+    if (!carries(spindle, section.pieces[p], share)) continue;
     for (const SurfacePoint& point : rules.pieces[p]) {
       for (std::size_t i = 0; i < point.trace.dofs.size(); ++i) {
         area_m2[point.trace.dofs[i]] += point.weight_m2 * point.trace.values[i];

@@ -287,24 +287,21 @@ void read_files(const TomlTable& root, const std::string& path, Config& config) 
   }
 }
 
-Config read_root(const TomlTable& root, const std::string& path) {
-  Config config;
-  config.path = path;
-  config.network = read_network_table(root, path);
-  config.log_level = root.choice_or("log_level", config.log_level, {"debug", "info", "warning", "error"});
-
-  if (const auto cycle = root.optional_table("cycle")) {
-    config.cycle.period_s = cycle->number_or("period_s", config.cycle.period_s, rom::between(0.01, 60.0));
-    config.cycle.clock_rate = cycle->number_or("clock_rate", config.cycle.clock_rate, rom::between(0.1, 1000.0));
-    config.cycle.compare_uncorrected = cycle->boolean_or("compare_uncorrected", config.cycle.compare_uncorrected);
-    const double period_s = config.cycle.period_s / config.cycle.clock_rate;
-    if (period_s < 0.001) {
-      cycle->fail("clock_rate", "period_s / clock_rate must be at least 0.001 s, is " + std::to_string(period_s));
-    }
+/// [cycle]: the period and how fast the clock runs.
+void read_cycle(const TomlTable& root, CyclePlan& plan) {
+  const auto cycle = root.optional_table("cycle");
+  if (!cycle) return;
+  plan.period_s = cycle->number_or("period_s", plan.period_s, rom::between(0.01, 60.0));
+  plan.clock_rate = cycle->number_or("clock_rate", plan.clock_rate, rom::between(0.1, 1000.0));
+  plan.compare_uncorrected = cycle->boolean_or("compare_uncorrected", plan.compare_uncorrected);
+  const double period_s = plan.period_s / plan.clock_rate;
+  if (period_s < 0.001) {
+    cycle->fail("clock_rate", "period_s / clock_rate must be at least 0.001 s, is " + std::to_string(period_s));
   }
-  const TomlTable serve = root.table("serve");
-  config.serve = read_serve(serve);
-  config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
+}
+
+/// [device] and what is read from it: [[sensor]] and [[displacement]].
+void read_inputs(const TomlTable& root, Config& config) {
   if (const auto device = root.optional_table("device")) {
     config.has_device = true;
     config.device = read_device(*device, config.cycle.clock_rate);
@@ -313,12 +310,14 @@ Config read_root(const TomlTable& root, const std::string& path) {
     if (!config.has_device) table.fail("key_point", "sensors need a [device] table");
     config.sensors.push_back(read_sensor(table));
   }
-
   for (const TomlTable& table : root.tables_or_empty("displacement")) {
     if (!config.has_device) table.fail("output", "displacement probes need a [device] table");
     config.probes.push_back(read_probe(table));
   }
+}
 
+/// [signals]: what the machine is doing.
+void read_signals(const TomlTable& root, Config& config) {
   const TomlTable signals = root.table("signals");
   config.signals_where = root.where("signals");
   const Unit celsius{1.0, zero_degC_K};
@@ -338,16 +337,19 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
   if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
   if (const auto heats = signals.optional_table("heat")) config.heats = read_heats(*heats, config.has_device);
+}
 
-  read_correction(root.optional_table("correction"), config);
-  read_health(root.optional_table("health"), config);
-  if (const auto output = root.optional_table("output")) {
-    config.cycle.slew_m_per_s =
-        m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);
-    config.output_limits = read_limits(*output);
-  }
-  read_compensation(root.optional_table("compensation"), config);
+/// [output]: how fast and how far a published value may move.
+void read_output(const TomlTable& root, Config& config) {
+  const auto output = root.optional_table("output");
+  if (!output) return;
+  config.cycle.slew_m_per_s =
+      m_per_um * output->number_or("slew_um_per_s", config.cycle.slew_m_per_s / m_per_um, rom::positive);
+  config.output_limits = read_limits(*output);
+}
 
+/// [start]: the temperatures before the first reading; needed where no sensor tells them.
+void read_start_temperature(const TomlTable& root, Config& config) {
   const auto start = root.optional_table("start");
   if (start && start->is_table("temperature_degC")) {
     config.start = read_start(*start);
@@ -358,7 +360,24 @@ Config read_root(const TomlTable& root, const std::string& path) {
     root.fail("start", "temperature_degC is required here when there is no sensor to start from");
   }
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
+}
 
+Config read_root(const TomlTable& root, const std::string& path) {
+  Config config;
+  config.path = path;
+  config.network = read_network_table(root, path);
+  config.log_level = root.choice_or("log_level", config.log_level, {"debug", "info", "warning", "error"});
+  read_cycle(root, config.cycle);
+  const TomlTable serve = root.table("serve");
+  config.serve = read_serve(serve);
+  config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
+  read_inputs(root, config);
+  read_signals(root, config);
+  read_correction(root.optional_table("correction"), config);
+  read_health(root.optional_table("health"), config);
+  read_output(root, config);
+  read_compensation(root.optional_table("compensation"), config);
+  read_start_temperature(root, config);
   read_files(root, path, config);
   root.finish();
   return config;

@@ -3,7 +3,11 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "host_tools/commands/offline/report/page.hpp"
 #include "rom/read/input_error.hpp"
@@ -40,12 +44,26 @@ RunData some_run() {
   return run;
 }
 
-TEST(RunTable, errors_are_those_of_the_rise) {
+/// The numbers of the row whose name begins so, the last column as text.
+std::vector<std::string> row_of(const std::string& table, const std::string& name) {
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind(name, 0) != 0) continue;
+    std::istringstream cells(line.substr(24));
+    return {std::istream_iterator<std::string>(cells), {}};
+  }
+  return {};
+}
+
+TEST(RunTable, rises_and_errors_count_from_the_reference_and_are_those_of_the_last_instant) {
   const std::string text = run_table(some_run());
-  EXPECT_NE(text.find("simulated spindle"), std::string::npos);
-  EXPECT_NE(text.find("+2.00          +0.10      +5.0%"), std::string::npos) << text;
-  EXPECT_NE(text.find("+8.00          +0.50      +7.1%             1.50"), std::string::npos) << text;
-  EXPECT_NE(text.find("+8.00          +0.50      +7.1%                -"), std::string::npos)
+  EXPECT_EQ(text.rfind("simulated spindle 'a</script>b' after 1 s at 6000 rpm, ambient 0.0 degC: rises\n", 0), 0U)
+      << text;
+  using Cells = std::vector<std::string>;
+  // unit, uncorrected, twin, plant, error uncorrected and of the twin, its share of the plant's rise, 2 sigma
+  EXPECT_EQ(row_of(text, "key point inner"), (Cells{"K", "4.00", "2.10", "2.00", "+2.00", "+0.10", "+5.0%", "-"}));
+  EXPECT_EQ(row_of(text, "rotor, maximum"), (Cells{"K", "15.00", "7.50", "7.00", "+8.00", "+0.50", "+7.1%", "1.50"}));
+  EXPECT_EQ(row_of(text, "nose, elongation"), (Cells{"um", "15.00", "7.50", "7.00", "+8.00", "+0.50", "+7.1%", "-"}))
       << "the nose has no sigma";
 }
 

@@ -82,6 +82,19 @@ TEST(ExchangeDetector, less_will_do_to_name_the_partner_of_a_channel_that_is_bla
   EXPECT_LT(crossed.detector.evidence(0, 1, limits), limits.swap_limit);
 }
 
+TEST(ExchangeDetector, what_has_been_seen_counts_for_an_hour) {
+  const HealthLimits limits;
+  TwoPlaces crossed;
+  crossed.exchanged = true;
+  const auto evidence_after = [&](int seconds) {
+    while (crossed.t < seconds) crossed.step();
+    return crossed.detector.evidence(0, 1, limits);
+  };
+  const double hour = evidence_after(3600), five_hours = evidence_after(18000);
+  // Of steady movement 1 − e^(−t/τ) has been kept: 0.99 / 0.63; with twice or half the memory it would be 2.3 or 1.2.
+  EXPECT_NEAR(five_hours / hour, 1.57, 0.2);
+}
+
 TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> unit(0.0, 1.0);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/correction/health/drive.hpp"
 
 namespace spindle_twin::correction::test {
@@ -83,6 +85,16 @@ TEST(Isolation, drift_is_no_verdict_in_the_first_quarter_of_an_hour_nor_after_a_
   restarted.go({0, 0, 0, 0}, 3600.0);
   restarted.isolation.note_restart(restarted.time_s);
   EXPECT_EQ(restarted.go({0, 60, 0, 0}, 890.0).channel, -1);
+}
+
+TEST(Isolation, what_the_start_has_said_is_forgotten_within_an_hour) {
+  const HealthLimits limits;
+  Rising rising(4);
+  const double begin_s = rising.time_s;
+  rising.go({0, 60, 0, 0}, 890.0);
+  EXPECT_EQ(rising.go({0, 60, 0, 0}, 7000.0).channel, 1);
+  // 60 of which 60 e^(−t/3600 s) do not count reach the limit of 30.
+  EXPECT_NEAR(rising.time_s - begin_s - 890.0, 3600.0 * std::log(60.0 / (60.0 - limits.drift_limit)), 10.0);
 }
 
 TEST(Isolation, at_the_start_only_what_moves_like_anothers_place_is_blamed) {

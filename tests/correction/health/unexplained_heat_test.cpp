@@ -79,6 +79,40 @@ TEST(UnexplainedHeat, evidence_rises_with_a_true_one_and_not_without) {
   EXPECT_GT(heated.largest, 10.0);
 }
 
+TEST(UnexplainedHeat, evidence_is_what_an_update_surprises_the_estimator_more_than_open_heats_and_fades_in_an_hour) {
+  const rom::Network network = plates();
+  Suspected suspected(network, 0.0);
+  suspected.run_until(2402.0);
+  const EstimatorCorrection& estimator = suspected.pair.estimator;
+  const double before = suspected.second.evidence();
+  ASSERT_GT(std::abs(before), 1.0) << "something is there to fade";
+  SquareRootFilter open = suspected.second.filter();
+  suspected.run_until(2412.0);
+  const EstimatorUpdate& made = estimator.last_update();
+  ASSERT_EQ(made.elapsed_s, 10.0);
+  const ParameterModel& parameters = estimator.parameters();
+  const Eigen::Index n = made.unknowns.size(), sensors = made.innovation_K.size();
+  Eigen::VectorXd keep(n), growth = Eigen::VectorXd::Zero(n);
+  estimator.passing_of_time(made.elapsed_s, keep, growth);
+  for (Eigen::Index g = 0; g < parameters.group_count(); ++g) {
+    const Eigen::Index slot = parameters.disturbance(g);
+    growth[slot] = std::pow(estimator.open_heat_W(g), 2.0) * (1.0 - keep[slot] * keep[slot]);
+  }
+  open.pass_time(estimator.prior().mean(), keep, growth);
+  double shut = 0.0;
+  // All sensors at once, by their joint covariance, instead of one after the other.
+  const Eigen::MatrixXd rows = made.rows.leftCols(sensors).transpose();
+  Eigen::MatrixXd joint_K2 = rows * open.covariance() * rows.transpose();
+  Eigen::VectorXd innovation_K(sensors);
+  for (Eigen::Index s = 0; s < sensors; ++s) {
+    shut += std::pow(estimator.record(s).innovation_K, 2) / estimator.record(s).variance_K2;
+    innovation_K[s] = made.innovation_K[s] - rows.row(s).dot(open.mean() - made.unknowns);
+    joint_K2(s, s) += made.noise_K2[s];
+  }
+  const double with_open_heats = innovation_K.dot(joint_K2.llt().solve(innovation_K));
+  EXPECT_NEAR(suspected.second.evidence(), std::exp(-10.0 / 3600.0) * before + shut - with_open_heats, 1e-9);
+}
+
 TEST(UnexplainedHeat, opened_heats_are_those_of_the_second_filter) {
   const rom::Network network = plates();
   Suspected suspected(network, 0.0);

@@ -1,6 +1,7 @@
 // Prescribed temperatures, radiation, fluxes, initial temperatures and expectations, read from text.
 #include <gtest/gtest.h>
 
+#include "fem_offline/description/face_conditions.hpp"
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -34,7 +35,7 @@ std::string with_expectation(const std::string& lines) {
 TEST(PrescribedTemperature, is_a_film_of_1e7_conductivities_per_element) {
   const Spindle all = parse_spindle(sample_with(film_outside, held_outside), "s.toml");
   ASSERT_EQ(all.films.size(), 3u);
-  EXPECT_EQ(all.films[2].kind, FilmKind::prescribed_temperature);
+  EXPECT_EQ(all.films[2].condition, &face_condition("prescribed_temperature"));
   EXPECT_DOUBLE_EQ(all.films[2].coefficient_W_per_m2K, 1e7 * 48.0 / 0.003);
   const Spindle sleeve =
       parse_spindle(sample_with(film_outside, held_outside + "only_parts = [\"sleeve\"]\n"), "s.toml");
@@ -49,7 +50,7 @@ TEST(PrescribedTemperature, takes_no_coefficient_of_its_own) {
 
 TEST(Radiation, coefficient_is_4_eps_sigma_T3) {
   const Spindle spindle = parse_spindle(with_radiation("0.5"), "s.toml");
-  EXPECT_EQ(spindle.films[3].kind, FilmKind::radiation);
+  EXPECT_EQ(spindle.films[3].condition, &face_condition("radiation"));
   EXPECT_NEAR(spindle.films[3].coefficient_W_per_m2K, 4.0 * 0.5 * 5.670374419e-8 * 2.7e7, 1e-12);
 }
 

@@ -33,7 +33,7 @@ TEST(DeckRefusals, geometry_and_degree) {
 
 TEST(DeckRefusals, radiation_start_temperatures_and_imposed_fields) {
   EXPECT_EQ(error_of([](Spindle& spindle) {
-              spindle.films[0].kind = FilmKind::radiation;
+              spindle.films[0].condition = &face_condition("radiation");
               spindle.films[0].name = "glow";
               spindle.films[0].where = line_7;
             }),

@@ -1,18 +1,16 @@
 #include "fem_offline/look/picture.hpp"
 
-#include <cairo.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <set>
 
 #include "fem_offline/look/picture_frame.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "tests/fem_offline/description/sample_spindle.hpp"
+#include "tests/fem_offline/look/read_image.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -42,21 +40,6 @@ double perimeter_of(const Polygon& ring) {
   }
   return length_m;
 }
-
-struct Image {
-  explicit Image(const std::string& path)
-      : surface(cairo_image_surface_create_from_png(path.c_str()), cairo_surface_destroy) {}
-  int width() const { return cairo_image_surface_get_width(surface.get()); }
-  int height() const { return cairo_image_surface_get_height(surface.get()); }
-  Colour at(const Pixel& place) const {
-    const unsigned char* row = cairo_image_surface_get_data(surface.get()) +
-                               static_cast<std::ptrdiff_t>(place.y) * cairo_image_surface_get_stride(surface.get());
-    const auto value = reinterpret_cast<const std::uint32_t*>(row)[static_cast<std::size_t>(place.x)];
-    const auto share = [&](int shift) { return static_cast<double>(value >> shift & 0xffU) / 255.0; };
-    return {share(16), share(8), share(0), 1.0};
-  }
-  std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface;
-};
 
 /// A planar bar on a point and springs, with everything on it that the reference spindle has not.
 std::string bracket(const std::string& supports) {
@@ -229,20 +212,6 @@ TEST(Picture, colour_at_a_place_is_that_of_the_field_there) {
   }
   // The bore is empty.
   EXPECT_EQ(image.at(view.at({0.007, 0.2})).red, 1.0);
-}
-
-TEST(Picture, every_kind_is_written) {
-  const tests::TemporaryFolder temporary;
-  const std::filesystem::path& folder = temporary.path();
-  const AffineModel& affine = reference().affine();
-  const Eigen::VectorXd warm_K = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(affine.places.size()), 301.15);
-  const auto written = write_pictures(folder, "warm", reference(), warm_K, {"uniform rise", 300.15});
-  ASSERT_EQ(written.size(), 5U);
-  for (const std::string& path : written) {
-    const Image image(path);
-    EXPECT_EQ(image.width(), picture_width_px) << path;
-    EXPECT_GT(image.height(), 500) << path;
-  }
 }
 
 TEST(Picture, view_holds_all_nodes_and_names_the_axes_of_the_geometry) {

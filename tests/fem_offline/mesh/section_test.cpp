@@ -275,5 +275,19 @@ TEST(Section, reference_heats_come_to_the_published_watts) {
   }
 }
 
+TEST(Heat, lies_on_the_exposed_faces_in_its_box_and_on_no_contact_there) {
+  const Spindle spindle = parse_spindle(sample_with("on_face = [40, 40, 60, 80]", "on_face = [20, 40, 60, 80]"), "s");
+  const HeatShare &between = spindle.heats[1].shares[0], &in_box = spindle.heats[1].shares[1];
+  double box_m2 = 0.0, contact_m2 = 0.0;
+  for (const BoundaryPiece& piece : build_section(spindle).pieces) {
+    if (carries(spindle, piece, in_box)) box_m2 += area_of(piece.start, piece.end);
+    if (carries(spindle, piece, between)) contact_m2 += area_of(piece.start, piece.end);
+    EXPECT_FALSE(carries(spindle, piece, spindle.heats[0].shares[0])) << "a share in a volume lies on no face";
+  }
+  // In the box are the outside, from z = 60 to 80 mm, the side of the groove, and the contact, which is not exposed.
+  EXPECT_NEAR(box_m2, 2.0 * pi * 0.040 * 0.020 + pi * (0.040 * 0.040 - 0.038 * 0.038), 1e-12);
+  EXPECT_NEAR(contact_m2, 2.0 * pi * 0.020 * 0.100, 1e-12);
+}
+
 }  // namespace
 }  // namespace spindle_twin::fem_offline

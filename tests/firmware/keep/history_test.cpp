@@ -17,23 +17,6 @@
 namespace spindle_twin::firmware {
 namespace {
 
-long commas(const std::string& text) { return std::count(text.begin(), text.end(), ','); }
-
-TEST(History, a_row_has_a_field_per_column_and_absent_values_are_empty) {
-  const rom::Network network = tests::small_network();
-  Snapshot snapshot = first_snapshot(network);
-  snapshot.nose_m = 1.5e-6;
-  const std::string header = history_header(network);
-  const std::string row = history_row(snapshot);
-  EXPECT_EQ(commas(header), commas(row));
-  EXPECT_NE(header.find(",measured.sleeve_inner_degC,"), std::string::npos);
-  EXPECT_NE(header.find(",heat_factor.bearing,"), std::string::npos);
-  EXPECT_NE(header.find(",deformation_sd.nose_um,"), std::string::npos);
-  EXPECT_NE(header.find(",innovation.sleeve_outer_K,"), std::string::npos);
-  EXPECT_NE(row.find(",1.5,"), std::string::npos);
-  EXPECT_EQ(row.find("nan"), std::string::npos);
-}
-
 TEST(History, every_snapshot_becomes_a_row_in_order) {
   const rom::Network network = tests::small_network();
   const tests::TemporaryFolder folder;

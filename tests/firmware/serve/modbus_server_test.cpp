@@ -323,6 +323,32 @@ TEST(ModbusServer, who_told_signals_and_goes_on_talking_is_heard_and_who_wrote_o
   EXPECT_GT(told.alive_ns, heard_ns);
 }
 
+TEST(ModbusServer, once_a_plc_is_heard_a_new_connection_counts_by_what_it_tells_and_only_then_by_what_it_asks) {
+  Serving serving;
+  PlcSignals told;
+  Client reader(serving.server.port());
+  /// What the cycle is told after the server is done with the request before; 0: nothing new.
+  const auto heard_ns = [&] {
+    EXPECT_EQ(payload(reader.ask(read_known)), known_words);
+    return serving.signals.read(told) ? told.alive_ns : 0;
+  };
+  Client plc(serving.server.port());
+  plc.ask(write_single(Register::command_speed, 6000));
+  for (int i = 0; i < 3; ++i) plc.ask(read_known);
+  const std::int64_t first_ns = heard_ns();
+  ASSERT_GT(first_ns, 0);
+  Client again(serving.server.port());
+  again.ask(read_known);
+  EXPECT_EQ(heard_ns(), 0) << "it has told nothing";
+  again.ask(write_single(Register::command_speed, 5000));
+  const std::int64_t second_ns = heard_ns();
+  EXPECT_GT(second_ns, first_ns) << "the PLC has come back";
+  again.ask(read_known);
+  EXPECT_EQ(heard_ns(), 0) << "two requests are no cycle yet: a tool reads back what it wrote";
+  again.ask(read_known);
+  EXPECT_GT(heard_ns(), second_ns);
+}
+
 TEST(ModbusServer, a_client_that_is_not_on_the_list_is_turned_away) {
   ServePlan plan = Serving::plan();
   plan.allow = {*parse_address_range("10.0.0.0/8")};
