@@ -4,6 +4,7 @@
 #include <array>
 
 #include "firmware/acquire/modbus_device.hpp"
+#include "firmware/acquire/stream_device.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -16,6 +17,7 @@ struct Kind {
 /// A new driver is a line here, its header and its source.
 const std::array kinds{
     Kind{"modbus", read_modbus_plan},
+    Kind{"stream", read_stream_plan},
 };
 
 }  // namespace
