@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/acquire/modbus_device.hpp"
+#include "firmware/acquire/device_thread.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/expect_of_sensors.hpp"
 #include "firmware/config/load_network.hpp"
@@ -106,8 +106,11 @@ class Daemon {
         cycle_(cycle),
         troubles_(troubles),
         order_keeper_(config.keep.orders_path, file.sha256, desk_, troubles),
-        device_(plan.device, clock_, frames_),
         events_(file.network) {
+    for (std::size_t d = 0; d < plan.devices.size(); ++d) {
+      if (plan.devices[d].channels.empty()) continue;
+      devices_.push_back(std::make_unique<DeviceThread>(plan.devices[d], d, clock_, readings_.of(d)));
+    }
     if (!config.history.path.empty()) history_ = std::make_unique<History>(config.history, file.network, troubles);
   }
   ~Daemon() { stop(); }
@@ -131,7 +134,7 @@ class Daemon {
     cycle_.stand_by_orders(orders);
     keeper_.emplace(config_.keep, file_.sha256, plan_.cycle.clock_rate, cycle_, &order_keeper_, &troubles_);
 
-    if (!plan_.device.channels.empty()) run([this] { device_.run(stop_); });
+    for (const auto& device : devices_) run([this, &device] { device->run(stop_); });
     if (history_) after_cycle([this] { history_->run(stop_after_cycle_); });
     after_cycle([this] { order_keeper_.run(stop_after_cycle_); });
     after_cycle([this] { events_.run(stop_after_cycle_); });
@@ -165,7 +168,7 @@ class Daemon {
     after_cycle_.emplace_back(std::move(work));
   }
   CyclePorts ports() {
-    return {frames_,
+    return {readings_,
             signals_,
             snapshots_,
             history_ ? &history_->ring() : nullptr,
@@ -183,12 +186,12 @@ class Daemon {
   Cycle& cycle_;
   Troubles& troubles_;
   MonotonicClock clock_;
-  Latest<DeviceFrame> frames_;
+  DeviceInbox readings_;
   Latest<PlcSignals> signals_;
   Latest<Snapshot> snapshots_;
   OrderDesk desk_;
   OrderKeeper order_keeper_;
-  ModbusDevice device_;
+  std::vector<std::unique_ptr<DeviceThread>> devices_;
   EventLog events_;
   std::unique_ptr<History> history_;
   std::optional<ModbusServer> server_;

@@ -12,10 +12,12 @@
 #include <cstring>
 #include <new>
 
+#include "firmware/acquire/read_address.hpp"
+
 namespace spindle_twin::firmware {
 
 struct ModbusDevice::Context {
-  explicit Context(const DevicePlan& plan) : modbus(modbus_new_tcp(plan.address.c_str(), plan.port)) {
+  explicit Context(const ModbusPlan& plan) : modbus(modbus_new_tcp(plan.address.c_str(), plan.port)) {
     if (modbus == nullptr) throw std::bad_alloc();
     modbus_set_slave(modbus, plan.unit);
     const auto seconds = static_cast<std::uint32_t>(plan.timeout_s);
@@ -32,38 +34,48 @@ struct ModbusDevice::Context {
   modbus_t* modbus;
 };
 
-double back_off_s(int failures) { return std::min(5.0, 0.1 * std::ldexp(1.0, std::min(failures, 10))); }
+ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
+  if (preset != nullptr && !table.has("register")) {
+    RegisterSource source = preset->first;
+    const auto channel = table.integer("channel", 0, preset->channels - 1);
+    source.address = static_cast<std::uint16_t>(source.address + channel * words_of(source.type));
+    sources.push_back(source);
+    return {preset->scale, true};
+  }
+  RegisterSource source;
+  source.address = static_cast<std::uint16_t>(table.integer("register", 0, 65534));
+  source.table = table.choice_or("table", "input", {"input", "holding"}) == "input" ? RegisterTable::input
+                                                                                    : RegisterTable::holding;
+  source.type = *register_type_of(
+      table.choice_or("type", "int16", {"int16", "uint16", "offset16", "int32", "uint32", "float32", "float32_cdab"}));
+  sources.push_back(source);
+  return {1.0, source.type != RegisterType::float32 && source.type != RegisterType::float32_cdab};
+}
 
-ModbusDevice::ModbusDevice(DevicePlan plan, Clock& clock, Latest<DeviceFrame>& frames)
-    : plan_(std::move(plan)),
-      clock_(clock),
-      frames_(frames),
-      requests_(plan_requests(plan_.channels)),
-      refused_(requests_.size(), 0) {}
+std::unique_ptr<Driver> ModbusPlan::make_driver(Clock& clock) const {
+  return std::make_unique<ModbusDevice>(*this, clock);
+}
+
+std::shared_ptr<DriverPlan> read_modbus_plan(const rom::TomlTable& device) {
+  const auto plan = std::make_shared<ModbusPlan>();
+  plan->address = read_ipv4(device, plan->address);
+  plan->port = static_cast<int>(device.integer_or("port", plan->port, 1, 65535));
+  plan->unit = static_cast<int>(device.integer_or("unit", plan->unit, 0, 255));
+  plan->timeout_s = device.number_or("timeout_s", plan->timeout_s, rom::between(0.01, 10.0));
+  if (device.has("preset")) plan->preset = &preset_of(device.choice("preset", preset_names()));
+  return plan;
+}
+
+ModbusDevice::ModbusDevice(const ModbusPlan& plan, Clock& clock)
+    : plan_(plan), clock_(clock), requests_(plan_requests(plan_.sources)), refused_(requests_.size(), 0) {}
 
 ModbusDevice::~ModbusDevice() = default;
 
-void ModbusDevice::sleep_until(std::int64_t time_ns, const std::atomic<bool>& stop) {
-  while (!stop.load(std::memory_order_relaxed) && clock_.now_ns() < time_ns) {
-    constexpr std::int64_t slice_ns = 100'000'000;
-    clock_.sleep_until_ns(std::min(time_ns, clock_.now_ns() + slice_ns));
-  }
-}
-
 bool ModbusDevice::connect() {
   context_ = std::make_unique<Context>(plan_);
-  return modbus_connect(context_->modbus) == 0;
-}
-
-Reading& ModbusDevice::reading_of(const Channel& channel) {
-  switch (channel.kind) {
-    case Channel::Kind::sensor:
-      return frame_.sensors[channel.index];
-    case Channel::Kind::displacement:
-      return frame_.displacements[channel.index];
-    default:
-      return frame_.signals[channel.index];
-  }
+  if (modbus_connect(context_->modbus) == 0) return true;
+  reason_ = modbus_strerror(errno);
+  return false;
 }
 
 /// False where the connection is of no more use; reason_ says why.
@@ -111,7 +123,7 @@ void ModbusDevice::note_refused(std::size_t request, std::uint8_t exception) {
   }
 }
 
-bool ModbusDevice::poll() {
+bool ModbusDevice::poll(DeviceReadings& readings) {
   std::array<std::uint8_t, longest_answer> frame{};
   std::array<std::uint16_t, MODBUS_MAX_READ_REGISTERS> words{};
   for (std::size_t r = 0; r < requests_.size(); ++r) {
@@ -119,58 +131,31 @@ bool ModbusDevice::poll() {
     CheckedAnswer answer;
     const ReadQuestion question{++transaction_, static_cast<std::uint8_t>(plan_.unit), request.table, request.address,
                                 request.count};
-    if (!ask(question, frame, answer)) return false;
+    if (!ask(question, frame, answer)) {
+      readings.refuse();
+      return false;
+    }
     note_refused(r, answer.exception);
-    if (answer.is == Answer::refused) continue;
+    if (answer.is == Answer::refused) {
+      readings.refuse();
+      continue;
+    }
+    readings.accept();
     for (std::size_t i = 0; i < request.count; ++i) words[i] = word_of(frame, i);
     const std::int64_t now_ns = clock_.now_ns();
-    for (const std::size_t c : request.channels) {
-      const Channel& channel = plan_.channels[c];
-      const std::size_t at = static_cast<std::size_t>(channel.source.address - request.address);
-      const Reading reading{decode(channel.source, std::span(words).subspan(at)), now_ns};
-      reading_of(channel) = reading;
+    for (const std::size_t channel : request.channels) {
+      const RegisterSource& source = plan_.sources[channel];
+      const std::size_t at = static_cast<std::size_t>(source.address - request.address);
+      readings.take(channel, decode(source, std::span(words).subspan(at)), now_ns);
     }
   }
   return true;
 }
 
-/// One line per change and per new reason, of a device that comes and goes a few in a minute.
-void ModbusDevice::note_connected(bool connected) {
-  frame_.connected = connected;
-  frames_.write(frame_);
-  if (said_connected_ == connected && (connected || said_reason_ == reason_)) return;
-  const auto before = changes_.pass(clock_.now_ns());
-  if (!before) return;
-  said_connected_ = connected;
-  said_reason_ = reason_;
-  if (connected) {
-    spdlog::info("device {}:{} answers{}", plan_.address, plan_.port, LogLimit::also(*before));
-  } else {
-    spdlog::warn("device {}:{} does not answer ({}); trying on{}", plan_.address, plan_.port, reason_,
-                 LogLimit::also(*before));
-  }
-}
-
-void ModbusDevice::run(const std::atomic<bool>& stop) {
-  const auto period_ns = static_cast<std::int64_t>(1e9 * plan_.poll_s);
-  int failures = 0;
-  while (!stop.load(std::memory_order_relaxed)) {
-    if (connect()) {
-      std::int64_t due_ns = clock_.now_ns();
-      while (!stop.load(std::memory_order_relaxed) && poll()) {
-        failures = 0;
-        note_connected(true);
-        due_ns = std::max(due_ns + period_ns, clock_.now_ns());
-        sleep_until(due_ns, stop);
-      }
-    } else {
-      reason_ = modbus_strerror(errno);
-    }
-    if (stop.load(std::memory_order_relaxed)) return;
-    note_connected(false);
-    context_.reset();
-    sleep_until(clock_.now_ns() + static_cast<std::int64_t>(1e9 * back_off_s(failures++)), stop);
-  }
+Step ModbusDevice::step(DeviceReadings& readings) {
+  if ((context_ != nullptr || connect()) && poll(readings)) return {};
+  context_.reset();
+  return {Step::Is::lost, reason_};
 }
 
 }  // namespace spindle_twin::firmware

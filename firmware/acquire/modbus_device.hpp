@@ -1,60 +1,62 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "firmware/acquire/driver.hpp"
 #include "firmware/acquire/modbus_answer.hpp"
+#include "firmware/acquire/modbus_presets.hpp"
 #include "firmware/acquire/read_plan.hpp"
-#include "firmware/cycle/hand_over.hpp"
-#include "firmware/cycle/snapshot.hpp"
-#include "firmware/watch/clock.hpp"
-#include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
 
-/// Waiting time after so many failures in a row: 0.1 s after the first (`failures` 0), doubled each time, at most 5 s.
-double back_off_s(int failures);
+/// A data-acquisition device that answers Modbus/TCP.
+struct ModbusPlan final : DriverPlan {
+  std::string address = "127.0.0.1";  ///< IPv4
+  int port = 502;
+  int unit = 1;
+  double timeout_s = 0.5;                ///< clock time, for an answer
+  const ModbusPreset* preset = nullptr;  ///< null: each channel names its register
+  std::vector<RegisterSource> sources;   ///< by channel
 
-/// Polls a data-acquisition device as Modbus/TCP client (libmodbus) in the thread that calls run().
+  ChannelSource add_channel(const rom::TomlTable& table) override;
+  std::unique_ptr<Driver> make_driver(Clock& clock) const override;
+  std::string where() const override { return address + ":" + std::to_string(port); }
+};
+
+/// Keys address, port, unit, timeout_s, preset. Throws rom::InputError.
+std::shared_ptr<DriverPlan> read_modbus_plan(const rom::TomlTable& device);
+
+/// Polls a device as Modbus/TCP client (libmodbus).
 /// An answer counts only if transaction, protocol id, unit, function and lengths are those of the question; another one
-/// ends the connection. A lost connection is made again with back-off; until then the last readings stay and grow old.
-/// An answer that the device refuses (exception) keeps the connection: only its channels grow old.
-class ModbusDevice {
+/// ends the connection. An answer that the device refuses (exception) keeps the connection: only its channels grow old.
+class ModbusDevice final : public Driver {
  public:
-  ModbusDevice(DevicePlan plan, Clock& clock, Latest<DeviceFrame>& frames);
-  ~ModbusDevice();
+  ModbusDevice(const ModbusPlan& plan, Clock& clock);
+  ~ModbusDevice() override;
   ModbusDevice(const ModbusDevice&) = delete;
   ModbusDevice& operator=(const ModbusDevice&) = delete;
 
-  /// Until `stop` is set; comes back within timeout_s + 0.1 s then.
-  void run(const std::atomic<bool>& stop);
+  /// Connects where it must, asks for all channels. Comes back within timeout_s for connecting and for each question.
+  Step step(DeviceReadings& readings) override;
 
  private:
   bool connect();
-  Reading& reading_of(const Channel& channel);
   bool ask(const ReadQuestion& question, std::span<std::uint8_t> frame, CheckedAnswer& answer);
-  bool poll();
+  bool poll(DeviceReadings& readings);
   void note_refused(std::size_t request, std::uint8_t exception);
-  void note_connected(bool connected);
-  void sleep_until(std::int64_t time_ns, const std::atomic<bool>& stop);
 
   struct Context;
-  DevicePlan plan_;
+  ModbusPlan plan_;
   Clock& clock_;
-  Latest<DeviceFrame>& frames_;
   std::vector<ReadRequest> requests_;
   std::vector<std::uint8_t> refused_;  ///< exception that each request got last; 0: none
   std::uint16_t transaction_ = 0;
-  std::string reason_;                  ///< why the device does not answer
-  std::optional<bool> said_connected_;  ///< as the log has it
-  std::string said_reason_;
+  std::string reason_;  ///< why the device does not answer
   LogLimit changes_{6, 60.0};
-  DeviceFrame frame_;
   std::unique_ptr<Context> context_;
 };
 

@@ -6,17 +6,16 @@
 
 namespace spindle_twin::firmware {
 
-std::vector<ReadRequest> plan_requests(const std::vector<Channel>& channels) {
+std::vector<ReadRequest> plan_requests(const std::vector<RegisterSource>& channels) {
   constexpr int most_registers = 125;
   std::vector<std::size_t> order(channels.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::tuple(channels[a].source.table, channels[a].source.address) <
-           std::tuple(channels[b].source.table, channels[b].source.address);
+    return std::tuple(channels[a].table, channels[a].address) < std::tuple(channels[b].table, channels[b].address);
   });
   std::vector<ReadRequest> requests;
   for (const std::size_t channel : order) {
-    const RegisterSource& source = channels[channel].source;
+    const RegisterSource& source = channels[channel];
     const int end = source.address + words_of(source.type);
     if (!requests.empty()) {
       ReadRequest& last = requests.back();

@@ -31,7 +31,7 @@ double decode(const RegisterSource& source, std::span<const std::uint16_t> words
       count = static_cast<double>(std::bit_cast<float>((second << 16U) | first));
       break;
   }
-  return count * source.scale + source.offset;
+  return count;
 }
 
 }  // namespace spindle_twin::firmware

@@ -9,16 +9,14 @@ namespace spindle_twin::firmware {
 
 enum class RegisterTable { input, holding };
 
-/// Where a value stands in a Modbus device: value = count · scale + offset.
+/// Where a number stands in a Modbus device.
 struct RegisterSource {
   RegisterTable table = RegisterTable::input;
   std::uint16_t address = 0;  ///< 0-based
   RegisterType type = RegisterType::int16;
-  double scale = 1.0;
-  double offset = 0.0;
 };
 
-/// The value in `words`, which start at the source's address. float32 NaN stays NaN.
+/// The number in `words`, which start at the source's address. float32 NaN stays NaN.
 double decode(const RegisterSource& source, std::span<const std::uint16_t> words);
 
 }  // namespace spindle_twin::firmware

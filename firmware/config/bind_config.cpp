@@ -46,24 +46,25 @@ void check_surroundings(const Config& config, const rom::Network& network) {
   }
 }
 
-Channel sensor_channel(const ConfiguredSensor& sensor, std::size_t key_point) {
-  Channel channel{Channel::Kind::sensor, key_point, sensor.source};
-  channel.source.offset += zero_degC_K;
-  return channel;
+/// Tells the device where its channel goes.
+void connect(const ConfiguredChannel& channel, Channel::Kind kind, std::size_t index, const std::string& name,
+             DaemonPlan& plan) {
+  plan.devices[channel.device].channels[channel.number] = {kind, index, name, channel.conversion, channel.filter};
 }
 
-/// One count of an integer register; a float tells nothing of its converter.
-double resolution_K(const RegisterSource& source) {
+/// One count of the device; a float tells nothing of its converter, and of a log's rounding nobody knows.
+double resolution_K(const std::optional<ConfiguredChannel>& channel) {
   constexpr double of_a_float_K = 0.01;
-  const bool is_float = source.type == RegisterType::float32 || source.type == RegisterType::float32_cdab;
-  return is_float ? of_a_float_K : std::abs(source.scale);
+  constexpr double of_a_log_K = 1.0;
+  if (!channel) return of_a_log_K;
+  return channel->step > 0.0 ? channel->step : of_a_float_K;
 }
 
 void bind_signal(const ConfiguredSignal& configured, std::size_t signal, const rom::Network& network,
                  DaemonPlan& plan) {
   plan.cycle.signals[signal] = configured.plan;
   limit_signal(configured, signal, network, plan.cycle.signals[signal]);
-  if (configured.source) plan.device.channels.push_back({Channel::Kind::signal, signal, *configured.source});
+  if (configured.channel) connect(*configured.channel, Channel::Kind::signal, signal, configured.field, plan);
 }
 
 /// A signal that moves nothing would be a mistake that nobody sees.
@@ -123,7 +124,7 @@ void bind_start(const Config& config, const rom::Network& network, CyclePlan& cy
 DaemonPlan bind_config(const Config& config, const rom::Network& network) {
   check_network(config, network);
   check_surroundings(config, network);
-  DaemonPlan plan{config.cycle, config.device, config.serve};
+  DaemonPlan plan{config.cycle, config.devices, config.serve};
   for (const ConfiguredSensor& sensor : config.sensors) {
     const std::size_t k = find_by_name(network.key_points, sensor.key_point, "key point", sensor.where, sensor.field);
     SensorPlan& slot = plan.cycle.sensors[k];
@@ -136,8 +137,8 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
     slot.offset_K = sensor.offset_K.value_or(all.offset_K);
     slot.lag_s = sensor.lag_s.value_or(all.lag_s);
     slot.interval_s = sensor.interval_s;
-    slot.resolution_K = sensor.resolution_K.value_or(resolution_K(sensor.source));
-    plan.device.channels.push_back(sensor_channel(sensor, k));
+    slot.resolution_K = sensor.resolution_K.value_or(resolution_K(sensor.channel));
+    if (sensor.channel) connect(*sensor.channel, Channel::Kind::sensor, k, sensor.key_point, plan);
   }
   for (const ConfiguredProbe& probe : config.probes) {
     const std::size_t d =
@@ -146,7 +147,7 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
       throw rom::InputError(probe.where, probe.field, "\"" + probe.output + "\" has a probe already");
     }
     plan.cycle.probes[d] = probe.plan;
-    plan.device.channels.push_back({Channel::Kind::displacement, d, probe.source});
+    connect(probe.channel, Channel::Kind::displacement, d, probe.output, plan);
   }
   const auto signal = [&](Signal which) { return config.signals[static_cast<std::size_t>(which)]; };
   check_followed(signal(Signal::current), rom::follows_current(network.boundaries), "copper_loss");

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/acquire/read_plan.hpp"
+#include "firmware/acquire/driver.hpp"
+#include "firmware/config/read_devices.hpp"
 #include "firmware/cycle/plan.hpp"
 #include "firmware/keep/keep_plan.hpp"
 #include "firmware/serve/serve_plan.hpp"
@@ -18,7 +19,7 @@ struct ConfiguredSensor {
   std::string key_point;
   rom::SourceLine where;
   std::string field;
-  RegisterSource source;  ///< to degC
+  std::optional<ConfiguredChannel> channel;  ///< empty: of a log, which has it in degC
   double min_degC = -20.0;
   double max_degC = 150.0;
   double stale_after_s = 3.0;
@@ -34,7 +35,7 @@ struct ConfiguredProbe {
   std::string output;
   rom::SourceLine where;
   std::string field;
-  RegisterSource source;  ///< to m
+  ConfiguredChannel channel;
   ProbePlan plan;
 };
 
@@ -45,8 +46,8 @@ struct ConfiguredSignal {
   std::optional<double> min;  ///< likewise; empty: as the network suggests
   std::optional<double> max;
   std::optional<double> most_per_s;
-  std::optional<RegisterSource> source;  ///< of a device signal, to the same
-  bool has_first = false;                ///< the configuration says what is used until the first good reading
+  std::optional<ConfiguredChannel> channel;  ///< of a device signal
+  bool has_first = false;                    ///< the configuration says what is used until the first good reading
 };
 
 /// The flow of one coolant circuit; without a first value the network's operating flow is used until it is read.
@@ -110,9 +111,8 @@ struct Config {
   HistoryPlan history;
   KeepPlan keep;
   ServePlan serve;
-  bool has_device = false;
-  DevicePlan device;  ///< without channels
-  CyclePlan cycle;    ///< without sensors and signals that need the network
+  std::vector<DevicePlan> devices;  ///< their channels go nowhere yet
+  CyclePlan cycle;                  ///< without sensors and signals that need the network
   std::vector<ConfiguredSensor> sensors;
   std::vector<ConfiguredProbe> probes;
   std::array<ConfiguredSignal, first_flow_signal> signals;
@@ -132,7 +132,7 @@ Config parse_config(const std::string& text, const std::string& path);
 /// What the daemon's parts are made from.
 struct DaemonPlan {
   CyclePlan cycle;
-  DevicePlan device;
+  std::vector<DevicePlan> devices;
   ServePlan serve;
 };
 

@@ -1,10 +1,9 @@
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
+#include "firmware/acquire/read_address.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_compensation.hpp"
 #include "firmware/config/read_correction.hpp"
@@ -20,18 +19,10 @@ using rom::TomlTable;
 constexpr double coldest_degC = -50.0;
 constexpr double hottest_degC = 300.0;
 using rom::m_per_um;
+constexpr Unit celsius{1.0, zero_degC_K};
 
 std::string beside(const std::string& config_path, const std::string& path) {
   return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
-}
-
-std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
-  std::string address = table.string_or("address", otherwise);
-  in_addr parsed{};
-  if (inet_pton(AF_INET, address.c_str(), &parsed) != 1) {
-    table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");
-  }
-  return address;
 }
 
 /// A file that the daemon writes, relative to the configuration's folder.
@@ -45,28 +36,11 @@ std::string read_state_file(const TomlTable& table, const std::string& key, cons
   return path;
 }
 
-RegisterSource read_source(const TomlTable& table) {
-  RegisterSource source;
-  source.address = static_cast<std::uint16_t>(table.integer("register", 0, 65534));
-  source.table = table.choice_or("table", "input", {"input", "holding"}) == "input" ? RegisterTable::input
-                                                                                    : RegisterTable::holding;
-  source.type = *register_type_of(
-      table.choice_or("type", "int16", {"int16", "uint16", "offset16", "int32", "uint32", "float32", "float32_cdab"}));
-  source.scale = table.number_or("scale", 1.0);
-  source.offset = table.number_or("offset", 0.0);
-  return source;
-}
-
-/// To SI: x_SI = x · factor + shift.
-struct Unit {
-  double factor = 1.0;
-  double shift = 0.0;
-};
-
-RegisterSource to_si(RegisterSource source, Unit unit) {
-  source.scale *= unit.factor;
-  source.offset = source.offset * unit.factor + unit.shift;
-  return source;
+/// How old the device's delay and the channel's filter make a reading at most; model time.
+double added_age_s(const ConfiguredChannel& channel, const Config& config) {
+  constexpr double of_a_mean = 1.5;  // from the middle of a window to the end of the next
+  const double share = channel.filter.kind == FilterPlan::Kind::mean ? of_a_mean : 1.0;
+  return config.cycle.clock_rate * (config.devices[channel.device].delay_s + share * channel.filter.time_s);
 }
 
 struct SignalRules {
@@ -77,7 +51,7 @@ struct SignalRules {
 };
 
 ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, const SignalRules& rules,
-                             bool has_device) {
+                             Config& config) {
   const TomlTable table = signals.table(name);
   ConfiguredSignal signal;
   signal.where = signals.where(name);
@@ -90,12 +64,14 @@ ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, 
     first = table.number("value", rom::between(rules.min, rules.max));
   } else {
     signal.plan.source = from == "device" ? SignalSource::device : SignalSource::plc;
-    signal.plan.stale_after_s = table.number_or("stale_after_s", from == "device" ? 3.0 : 0.0, rom::not_negative);
+    double stale_after_s = 0.0;
+    if (from == "device") {
+      if (config.devices.empty()) table.fail("source", "is \"device\", but there is no [[device]] table");
+      signal.channel = read_channel(table, rules.unit, config.cycle.clock_rate, config.devices);
+      stale_after_s = 3.0 + added_age_s(*signal.channel, config);
+    }
+    signal.plan.stale_after_s = table.number_or("stale_after_s", stale_after_s, rom::not_negative);
     first = table.number_or("first", rules.first, rom::between(rules.min, rules.max));
-  }
-  if (from == "device") {
-    if (!has_device) table.fail("source", "is \"device\", but there is no [device] table");
-    signal.source = to_si(read_source(table), rules.unit);
   }
   const auto si = [&](double value) { return value * rules.unit.factor + rules.unit.shift; };
   if (from != "constant") {
@@ -114,23 +90,23 @@ ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, 
 }
 
 /// One table per coolant circuit, by its name.
-std::vector<ConfiguredFlow> read_flows(const TomlTable& table, bool has_device) {
+std::vector<ConfiguredFlow> read_flows(const TomlTable& table, Config& config) {
   constexpr double most_kg_per_s = 10.0;
   std::vector<ConfiguredFlow> flows;
   for (const std::string& circuit : table.free_keys()) {
     constexpr SignalRules rules{0.0, -most_kg_per_s, most_kg_per_s, {}};
-    flows.push_back({circuit, read_signal(table, circuit, rules, has_device)});
+    flows.push_back({circuit, read_signal(table, circuit, rules, config)});
   }
   return flows;
 }
 
 /// One table per measured heat, by its name.
-std::vector<ConfiguredHeat> read_heats(const TomlTable& table, bool has_device) {
+std::vector<ConfiguredHeat> read_heats(const TomlTable& table, Config& config) {
   constexpr double most_W = 1e6;
   std::vector<ConfiguredHeat> heats;
   for (const std::string& heat : table.free_keys()) {
     const SignalRules rules{not_a_value, -most_W, most_W, {}};
-    heats.push_back({heat, read_signal(table, heat, rules, has_device)});
+    heats.push_back({heat, read_signal(table, heat, rules, config)});
   }
   return heats;
 }
@@ -172,39 +148,23 @@ ServePlan read_serve(const TomlTable& table) {
       static_cast<int>(table.integer_or("connections_per_host", serve.connections_per_host, 1, 256));
   serve.idle_s = table.number_or("idle_s", serve.idle_s, rom::between(1.0, 86400.0));
   serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
-  const std::vector<std::string> allow =
-      table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
-  for (const std::string& entry : allow) {
-    const auto range = parse_address_range(entry);
-    if (!range)
-      table.fail("allow", "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
-    serve.allow.push_back(*range);
-  }
+  serve.allow = read_allow(table);
   return serve;
 }
 
-DevicePlan read_device(const TomlTable& table, double clock_rate) {
-  DevicePlan device;
-  device.address = read_ipv4(table, device.address);
-  device.port = static_cast<int>(table.integer_or("port", device.port, 1, 65535));
-  device.unit = static_cast<int>(table.integer_or("unit", device.unit, 0, 255));
-  device.poll_s = table.number_or("poll_s", device.poll_s, rom::between(0.01, 3600.0)) / clock_rate;
-  device.timeout_s = table.number_or("timeout_s", device.timeout_s, rom::between(0.01, 10.0));
-  return device;
-}
-
-ConfiguredSensor read_sensor(const TomlTable& table) {
+ConfiguredSensor read_sensor(const TomlTable& table, Config& config) {
   ConfiguredSensor sensor;
   sensor.key_point = table.string("key_point");
   sensor.where = table.where("key_point");
   sensor.field = table.path("key_point");
-  sensor.source = read_source(table);
+  sensor.channel = read_channel(table, celsius, config.cycle.clock_rate, config.devices);
   sensor.min_degC = table.number_or("min_degC", sensor.min_degC, rom::between(coldest_degC, hottest_degC));
   sensor.max_degC = table.number_or("max_degC", sensor.max_degC, rom::between(coldest_degC, hottest_degC));
   if (sensor.max_degC <= sensor.min_degC) table.fail("max_degC", "must be above min_degC");
   sensor.interval_s = table.number_or("interval_s", sensor.interval_s, rom::between(0.0, 3600.0));
-  sensor.stale_after_s =
-      table.number_or("stale_after_s", std::max(sensor.stale_after_s, 3.0 * sensor.interval_s), rom::positive);
+  sensor.stale_after_s = table.number_or(
+      "stale_after_s", std::max(sensor.stale_after_s, 3.0 * sensor.interval_s) + added_age_s(*sensor.channel, config),
+      rom::positive);
   sensor.noise_K = table.optional_number("noise_K", noise_range_K);
   sensor.offset_K = table.optional_number("offset_K", offset_range_K);
   sensor.lag_s = table.optional_number("lag_s", lag_range_s);
@@ -212,13 +172,13 @@ ConfiguredSensor read_sensor(const TomlTable& table) {
   return sensor;
 }
 
-ConfiguredProbe read_probe(const TomlTable& table) {
+ConfiguredProbe read_probe(const TomlTable& table, Config& config) {
   const rom::Range length_um = rom::between(-1e4, 1e4);
   ConfiguredProbe probe;
   probe.output = table.string("output");
   probe.where = table.where("output");
   probe.field = table.path("output");
-  probe.source = to_si(read_source(table), {m_per_um, 0.0});
+  probe.channel = read_channel(table, {m_per_um, 0.0}, config.cycle.clock_rate, config.devices);
   ProbePlan& plan = probe.plan;
   plan.configured = true;
   plan.sd_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
@@ -300,19 +260,16 @@ void read_cycle(const TomlTable& root, CyclePlan& plan) {
   }
 }
 
-/// [device] and what is read from it: [[sensor]] and [[displacement]].
+/// [[device]] and what is read from them: [[sensor]] and [[displacement]].
 void read_inputs(const TomlTable& root, Config& config) {
-  if (const auto device = root.optional_table("device")) {
-    config.has_device = true;
-    config.device = read_device(*device, config.cycle.clock_rate);
-  }
+  config.devices = read_devices(root, config.cycle.clock_rate);
   for (const TomlTable& table : root.tables_or_empty("sensor")) {
-    if (!config.has_device) table.fail("key_point", "sensors need a [device] table");
-    config.sensors.push_back(read_sensor(table));
+    if (config.devices.empty()) table.fail("key_point", "sensors need a [[device]] table");
+    config.sensors.push_back(read_sensor(table, config));
   }
   for (const TomlTable& table : root.tables_or_empty("displacement")) {
-    if (!config.has_device) table.fail("output", "displacement probes need a [device] table");
-    config.probes.push_back(read_probe(table));
+    if (config.devices.empty()) table.fail("output", "displacement probes need a [[device]] table");
+    config.probes.push_back(read_probe(table, config));
   }
 }
 
@@ -320,7 +277,6 @@ void read_inputs(const TomlTable& root, Config& config) {
 void read_signals(const TomlTable& root, Config& config) {
   const TomlTable signals = root.table("signals");
   config.signals_where = root.where("signals");
-  const Unit celsius{1.0, zero_degC_K};
   struct NamedRules {
     const char* name;
     SignalRules rules;
@@ -333,10 +289,10 @@ void read_signals(const TomlTable& root, Config& config) {
                                                          {"power", {not_a_value, -1e6, 1e6, {}}}}};
   for (std::size_t s = 0; s < named.size(); ++s) {
     if (s >= first_optional_signal && !signals.has(named[s].name)) continue;
-    config.signals[s] = read_signal(signals, named[s].name, named[s].rules, config.has_device);
+    config.signals[s] = read_signal(signals, named[s].name, named[s].rules, config);
   }
-  if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config.has_device);
-  if (const auto heats = signals.optional_table("heat")) config.heats = read_heats(*heats, config.has_device);
+  if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config);
+  if (const auto heats = signals.optional_table("heat")) config.heats = read_heats(*heats, config);
 }
 
 /// [output]: how fast and how far a published value may move.

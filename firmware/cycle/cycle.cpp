@@ -67,7 +67,7 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     const std::int64_t now_ns = clock.now_ns();
     if (now_ns < deadline.due_ns()) continue;
 
-    ports.device.read(frame);
+    ports.devices.read(frame);
     ports.plc.read(told);
     command.signals = told.values;
     command.alive_ns = told.alive_ns;

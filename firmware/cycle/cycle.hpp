@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "firmware/cycle/correct.hpp"
+#include "firmware/cycle/device_inbox.hpp"
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/publish.hpp"
@@ -104,7 +105,7 @@ using SnapshotRing = Ring<Snapshot, history_room>;
 
 /// Where the cycle thread takes its inputs from and leaves its results; no end of them can make it wait.
 struct CyclePorts {
-  Latest<DeviceFrame>& device;
+  DeviceInbox& devices;
   Latest<PlcSignals>& plc;
   Latest<Snapshot>& server;
   SnapshotRing* history = nullptr;              ///< null: no history is kept

@@ -54,6 +54,7 @@ void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snap
   snapshot.signals = judgement.signals;
   snapshot.signals_held = judgement.signals_held;
   snapshot.signals_implausible = judgement.signals_implausible;
+  snapshot.devices = sensed.devices;
   for (std::size_t k = 0; k < snapshot.key_points; ++k) {
     const bool configured = judgement.sensors[k] != SensorQuality::not_configured;
     snapshot.measured_K[k] = configured ? sensed.sensors[k].value : not_a_value;

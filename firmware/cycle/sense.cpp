@@ -41,6 +41,7 @@ void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& co
     }
   }
   sensed.device_connected = frame.connected;
+  sensed.devices = frame.devices;
   const double silence_s = 1e-9 * static_cast<double>(now_ns - command.alive_ns);
   sensed.plc_silent = plan.plc_timeout_s > 0.0 && command.alive_ns != 0 && silence_s > plan.plc_timeout_s;
 }

@@ -17,6 +17,7 @@ struct SensedInputs {
   std::array<Sensed, signal_count> signals;
   std::array<Sensed, slots::deformations> displacements;
   bool device_connected = false;
+  std::array<DeviceState, slots::devices> devices;
   bool plc_silent = false;  ///< for longer than the plan allows
 };
 

@@ -45,12 +45,21 @@ struct Reading {
   std::int64_t time_ns = 0;  ///< monotonic; 0: never read
 };
 
-/// What the data-acquisition device last said; sensors in the order of the network's key points.
+/// One data-acquisition device.
+struct DeviceState {
+  bool used = false;
+  bool connected = false;
+  std::uint32_t accepted = 0;  ///< answers or frames since the start; wraps
+  std::uint32_t refused = 0;   ///< those that were not taken: exceptions, wrong, damaged, cut, doubled or none in time
+};
+
+/// What the data-acquisition devices last said; sensors in the order of the network's key points.
 struct DeviceFrame {
   std::array<Reading, slots::key_points> sensors;
   std::array<Reading, signal_count> signals;
   std::array<Reading, slots::deformations> displacements;  ///< probes, in m; in the order of the network's deformations
-  bool connected = false;
+  bool connected = false;                                  ///< all devices in use are
+  std::array<DeviceState, slots::devices> devices;         ///< in the order of the configuration
 };
 
 /// A length that somebody measured at one of the deformation outputs: a touch-off or a probe. Counted as the published
@@ -160,6 +169,7 @@ struct Snapshot {
   std::uint16_t signals_held = 0;                      ///< bit s: signal s is not believed, what it was is in use
   std::uint16_t signals_implausible = 0;               ///< of these, those outside their limits or too fast
   std::uint16_t outputs_clamped = 0;                   ///< bit d: deformation output d is held at its limit
+  std::array<DeviceState, slots::devices> devices;
   std::uint64_t history_rows_lost = 0;
   std::uint64_t log_lines_dropped = 0;
 

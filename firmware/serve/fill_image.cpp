@@ -41,7 +41,7 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   for (const Register which : {Register::sequence, Register::temperatures_sequence, Register::parts_sequence,
                                Register::factors_sequence, Register::deviations_sequence, Register::sensors_sequence,
                                Register::estimator_sequence, Register::health_sequence, Register::motor_sequence,
-                               Register::service_sequence, Register::compensation_sequence}) {
+                               Register::service_sequence, Register::compensation_sequence, Register::devices_sequence}) {
     fill.value(which, sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
@@ -200,6 +200,22 @@ void fill_compensation(const Snapshot& snapshot, Filler& fill) {
   }
 }
 
+void fill_devices(const Snapshot& snapshot, RegisterImage& image) {
+  int count = 0;
+  int offline = 0;
+  for (std::size_t d = 0; d < slots::devices; ++d) {
+    const DeviceState& device = snapshot.devices[d];
+    const int slot = static_cast<int>(d);
+    count += device.used ? 1 : 0;
+    offline |= device.used && !device.connected ? 1 << slot : 0;
+    const auto counter = [&](std::uint32_t number) { return device.used ? number % 0xFFFFFFFFU : not_a_value; };
+    put(image, Register::device_accepted, counter(device.accepted), slot);
+    put(image, Register::device_refused, counter(device.refused), slot);
+  }
+  put(image, Register::device_count, count);
+  put(image, Register::devices_offline, offline);
+}
+
 }  // namespace
 
 void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
@@ -214,6 +230,7 @@ void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& im
   fill_health(snapshot, image);
   fill_service(snapshot, image);
   fill_compensation(snapshot, fill);
+  fill_devices(snapshot, image);
   const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
   put(image, Register::quality, quality);
   // What stands in a register is not what the twin says: no running prediction, whatever the cycle knows of itself.

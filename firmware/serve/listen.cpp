@@ -13,7 +13,7 @@
 
 namespace spindle_twin::firmware {
 
-int listen_on(const std::string& address, int port) {
+int listen_on(const std::string& address, int port, const std::string& field) {
   constexpr int backlog = 128;
   const int one = 1;
   sockaddr_in here{};
@@ -29,7 +29,7 @@ int listen_on(const std::string& address, int port) {
   if (fd >= 0) close(fd);
   std::string text = "cannot listen on " + address + " port " + std::to_string(port) + ": " + std::strerror(reason);
   if (reason == EACCES) text += " (ports below 1024 need the capability CAP_NET_BIND_SERVICE)";
-  throw rom::InputError({"", 0}, "serve", text);
+  throw rom::InputError({"", 0}, field, text);
 }
 
 int port_of(int socket) {

@@ -5,8 +5,8 @@
 namespace spindle_twin::firmware {
 
 /// A non-blocking listening TCP socket with a backlog of 128: a burst of clients at a machine's start is not turned
-/// away. Throws rom::InputError naming address, port and reason.
-int listen_on(const std::string& address, int port);
+/// away. Throws rom::InputError naming `field`, address, port and reason.
+int listen_on(const std::string& address, int port, const std::string& field = "serve");
 
 int port_of(int socket);
 

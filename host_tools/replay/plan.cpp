@@ -27,7 +27,6 @@ double operating_K(const rom::Boundaries& boundaries, rom::EnvironmentKind kind)
 firmware::Config config_of_log(const rom::Network& network, const Log& log, const ReplayOptions& options) {
   firmware::Config config;
   config.network.path = config.network.where.file = options.network;
-  config.has_device = true;
   config.cycle.period_s = options.period_s.value_or(log.cycle_s.value_or(config.cycle.period_s));
   std::vector<std::string> names = options.sensors;
   for (std::size_t k = 0; k < network.key_points.size() && options.sensors.empty(); ++k) {

@@ -55,17 +55,23 @@ def run_daemon(*arguments):
 
 class RunningDaemon(unittest.TestCase):
     """With a device and a daemon that run."""
+    config_text = CONFIG
+
+    def start_devices(self):
+        """What the configuration names of ports, beside the daemon's own."""
+        self.device_port = free_port()
+        self.device = self.start([sys.executable, HERE / "fake_device.py", self.device_port], stderr=subprocess.DEVNULL)
+        wait_until(lambda: can_connect(self.device_port), "the device's port")
+        return {"device": self.device_port}
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         subprocess.run([PROGRAMS["make_network"], self.folder / "small.rom"], check=True)
-        self.port, self.device_port = free_port(), free_port()
+        self.port = free_port()
         self.config = self.folder / "twin.toml"
-        self.config.write_text(CONFIG.format(port=self.port, device=self.device_port))
-        self.device = self.start([sys.executable, HERE / "fake_device.py", self.device_port], stderr=subprocess.DEVNULL)
-        wait_until(lambda: can_connect(self.device_port), "the device's port")
+        self.config.write_text(self.config_text.format(port=self.port, **self.start_devices()))
         self.log = open(self.folder / "log", "w+")
         self.addCleanup(self.log.close)
         self.daemon = self.start([PROGRAMS["daemon"], self.config], stderr=self.log)
@@ -103,6 +109,8 @@ class RunningDaemon(unittest.TestCase):
         return self.log.read()
 
 
-def main():
-    PROGRAMS["daemon"], PROGRAMS["make_network"] = map(os.path.abspath, sys.argv[1:3])
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)
+def main(*more):
+    """Takes the programs from the command line: daemon, make_network and those that the test names."""
+    names = ("daemon", "make_network", *more)
+    PROGRAMS.update(zip(names, map(os.path.abspath, sys.argv[1:])))
+    unittest.main(argv=sys.argv[:1] + sys.argv[1 + len(names):], verbosity=2)

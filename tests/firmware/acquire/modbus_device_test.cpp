@@ -5,33 +5,32 @@
 #include <cmath>
 #include <thread>
 
+#include "firmware/acquire/device_thread.hpp"
 #include "firmware/serve/modbus_server.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
 
-Channel channel(RegisterTable table, int address, RegisterType type, std::size_t index) {
-  return {Channel::Kind::sensor, index, {table, static_cast<std::uint16_t>(address), type, 1.0, 0.0}};
+RegisterSource source(RegisterTable table, int address, RegisterType type) {
+  return {table, static_cast<std::uint16_t>(address), type};
 }
 
-TEST(Decode, every_type_with_scale_and_offset) {
+TEST(Decode, every_type) {
   const std::array<std::uint16_t, 2> words{0xC148, 0x0000};
   const std::array<std::uint16_t, 2> swapped{0x0000, 0xC148};
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::float32, 2.0, 1.0}, words), -24.0);
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::float32_cdab, 1.0, 0.0}, swapped), -12.5);
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::int16, 0.01, 0.0}, words), -160.56);
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::uint16, 1.0, 0.0}, words), 49480.0);
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::offset16, 1.0, 0.0}, words), 16712.0);
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::uint32, 1.0, 0.0}, words), 3242721280.0);
-  EXPECT_DOUBLE_EQ(decode({RegisterTable::input, 0, RegisterType::int32, 1.0, 0.0}, words), -1052246016.0);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::float32), words), -12.5);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::float32_cdab), swapped), -12.5);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::int16), words), -16056.0);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::uint16), words), 49480.0);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::offset16), words), 16712.0);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::uint32), words), 3242721280.0);
+  EXPECT_DOUBLE_EQ(decode(source(RegisterTable::input, 0, RegisterType::int32), words), -1052246016.0);
 }
 
 TEST(ReadPlan, neighbours_are_read_together_and_gaps_are_never_asked_for) {
-  const std::vector<Channel> channels{channel(RegisterTable::input, 12, RegisterType::float32, 0),
-                                      channel(RegisterTable::input, 10, RegisterType::float32, 1),
-                                      channel(RegisterTable::input, 15, RegisterType::int16, 2),
-                                      channel(RegisterTable::holding, 14, RegisterType::int16, 3)};
-  const auto requests = plan_requests(channels);
+  const auto requests = plan_requests(
+      {source(RegisterTable::input, 12, RegisterType::float32), source(RegisterTable::input, 10, RegisterType::float32),
+       source(RegisterTable::input, 15, RegisterType::int16), source(RegisterTable::holding, 14, RegisterType::int16)});
   ASSERT_EQ(requests.size(), 3U);
   EXPECT_EQ(requests[0].address, 10);
   EXPECT_EQ(requests[0].count, 4);
@@ -41,20 +40,25 @@ TEST(ReadPlan, neighbours_are_read_together_and_gaps_are_never_asked_for) {
 }
 
 TEST(ReadPlan, no_request_is_longer_than_modbus_allows) {
-  std::vector<Channel> channels;
-  for (int i = 0; i < 100; ++i) channels.push_back(channel(RegisterTable::input, 2 * i, RegisterType::float32, 0));
+  std::vector<RegisterSource> channels;
+  for (int i = 0; i < 100; ++i) channels.push_back(source(RegisterTable::input, 2 * i, RegisterType::float32));
   for (const ReadRequest& request : plan_requests(channels)) {
     EXPECT_LE(request.count, 125);
     EXPECT_EQ(request.count, 2 * request.channels.size());
   }
 }
 
-TEST(BackOff, doubles_up_to_five_seconds) {
-  EXPECT_DOUBLE_EQ(back_off_s(0), 0.1);
-  EXPECT_DOUBLE_EQ(back_off_s(1), 0.2);
-  EXPECT_DOUBLE_EQ(back_off_s(5), 3.2);
-  EXPECT_DOUBLE_EQ(back_off_s(6), 5.0);
-  EXPECT_DOUBLE_EQ(back_off_s(1000000), 5.0);
+TEST(BackOff, doubles_up_to_the_devices_most) {
+  DevicePlan plan;
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 0), 0.1);
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 1), 0.2);
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 5), 3.2);
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 6), 5.0);
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 1000000), 5.0);
+  plan.retry_s = 1.0;
+  plan.retry_most_s = 60.0;
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 3), 8.0);
+  EXPECT_DOUBLE_EQ(back_off_s(plan, 6), 60.0);
 }
 
 TEST(CheckAnswer, only_what_answers_the_question_in_every_field_is_taken) {
@@ -113,16 +117,19 @@ bool wait_for(Latest<DeviceFrame>& frames, DeviceFrame& frame, Wanted wanted) {
 
 TEST(ModbusDevice, reads_reports_a_loss_and_connects_again) {
   auto device = std::make_unique<Device>(0);
+  const auto modbus = std::make_shared<ModbusPlan>();
+  modbus->port = device->server.port();
+  modbus->timeout_s = 0.2;
+  modbus->sources = {source(RegisterTable::input, 2, RegisterType::float32),
+                     source(RegisterTable::holding, 1, RegisterType::int16),
+                     source(RegisterTable::input, 60000, RegisterType::int16)};
   DevicePlan plan;
-  plan.port = device->server.port();
   plan.poll_s = 0.02;
-  plan.timeout_s = 0.2;
-  plan.channels = {channel(RegisterTable::input, 2, RegisterType::float32, 0),
-                   channel(RegisterTable::holding, 1, RegisterType::int16, 1),
-                   channel(RegisterTable::input, 60000, RegisterType::int16, 2)};
+  plan.driver = modbus;
+  for (std::size_t i = 0; i < 3; ++i) plan.channels.push_back({Channel::Kind::sensor, i, "sensor", {}, {}});
   MonotonicClock clock;
   Latest<DeviceFrame> frames;
-  ModbusDevice acquisition(plan, clock, frames);
+  DeviceThread acquisition(plan, 2, clock, frames);
   std::atomic<bool> stop{false};
   std::thread thread([&] { acquisition.run(stop); });
 
@@ -131,10 +138,13 @@ TEST(ModbusDevice, reads_reports_a_loss_and_connects_again) {
   EXPECT_EQ(frame.sensors[0].value, -12.5);
   EXPECT_EQ(frame.sensors[1].value, -125.0);
   EXPECT_EQ(frame.sensors[2].time_ns, 0) << "a register that the device refuses must stay unread";
+  EXPECT_TRUE(frame.devices[2].connected);
+  EXPECT_GE(frame.devices[2].accepted, 2U);
+  EXPECT_GE(frame.devices[2].refused, 1U);
   device.reset();
   EXPECT_TRUE(wait_for(frames, frame, [](const DeviceFrame& f) { return !f.connected; }));
   EXPECT_EQ(frame.sensors[0].value, -12.5) << "the last reading stays";
-  device = std::make_unique<Device>(plan.port);
+  device = std::make_unique<Device>(modbus->port);
   EXPECT_TRUE(wait_for(frames, frame, [](const DeviceFrame& f) { return f.connected; }));
   stop.store(true);
   thread.join();

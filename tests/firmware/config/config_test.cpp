@@ -58,12 +58,14 @@ TEST(Config, values_come_in_si) {
   EXPECT_FALSE(plan.cycle.sensors[1].configured);
   EXPECT_TRUE(plan.cycle.sensors[2].configured);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].max_K, 423.15);
-  ASSERT_EQ(plan.device.channels.size(), 4U);
-  EXPECT_EQ(plan.device.channels[1].index, 2U);
-  EXPECT_DOUBLE_EQ(plan.device.channels[1].source.offset, 273.65);
-  EXPECT_DOUBLE_EQ(plan.device.channels[2].source.scale, 0.001);
-  EXPECT_DOUBLE_EQ(plan.device.channels[3].source.offset, 273.15);
-  EXPECT_DOUBLE_EQ(plan.device.poll_s, 1.0 / 60.0);
+  ASSERT_EQ(plan.devices.size(), 1U);
+  const std::vector<Channel>& channels = plan.devices[0].channels;
+  ASSERT_EQ(channels.size(), 4U);
+  EXPECT_EQ(channels[1].index, 2U);
+  EXPECT_DOUBLE_EQ(convert(channels[1].conversion, 100.0).value, 274.65);
+  EXPECT_DOUBLE_EQ(convert(channels[2].conversion, 100.0).value, 0.1);
+  EXPECT_DOUBLE_EQ(convert(channels[3].conversion, 1.0).value, 274.15);
+  EXPECT_DOUBLE_EQ(plan.devices[0].poll_s, 1.0 / 60.0);
   EXPECT_DOUBLE_EQ(plan.cycle.signals[2].value, 300.15);
   EXPECT_EQ(plan.cycle.signals[0].source, SignalSource::plc);
   ASSERT_TRUE(plan.cycle.paper.has_value());
@@ -136,8 +138,9 @@ TEST(Config, a_probe_stands_at_a_deformation_output) {
   EXPECT_FALSE(plan.cycle.probes[1].configured);
   EXPECT_DOUBLE_EQ(plan.cycle.probes[0].sd_m, 0.5e-6);
   EXPECT_DOUBLE_EQ(plan.cycle.probes[0].interval_s, 30.0);
-  ASSERT_EQ(plan.device.channels[2].kind, Channel::Kind::displacement);
-  EXPECT_DOUBLE_EQ(plan.device.channels[2].source.scale, 1e-7);
+  const Channel& channel = plan.devices[0].channels[2];
+  ASSERT_EQ(channel.kind, Channel::Kind::displacement);
+  EXPECT_DOUBLE_EQ(convert(channel.conversion, 1.0).value, 1e-7);
   EXPECT_NE(error_of(good + probe + probe).find("\"nose\" has a probe already"), std::string::npos);
   EXPECT_EQ(
       error_of(good + "[[displacement]]\noutput = \"tip\"\nregister = 20\nsd_um = 1.0\n"),
@@ -189,7 +192,7 @@ TEST(ConfigErrors, missing_parts_are_named) {
   EXPECT_EQ(error_of(with("speed = { source = \"plc\" }\n", "")),
             "/etc/twin.toml:18: signals.speed: this key is required");
   EXPECT_EQ(error_of(with("[device]\nport = 1503\n", "")),
-            "/etc/twin.toml:8: sensor[1].key_point: sensors need a [device] table");
+            "/etc/twin.toml:8: sensor[1].key_point: sensors need a [[device]] table");
 }
 
 TEST(ConfigErrors, choices_list_what_is_allowed) {

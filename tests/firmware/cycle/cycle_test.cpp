@@ -320,7 +320,7 @@ TEST(RunCycle, model_time_runs_clock_rate_times_as_fast) {
   Cycle cycle(network, plan, runtime);
   std::atomic<bool> stop{false};
   SteppedClock clock(stop, 10'000'000'000);
-  Latest<DeviceFrame> frames;
+  DeviceInbox frames;
   Latest<PlcSignals> signals;
   Latest<Snapshot> snapshots;
   run_cycle(cycle, plan, clock, {frames, signals, snapshots}, stop);

@@ -202,10 +202,9 @@ TEST(MotorSignals, device_registers_come_in_ampere_and_watt) {
       parse_config(config_with("current = { source = \"device\", register = 9, type = \"uint16\", scale = 0.01 }\n"),
                    "twin.toml"),
       by_current());
-  ASSERT_EQ(plan.device.channels.size(), 1U);
-  EXPECT_EQ(plan.device.channels[0].index, current);
-  EXPECT_EQ(plan.device.channels[0].source.address, 9);
-  EXPECT_EQ(plan.device.channels[0].source.scale, 0.01);
+  ASSERT_EQ(plan.devices.at(0).channels.size(), 1U);
+  EXPECT_EQ(plan.devices[0].channels[0].index, current);
+  EXPECT_DOUBLE_EQ(convert(plan.devices[0].channels[0].conversion, 1250.0).value, 12.5);
 }
 
 TEST(MotorSignals, the_plc_writes_tenths_of_an_ampere_and_hundredths_of_a_kilowatt_and_reads_what_is_in_use) {

@@ -284,7 +284,7 @@ TEST(Keeper, asks_the_cycle_thread_and_writes_what_it_gets) {
   Cycle cycle(network, plan, runtime);
   Keeper keeper(folder.plan, sha256, plan.clock_rate, cycle);
   std::atomic<bool> stop{false};
-  Latest<DeviceFrame> frames;
+  DeviceInbox frames;
   Latest<PlcSignals> signals;
   Latest<Snapshot> snapshots;
   MonotonicClock clock;

@@ -1,0 +1,29 @@
+#include "firmware/acquire/read_address.hpp"
+
+#include <arpa/inet.h>
+
+namespace spindle_twin::firmware {
+
+std::string read_ipv4(const rom::TomlTable& table, const std::string& otherwise) {
+  std::string address = table.string_or("address", otherwise);
+  in_addr parsed{};
+  if (inet_pton(AF_INET, address.c_str(), &parsed) != 1) {
+    table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");
+  }
+  return address;
+}
+
+std::vector<AddressRange> read_allow(const rom::TomlTable& table) {
+  std::vector<AddressRange> ranges;
+  const std::vector<std::string> allow =
+      table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
+  for (const std::string& entry : allow) {
+    const auto range = parse_address_range(entry);
+    if (!range)
+      table.fail("allow", "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
+    ranges.push_back(*range);
+  }
+  return ranges;
+}
+
+}  // namespace spindle_twin::firmware

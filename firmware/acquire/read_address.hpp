@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/serve/allow_list.hpp"
+#include "rom/read/strict_toml.hpp"
+
+namespace spindle_twin::firmware {
+
+/// The key `address`, an IPv4 address. Throws rom::InputError.
+std::string read_ipv4(const rom::TomlTable& table, const std::string& otherwise);
+
+/// The key `allow`, by default this machine only. Throws rom::InputError.
+std::vector<AddressRange> read_allow(const rom::TomlTable& table);
+
+}  // namespace spindle_twin::firmware
