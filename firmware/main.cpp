@@ -27,6 +27,7 @@
 #include "firmware/keep/order_keeper.hpp"
 #include "firmware/keep/state_files.hpp"
 #include "firmware/serve/modbus_server.hpp"
+#include "firmware/show/http_server.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log.hpp"
 
@@ -123,6 +124,11 @@ class Daemon {
     spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", file_.network.spindle,
                  file_.network.nodes.size(), plan_.cycle.period_s, plan_.cycle.clock_rate, plan_.serve.address,
                  server_->port());
+    if (plan_.show.enabled) {
+      shown_.emplace(plan_.show, names_of(file_.network), clock_);
+      run([this] { shown_->run(); });
+      spdlog::info("http on {}:{}", plan_.show.address, shown_->port());
+    }
     resume_from_checkpoint(config_.keep, checkpoint, file_.sha256, plan_.cycle.clock_rate, unix_now_s(), cycle_);
     cycle_.stand_by_orders(orders);
     keeper_.emplace(config_.keep, file_.sha256, plan_.cycle.clock_rate, cycle_, &order_keeper_, &troubles_);
@@ -140,6 +146,7 @@ class Daemon {
     if (!server_) return;
     stop_.store(true);
     server_->stop();
+    if (shown_) shown_->stop();
     for (std::thread& thread : threads_) thread.join();
     stop_after_cycle_.store(true);
     for (std::thread& thread : after_cycle_) thread.join();
@@ -165,7 +172,8 @@ class Daemon {
             &keeper_->remembered(),
             &desk_,
             &events_.tap(),
-            &troubles_};
+            &troubles_,
+            shown_ ? &shown_->tap() : nullptr};
   }
 
   const Config& config_;
@@ -183,6 +191,7 @@ class Daemon {
   EventLog events_;
   std::unique_ptr<History> history_;
   std::optional<ModbusServer> server_;
+  std::optional<HttpServer> shown_;
   std::optional<Keeper> keeper_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> stop_after_cycle_{false};

@@ -8,6 +8,7 @@
 #include "firmware/cycle/plan.hpp"
 #include "firmware/keep/keep_plan.hpp"
 #include "firmware/serve/serve_plan.hpp"
+#include "firmware/show/show_plan.hpp"
 #include "rom/file/keys.hpp"
 #include "rom/network.hpp"
 #include "rom/read/input_error.hpp"
@@ -103,6 +104,7 @@ struct Config {
   HistoryPlan history;
   KeepPlan keep;
   ServePlan serve;
+  ShowPlan show;
   bool has_device = false;
   DevicePlan device;  ///< without channels
   CyclePlan cycle;    ///< without sensors and signals that need the network
@@ -126,6 +128,7 @@ struct DaemonPlan {
   CyclePlan cycle;
   DevicePlan device;
   ServePlan serve;
+  ShowPlan show;
 };
 
 /// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating

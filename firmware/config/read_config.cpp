@@ -162,6 +162,19 @@ std::vector<ConfiguredLimit> read_limits(const TomlTable& output) {
   return limits;
 }
 
+std::vector<AddressRange> read_allow(const TomlTable& table) {
+  std::vector<AddressRange> allow;
+  const std::vector<std::string> entries =
+      table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
+  for (const std::string& entry : entries) {
+    const auto range = parse_address_range(entry);
+    if (!range)
+      table.fail("allow", "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
+    allow.push_back(*range);
+  }
+  return allow;
+}
+
 ServePlan read_serve(const TomlTable& table) {
   ServePlan serve;
   serve.address = read_ipv4(table, serve.address);
@@ -171,15 +184,19 @@ ServePlan read_serve(const TomlTable& table) {
       static_cast<int>(table.integer_or("connections_per_host", serve.connections_per_host, 1, 256));
   serve.idle_s = table.number_or("idle_s", serve.idle_s, rom::between(1.0, 86400.0));
   serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
-  const std::vector<std::string> allow =
-      table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
-  for (const std::string& entry : allow) {
-    const auto range = parse_address_range(entry);
-    if (!range)
-      table.fail("allow", "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
-    serve.allow.push_back(*range);
-  }
+  serve.allow = read_allow(table);
   return serve;
+}
+
+/// A cycle that is three periods late does not run any more.
+ShowPlan read_http(const TomlTable& table, const CyclePlan& cycle) {
+  ShowPlan show;
+  show.enabled = true;
+  show.address = read_ipv4(table, show.address);
+  show.port = static_cast<int>(table.integer_or("port", show.port, 1, 65535));
+  show.allow = read_allow(table);
+  show.stale_after_s = std::max(show.stale_after_s, 3.0 * cycle.period_s / cycle.clock_rate);
+  return show;
 }
 
 DevicePlan read_device(const TomlTable& table, double clock_rate) {
@@ -304,6 +321,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   const TomlTable serve = root.table("serve");
   config.serve = read_serve(serve);
   config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
+  if (const auto http = root.optional_table("http")) config.show = read_http(*http, config.cycle);
   if (const auto device = root.optional_table("device")) {
     config.has_device = true;
     config.device = read_device(*device, config.cycle.clock_rate);

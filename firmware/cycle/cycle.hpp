@@ -107,6 +107,7 @@ struct CyclePorts {
   OrderDesk* orders = nullptr;                  ///< null: nobody gives orders
   Latest<Snapshot>* events = nullptr;           ///< null: nobody says what happens
   Troubles* troubles = nullptr;                 ///< null: the others have none
+  Latest<Snapshot>* shown = nullptr;            ///< null: no HTTP port shows them
 };
 
 /// Runs the cycle at absolute deadlines until `stop` is set.
