@@ -27,6 +27,7 @@
 #include "firmware/keep/order_keeper.hpp"
 #include "firmware/keep/state_files.hpp"
 #include "firmware/serve/modbus_server.hpp"
+#include "firmware/show/http_server.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log.hpp"
 #include "firmware/watch/service_manager.hpp"
@@ -128,6 +129,11 @@ class Daemon {
     spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", file_.network.spindle,
                  file_.network.nodes.size(), plan_.cycle.period_s, plan_.cycle.clock_rate, plan_.serve.address,
                  server_->port());
+    if (plan_.show.enabled) {
+      shown_.emplace(plan_.show, names_of(file_.network), clock_);
+      run([this] { shown_->run(); });
+      spdlog::info("http on {}:{}", plan_.show.address, shown_->port());
+    }
     const Resumed resumed = resume_from_checkpoint(config_.keep, checkpoint, file_.sha256, plan_.cycle.clock_rate,
                                                    unix_now_s(), cycle_, &stop_);
     if (resumed == Resumed::given_up) return;
@@ -151,6 +157,7 @@ class Daemon {
     end();
     if (!server_) return;
     server_->stop();
+    if (shown_) shown_->stop();
     for (std::thread& thread : threads_) thread.join();
     stop_after_cycle_.store(true);
     for (std::thread& thread : after_cycle_) thread.join();
@@ -177,7 +184,8 @@ class Daemon {
             &desk_,
             &events_.tap(),
             &troubles_,
-            &pulse_};
+            &pulse_,
+            shown_ ? &shown_->tap() : nullptr};
   }
 
   const Config& config_;
@@ -195,6 +203,7 @@ class Daemon {
   EventLog events_;
   std::unique_ptr<History> history_;
   std::optional<ModbusServer> server_;
+  std::optional<HttpServer> shown_;
   std::optional<Keeper> keeper_;
   Pulse pulse_;
   ServiceManager manager_{pulse_, plan_.cycle.period_s / plan_.cycle.clock_rate};

@@ -124,7 +124,7 @@ void bind_start(const Config& config, const rom::Network& network, CyclePlan& cy
 DaemonPlan bind_config(const Config& config, const rom::Network& network) {
   check_network(config, network);
   check_surroundings(config, network);
-  DaemonPlan plan{config.cycle, config.devices, config.serve};
+  DaemonPlan plan{config.cycle, config.devices, config.serve, config.show};
   for (const ConfiguredSensor& sensor : config.sensors) {
     const std::size_t k = find_by_name(network.key_points, sensor.key_point, "key point", sensor.where, sensor.field);
     SensorPlan& slot = plan.cycle.sensors[k];

@@ -9,6 +9,7 @@
 #include "firmware/cycle/plan.hpp"
 #include "firmware/keep/keep_plan.hpp"
 #include "firmware/serve/serve_plan.hpp"
+#include "firmware/show/show_plan.hpp"
 #include "rom/file/keys.hpp"
 #include "rom/network.hpp"
 #include "rom/read/input_error.hpp"
@@ -111,6 +112,7 @@ struct Config {
   HistoryPlan history;
   KeepPlan keep;
   ServePlan serve;
+  ShowPlan show;
   std::vector<DevicePlan> devices;  ///< their channels go nowhere yet
   CyclePlan cycle;                  ///< without sensors and signals that need the network
   std::vector<ConfiguredSensor> sensors;
@@ -134,6 +136,7 @@ struct DaemonPlan {
   CyclePlan cycle;
   std::vector<DevicePlan> devices;
   ServePlan serve;
+  ShowPlan show;
 };
 
 /// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating

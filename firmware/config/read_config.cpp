@@ -152,6 +152,17 @@ ServePlan read_serve(const TomlTable& table) {
   return serve;
 }
 
+/// A cycle that is three periods late does not run any more.
+ShowPlan read_http(const TomlTable& table, const CyclePlan& cycle) {
+  ShowPlan show;
+  show.enabled = true;
+  show.address = read_ipv4(table, show.address);
+  show.port = static_cast<int>(table.integer_or("port", show.port, 1, 65535));
+  show.allow = read_allow(table);
+  show.stale_after_s = std::max(show.stale_after_s, 3.0 * cycle.period_s / cycle.clock_rate);
+  return show;
+}
+
 ConfiguredSensor read_sensor(const TomlTable& table, Config& config) {
   ConfiguredSensor sensor;
   sensor.key_point = table.string("key_point");
@@ -327,6 +338,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   const TomlTable serve = root.table("serve");
   config.serve = read_serve(serve);
   config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
+  if (const auto http = root.optional_table("http")) config.show = read_http(*http, config.cycle);
   read_inputs(root, config);
   read_signals(root, config);
   read_correction(root.optional_table("correction"), config);

@@ -78,6 +78,7 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     snapshot.time_ns = clock.now_ns();
     ports.server.write(snapshot);
     if (ports.events != nullptr) ports.events->write(snapshot);
+    if (ports.shown != nullptr) ports.shown->write(snapshot);
     if (ports.remembered != nullptr && ports.remembered->asked()) {
       cycle.remember(ports.remembered->value);
       ports.remembered->fill();

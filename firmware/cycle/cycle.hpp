@@ -115,6 +115,7 @@ struct CyclePorts {
   Latest<Snapshot>* events = nullptr;           ///< null: nobody says what happens
   Troubles* troubles = nullptr;                 ///< null: the others have none
   Pulse* pulse = nullptr;                       ///< null: nobody watches
+  Latest<Snapshot>* shown = nullptr;            ///< null: no HTTP port shows them
 };
 
 /// Runs the cycle at absolute deadlines until `stop` is set.

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace spindle_twin::firmware {
@@ -25,6 +26,12 @@ std::optional<AddressRange> parse_address_range(const std::string& text) {
 bool is_allowed(const std::vector<AddressRange>& allow, std::uint32_t address) {
   return std::any_of(allow.begin(), allow.end(),
                      [&](const AddressRange& range) { return (address & range.mask) == range.address; });
+}
+
+std::string address_text(std::uint32_t address) {
+  const in_addr in_network_order{htonl(address)};
+  std::array<char, INET_ADDRSTRLEN> text{};
+  return inet_ntop(AF_INET, &in_network_order, text.data(), text.size());
 }
 
 }  // namespace spindle_twin::firmware

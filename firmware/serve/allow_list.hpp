@@ -19,4 +19,7 @@ std::optional<AddressRange> parse_address_range(const std::string& text);
 /// `address` in host byte order.
 bool is_allowed(const std::vector<AddressRange>& allow, std::uint32_t address);
 
+/// "192.168.1.7" of such an address.
+std::string address_text(std::uint32_t address);
+
 }  // namespace spindle_twin::firmware

@@ -21,10 +21,23 @@ WORDS = {"uint16": 1, "int16": 1, "offset16": 1, "uint32": 2, "int32": 2, "float
 NOT_PRESENT = {"uint16": "65535", "int16": "-32768", "offset16": "0", "uint32": "4294967295",
                "int32": "-2147483648", "float32": "NaN", "float32_cdab": "NaN"}
 MOST_REGISTERS_PER_READ = 125
+METRICS = ("gauge", "counter", "none")
 
 
 class MapError(Exception):
     pass
+
+
+def check_meaning(register, table):
+    """What the number says besides its unit: a code, bits, and what becomes of it in /metrics."""
+    known = [codes["name"] for codes in table["codes"]]
+    for key in ("codes", "bits"):
+        if key in register and register[key] not in known:
+            raise MapError(f"register {register['name']}: {key} {register[key]}, allowed: {', '.join(known)}")
+    if "codes" in register and "bits" in register:
+        raise MapError(f"register {register['name']}: codes and bits, allowed: one of them")
+    if register.get("metric", METRICS[0]) not in METRICS:
+        raise MapError(f"register {register['name']}: metric {register['metric']}, allowed: {', '.join(METRICS)}")
 
 
 def load(path):
@@ -47,6 +60,8 @@ def load(path):
             slots = register.get("slots", 1)
             if isinstance(slots, str) and slots not in table["slots"]:
                 raise MapError(f"register {name}: slots {slots}, allowed: a number or {', '.join(table['slots'])}")
+            register["slot_names"] = slots if isinstance(slots, str) else ""
+            check_meaning(register, table)
             register["slots"] = table["slots"][slots] if isinstance(slots, str) else slots
             register["words"] = WORDS[register["type"]] * register["slots"]
             for address in range(register["address"], register["address"] + register["words"]):
@@ -62,24 +77,37 @@ def raw_literal(text):
     return "\n".join(f"    {generate_states.text_literal(line)[:-1]}\\n\"" for line in text.splitlines())
 
 
+def cpp_entry(block, register):
+    """One row of register_entries."""
+    literal = generate_states.text_literal
+    codes = register.get("codes", register.get("bits"))
+    return (f"    {{{literal(register['name'])}, {register['address']}, RegisterType::{register['type']}, {register['slots']}, "
+            f"{float(register.get('resolution', 1.0))!r}, {literal(register.get('unit', ''))}, "
+            f"{'true' if block['command'] else 'false'}, {literal(register['doc'])}, {literal(register['slot_names'])}, "
+            f"{generate_states.table_name(codes) if codes else '{}'}, {'true' if 'bits' in register else 'false'}, "
+            f"Metric::{register.get('metric', METRICS[0])}}},")
+
+
 def cpp_table(table):
     out = ["// Made by firmware/serve/generate_registers.py from registers.toml.", "#pragma once", "", "#include <array>",
-           "#include <cstddef>", "#include <cstdint>", "", '#include "firmware/words/register_type.hpp"', "",
+           "#include <cstddef>", "#include <cstdint>", "#include <span>", "",
+           '#include "firmware/cycle/states.hpp"', '#include "firmware/words/register_type.hpp"', "",
            "namespace spindle_twin::firmware {", "",
            f"inline constexpr std::uint16_t register_map_version = {table['map_version']};", ""]
-    out += ["struct RegisterEntry {", "  const char* name;", "  std::uint16_t address;  ///< 0-based offset",
+    out += ["/// What becomes of a register in the metrics; none: another one shows the same.",
+            f"enum class Metric {{ {', '.join(METRICS)} }};", "", "struct RegisterEntry {", "  const char* name;", "  std::uint16_t address;  ///< 0-based offset",
             "  RegisterType type;", "  std::uint16_t slots;", "  double resolution;  ///< worth of one count, in unit",
-            "  const char* unit;", "  bool command;  ///< written by the PLC", "  const char* doc;", "};", "",
+            "  const char* unit;", "  bool command;  ///< written by the PLC", "  const char* doc;",
+            "  const char* slot_names;  ///< what the slots are of, as under [slots]; empty: they have no names",
+            "  std::span<const CodeName> codes;  ///< what the number, or its bits, mean; empty: it is a quantity",
+            "  bool codes_are_bits;", "  Metric metric;", "};", "",
             "struct RegisterBlock {", "  const char* name;", "  std::uint16_t address;", "  std::uint16_t length;",
             "  bool command;", "};", ""]
     registers = [(block, register) for block in table["block"] for register in block["register"]]
     out += ["/// Index into register_entries.", "enum class Register : std::size_t {"]
     out += [f"  {register['name']}," for _, register in registers]
     out += ["};", "", f"inline constexpr std::array<RegisterEntry, {len(registers)}> register_entries{{{{"]
-    for block, register in registers:
-        out.append(f"    {{{generate_states.text_literal(register['name'])}, {register['address']}, RegisterType::{register['type']}, "
-                   f"{register['slots']}, {float(register.get('resolution', 1.0))!r}, {generate_states.text_literal(register.get('unit', ''))}, "
-                   f"{'true' if block['command'] else 'false'}, {generate_states.text_literal(register['doc'])}}},")
+    out += [cpp_entry(block, register) for block, register in registers]
     out += ["}};", "", f"inline constexpr std::array<RegisterBlock, {len(table['block'])}> register_blocks{{{{"]
     out += [f"    {{{generate_states.text_literal(block['name'])}, {block['address']}, {block['length']}, {'true' if block['command'] else 'false'}}},"
             for block in table["block"]]

@@ -1,6 +1,5 @@
 #include "firmware/serve/modbus_server.hpp"
 
-#include <arpa/inet.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -16,7 +15,7 @@
 #include <cmath>
 #include <cstring>
 #include <new>
-#include <string>
+#include <utility>
 
 #include "firmware/serve/command_registers.hpp"
 #include "firmware/serve/device_identification.hpp"
@@ -49,12 +48,6 @@ constexpr std::int64_t ns_per_s = 1'000'000'000;
 constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
 constexpr int talks_cyclically = 3;                       ///< a client that goes on after it told a signal
 
-std::string text_of(std::uint32_t host) {
-  const in_addr address{htonl(host)};
-  std::array<char, INET_ADDRSTRLEN> text{};
-  return inet_ntop(AF_INET, &address, text.data(), text.size());
-}
-
 /// Input registers end where the command block, which is the last one, begins.
 constexpr int input_registers() {
   int end = 0;
@@ -70,15 +63,6 @@ bool can_take_an_answer(int socket) {
 }
 
 }  // namespace
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) close(fd_);
-}
 
 ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots,
                            Latest<PlcSignals>& signals, OrderDesk& orders)
@@ -175,7 +159,7 @@ void ModbusServer::accept_all() {
     const std::int64_t now_ns = clock_.now_ns();
     if (!is_allowed(plan_.allow, host)) {
       const auto before = strangers_.pass(now_ns);
-      if (before) spdlog::warn("client {} is not in serve.allow{}", text_of(host), LogLimit::also(*before));
+      if (before) spdlog::warn("client {} is not in serve.allow{}", address_text(host), LogLimit::also(*before));
       continue;
     }
     if (socket.get() >= descriptor_limit || crowds_out_files(socket.get()) || !make_room_for(host)) {
@@ -184,7 +168,7 @@ void ModbusServer::accept_all() {
         const char* why = crowds_out_files(socket.get())
                               ? "the last file descriptors are kept for orders and checkpoint"
                               : "none is idle for long";
-        spdlog::warn("client {} refused: {} connections are open, {}{}", text_of(host), connections_.size(), why,
+        spdlog::warn("client {} refused: {} connections are open, {}{}", address_text(host), connections_.size(), why,
                      LogLimit::also(*before));
       }
       continue;

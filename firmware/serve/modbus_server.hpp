@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/snapshot.hpp"
 #include "firmware/serve/command_registers.hpp"
+#include "firmware/serve/descriptor.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
 #include "firmware/serve/serve_plan.hpp"
@@ -20,19 +20,6 @@
 #include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
-
-/// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd = -1) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor();
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// Serves the register map by Modbus/TCP to any number of clients in the one thread that calls run().
 /// Every socket is non-blocking, every request passes judge_frame() before libmodbus sees it, and only whole requests

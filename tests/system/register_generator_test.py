@@ -92,6 +92,13 @@ class Generator(unittest.TestCase):
         result = subprocess.run([sys.executable, GENERATOR, "--map", self.map, "--write"], capture_output=True, text=True)
         self.assertIn("register a: slots places, allowed: a number or points", result.stderr)
 
+    def test_a_meaning_that_is_not_declared(self):
+        for key, value in (("codes", "Stage"), ("bits", "Stage"), ("metric", "sum")):
+            self.map.write_text(MAP.format(length=6, second=4, name="b", type="int16")
+                                .replace('type = "int16", doc', f'type = "int16", {key} = "{value}", doc'))
+            result = subprocess.run([sys.executable, GENERATOR, "--map", self.map, "--write"], capture_output=True, text=True)
+            self.assertIn(f"register b: {key} {value}, allowed: ", result.stderr)
+
     def test_a_code_declared_twice(self):
         self.declare_states(name="off")
         self.assertIn("State: name off stands twice", self.error_of())

@@ -239,5 +239,17 @@ TEST(Config, the_commented_example_is_valid) {
   EXPECT_EQ(config.sensors.size(), 3U);
 }
 
+TEST(Config, nobody_listens_for_http_unless_told_to_and_then_on_the_loopback_only) {
+  EXPECT_FALSE(parse_config(good, "/etc/twin.toml").show.enabled);
+  const ShowPlan show = parse_config(good + "[http]\n", "/etc/twin.toml").show;
+  EXPECT_TRUE(show.enabled);
+  EXPECT_EQ(show.address, "127.0.0.1");
+  EXPECT_TRUE(is_allowed(show.allow, 0x7F000001U));
+  EXPECT_FALSE(is_allowed(show.allow, 0xC0A80101U));
+  EXPECT_EQ(error_of(good + "[http]\nport = 0\n").find("/etc/twin.toml:27: http.port: "), 0U);
+  EXPECT_EQ(error_of(good + "[http]\naddress = \"here\"\n").find("/etc/twin.toml:27: http.address: "), 0U);
+  EXPECT_EQ(error_of(good + "[http]\npath = \"/\"\n").find("/etc/twin.toml:27: http.path: "), 0U);
+}
+
 }  // namespace
 }  // namespace spindle_twin::firmware

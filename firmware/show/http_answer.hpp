@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace spindle_twin::firmware {
+
+/// What stands behind a path.
+struct Page {
+  int status = 200;
+  std::string type = "application/json";
+  std::string body = {};
+  bool is_stream = false;  ///< nothing but the head is sent now; events follow
+};
+
+struct HttpAnswer {
+  int status = 0;
+  std::string bytes = {};  ///< head and body
+  bool is_stream = false;  ///< the connection stays open for events
+};
+
+/// Makes of one whole request (up to its empty line; a body is left alone) the bytes of the answer. No socket, no
+/// thread: cpp-httplib parses and formats, in memory. Only GET and HEAD are answered by `pages`, others by 405; what is
+/// no HTTP by 400. Errors have the body {"error": ...}. Each answer ends its connection. For one thread; allocates.
+class HttpAnswerer {
+ public:
+  /// `pages` gives the page of a path, without the query.
+  explicit HttpAnswerer(std::function<Page(const std::string& path)> pages);
+  ~HttpAnswerer();
+  HttpAnswerer(const HttpAnswerer&) = delete;
+  HttpAnswerer& operator=(const HttpAnswerer&) = delete;
+
+  HttpAnswer answer(const std::string& request);
+
+  /// 431, for a request whose end does not come within the room that there is.
+  static HttpAnswer too_long();
+
+ private:
+  class Library;
+  std::unique_ptr<Library> library_;
+};
+
+}  // namespace spindle_twin::firmware

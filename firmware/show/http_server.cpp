@@ -1,0 +1,272 @@
+#include "firmware/show/http_server.hpp"
+
+#include <netinet/in.h>
+#include <poll.h>
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <utility>
+
+#include "firmware/serve/fill_image.hpp"
+#include "firmware/serve/listen.hpp"
+#include "firmware/show/json_text.hpp"
+#include "firmware/show/routes.hpp"
+#include "firmware/show/state_json.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+constexpr std::int64_t ns_per_s = 1'000'000'000;
+constexpr std::int64_t ask_within_ns = 2 * ns_per_s;
+constexpr std::int64_t take_within_ns = 5 * ns_per_s;
+constexpr std::int64_t leave_within_ns = 1 * ns_per_s;
+constexpr std::int64_t viewer_takes_within_ns = 10 * ns_per_s;
+constexpr int send_buffer_bytes = 32768;  ///< what a client that reads nothing may hold of the system's memory
+constexpr int look_for_cycles_ms = 50;    ///< while somebody watches
+
+std::string index_text() {
+  std::string text = "spindle-twind " SPINDLE_TWIN_VERSION "\n\n";
+  for (const Route& route : routes) text += fmt::format("{:<16}{}\n", route.path, route.doc);
+  return text;
+}
+
+std::string error_json(const char* reason) { return "{\"error\":" + json_text(reason) + "}\n"; }
+
+}  // namespace
+
+HttpServer::HttpServer(const ShowPlan& plan, ShownNames names, Clock& clock)
+    : plan_(plan),
+      names_(std::move(names)),
+      clock_(clock),
+      listener_(listen_on(plan.address, plan.port)),
+      wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      answerer_([this](const std::string& path) { return page(path); }) {
+  if (wake_.get() < 0) throw std::bad_alloc();
+  connections_.reserve(most_connections);
+}
+
+int HttpServer::port() const { return port_of(listener_.get()); }
+
+void HttpServer::stop() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+}
+
+std::size_t HttpServer::viewers() const {
+  return static_cast<std::size_t>(std::count_if(connections_.begin(), connections_.end(),
+                                                [](const Connection& each) { return each.stage == Stage::watching; }));
+}
+
+int HttpServer::poll_timeout_ms() const {
+  if (viewers() > 0) return look_for_cycles_ms;
+  std::int64_t first_ns = accept_from_ns_;
+  for (const Connection& connection : connections_) {
+    if (first_ns == 0 || connection.deadline_ns < first_ns) first_ns = connection.deadline_ns;
+  }
+  if (first_ns == 0) return -1;
+  return static_cast<int>(std::max<std::int64_t>(0, (first_ns - clock_.now_ns()) / 1'000'000 + 1));
+}
+
+/// Fills `polled`: wake, listener, connections. False when it is time to stop.
+bool HttpServer::wait(std::vector<pollfd>& polled) {
+  polled.clear();
+  polled.push_back({wake_.get(), POLLIN, 0});
+  if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
+  polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
+  for (const Connection& connection : connections_) {
+    int events = connection.stage == Stage::answering ? 0 : POLLIN;
+    if (!connection.out.empty()) events |= POLLOUT;
+    polled.push_back({connection.socket.get(), static_cast<short>(events), 0});
+  }
+  if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0) {
+    for (pollfd& each : polled) each.revents = 0;
+    if (errno == EINTR) return true;
+    const int reason = errno;
+    const auto before = troubles_.pass(clock_.now_ns());
+    if (before) spdlog::error("http: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
+    clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
+  }
+  return polled[0].revents == 0;
+}
+
+void HttpServer::run() {
+  std::vector<pollfd> polled;
+  polled.reserve(most_connections + 2);
+  while (wait(polled)) {
+    for (std::size_t c = 0; c < connections_.size(); ++c) {
+      if (polled[c + 2].revents != 0) look_at(connections_[c], polled[c + 2].revents);
+    }
+    send_events();
+    const std::int64_t now_ns = clock_.now_ns();
+    for (Connection& connection : connections_) {
+      if (!connection.open || connection.deadline_ns == 0 || now_ns < connection.deadline_ns) continue;
+      connection.open = false;
+      if (connection.stage != Stage::leaving) ++counts_.dropped;
+    }
+    std::erase_if(connections_, [](const Connection& connection) { return !connection.open; });
+    if (polled[1].revents != 0) accept_all();
+  }
+}
+
+void HttpServer::accept_all() {
+  while (true) {
+    sockaddr_in peer{};
+    socklen_t size = sizeof peer;
+    Descriptor socket(
+        accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (socket.get() < 0) {
+      // What waits is in the backlog; without a descriptor poll() would return at once for as long as there is none.
+      if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
+        accept_from_ns_ = clock_.now_ns() + ns_per_s;
+      }
+      return;
+    }
+    const std::uint32_t host = ntohl(peer.sin_addr.s_addr);
+    const std::int64_t now_ns = clock_.now_ns();
+    if (!is_allowed(plan_.allow, host)) {
+      const auto before = strangers_.pass(now_ns);
+      if (before) spdlog::warn("client {} is not in http.allow{}", address_text(host), LogLimit::also(*before));
+      continue;
+    }
+    if (!make_room()) continue;
+    make_quick(socket.get());
+    setsockopt(socket.get(), SOL_SOCKET, SO_SNDBUF, &send_buffer_bytes, sizeof send_buffer_bytes);
+    Connection& connection = connections_.emplace_back();
+    connection.socket = std::move(socket);
+    connection.deadline_ns = now_ns + ask_within_ns;
+  }
+}
+
+/// The oldest connection that is no viewer goes; there is always one, as there is less room for viewers.
+bool HttpServer::make_room() {
+  if (connections_.size() < most_connections) return true;
+  const auto oldest = std::find_if(connections_.begin(), connections_.end(),
+                                   [](const Connection& each) { return each.stage != Stage::watching; });
+  if (oldest == connections_.end()) return false;
+  if (oldest->stage != Stage::leaving) ++counts_.dropped;
+  connections_.erase(oldest);
+  return true;
+}
+
+void HttpServer::look_at(Connection& connection, short events) {
+  if ((events & (POLLERR | POLLNVAL)) != 0) {
+    connection.open = false;
+    return;
+  }
+  if ((events & POLLOUT) != 0) flush(connection);
+  if (!connection.open) return;
+  if (connection.stage == Stage::answering) {
+    if ((events & POLLHUP) != 0) connection.open = false;
+    return;
+  }
+  if ((events & (POLLIN | POLLHUP)) != 0) take(connection);
+}
+
+/// Of who has asked already nothing more is read than that it is gone.
+void HttpServer::take(Connection& connection) {
+  std::array<char, 4096> part{};
+  const ssize_t got = recv(connection.socket.get(), part.data(), part.size(), 0);
+  if (got <= 0) {
+    connection.open = got < 0 && (errno == EAGAIN || errno == EINTR);
+    return;
+  }
+  if (connection.stage != Stage::asking) return;
+  constexpr std::string_view empty_line = "\r\n\r\n";
+  connection.in.append(part.data(), static_cast<std::size_t>(got));
+  const std::size_t end = connection.in.find(empty_line);
+  const std::size_t length = end == std::string::npos ? connection.in.size() : end + empty_line.size();
+  if (length > longest_request) {
+    begin_answer(connection, HttpAnswerer::too_long());
+  } else if (end != std::string::npos) {
+    connection.in.resize(length);
+    begin_answer(connection, answerer_.answer(connection.in));
+  }
+}
+
+void HttpServer::begin_answer(Connection& connection, HttpAnswer answer) {
+  ++counts_.answers[answer.status];
+  std::string().swap(connection.in);
+  connection.out = std::move(answer.bytes);
+  connection.stage = answer.is_stream ? Stage::watching : Stage::answering;
+  connection.deadline_ns = clock_.now_ns() + (answer.is_stream ? viewer_takes_within_ns : take_within_ns);
+  flush(connection);
+}
+
+void HttpServer::flush(Connection& connection) {
+  while (!connection.out.empty()) {
+    const ssize_t sent = send(connection.socket.get(), connection.out.data(), connection.out.size(), MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent <= 0) {
+      connection.open = sent < 0 && errno == EAGAIN;
+      return;
+    }
+    connection.out.erase(0, static_cast<std::size_t>(sent));
+  }
+  if (connection.stage == Stage::watching) {
+    connection.deadline_ns = 0;
+  } else if (connection.stage == Stage::answering) {
+    // What the client still sends would turn the end into a reset, which may overtake the answer.
+    shutdown(connection.socket.get(), SHUT_WR);
+    connection.stage = Stage::leaving;
+    connection.deadline_ns = clock_.now_ns() + leave_within_ns;
+  }
+}
+
+void HttpServer::send_events() {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (viewers() == 0 || now_ns < next_event_ns_) return;
+  refresh();
+  const auto is_due = [&](const Connection& each) {
+    return each.open && each.stage == Stage::watching && each.out.empty() && each.seen != snapshot_.sequence;
+  };
+  if (std::none_of(connections_.begin(), connections_.end(), is_due)) return;
+  // In step with the cycles: counted from when it was due, so that looking late does not add up.
+  next_event_ns_ = now_ns - next_event_ns_ < ns_per_s ? next_event_ns_ + ns_per_s : now_ns + ns_per_s;
+  const std::string event =
+      fmt::format("id: {}\nevent: state\ndata: {}\n\n", snapshot_.sequence, state_json(image_, names_));
+  for (Connection& connection : connections_) {
+    if (!is_due(connection)) continue;
+    connection.seen = snapshot_.sequence;
+    connection.out = event;
+    connection.deadline_ns = now_ns + viewer_takes_within_ns;
+    flush(connection);
+  }
+}
+
+void HttpServer::refresh() {
+  tap_.read(snapshot_);
+  fill_image(snapshot_, clock_.now_ns(), image_);
+}
+
+Page HttpServer::page(const std::string& path) {
+  if (path == "/") return {200, "text/plain; charset=utf-8", index_text()};
+  refresh();
+  if (path == "/api/v1/state") return {200, "application/json", state_json(image_, names_) + "\n"};
+  if (path == "/healthz") {
+    const double age_s = 1e-9 * static_cast<double>(clock_.now_ns() - snapshot_.time_ns);
+    const bool is_usable = snapshot_.state == State::running || snapshot_.state == State::degraded;
+    if (!is_usable) return {503, "application/json", error_json("no prediction that may be used")};
+    if (age_s > plan_.stale_after_s) return {503, "application/json", error_json("the cycle does not run")};
+    return {200, "application/json", "{\"ok\":true}\n"};
+  }
+  if (path == "/metrics") {
+    counts_.connections = connections_.size();
+    counts_.viewers = viewers();
+    return {200, "text/plain; version=0.0.4; charset=utf-8", metrics_text(image_, names_, counts_)};
+  }
+  if (path == "/api/v1/events") {
+    if (viewers() >= most_viewers) return {503, "application/json", error_json("there are 8 viewers already")};
+    return {200, "text/event-stream", "", true};
+  }
+  return {404};
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,148 @@
+#include "firmware/show/metrics.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "firmware/show/state_json.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+/// What a number in `unit` is multiplied by to stand in Prometheus' base unit, and how that is called.
+struct MetricUnit {
+  std::string_view unit;
+  std::string_view name;
+  double factor;
+};
+constexpr std::array<MetricUnit, 14> units{{{"", "", 1.0},
+                                            {"s", "seconds", 1.0},
+                                            {"h", "seconds", 3600.0},
+                                            {"min", "seconds", 60.0},
+                                            {"um", "meters", 1e-6},
+                                            {"degC", "celsius", 1.0},
+                                            {"K", "kelvins", 1.0},
+                                            {"K2", "kelvins_squared", 1.0},
+                                            {"rpm", "revolutions_per_minute", 1.0},
+                                            {"%", "ratio", 0.01},
+                                            {"g/s", "grams_per_second", 1.0},
+                                            {"A", "amperes", 1.0},
+                                            {"W", "watts", 1.0},
+                                            {"kW", "watts", 1000.0}}};
+
+constexpr const MetricUnit* find_unit(std::string_view unit) {
+  for (const MetricUnit& each : units) {
+    if (each.unit == unit) return &each;
+  }
+  return nullptr;
+}
+
+static_assert(std::all_of(register_entries.begin(), register_entries.end(),
+                          [](const RegisterEntry& entry) { return find_unit(entry.unit) != nullptr; }),
+              "a register has a unit that `units` above does not name");
+
+/// The label of one of the slots: key_points has the label key_point.
+std::string label_of(std::string_view slot_names) {
+  return slot_names.empty() ? "slot" : std::string(slot_names.substr(0, slot_names.size() - 1));
+}
+
+/// A label's value: backslash, quote and end of line are escaped.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char each : text) {
+    if (each == '\\' || each == '"') out += '\\';
+    out += each == '\n' ? "\\n" : std::string(1, each);
+  }
+  return out;
+}
+
+struct Sample {
+  std::string labels;  ///< without braces
+  double value;
+};
+
+void write(std::string& out, const std::string& name, const char* type, std::string_view help,
+           const std::vector<Sample>& samples) {
+  if (samples.empty()) return;
+  fmt::format_to(std::back_inserter(out), "# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
+  for (const Sample& sample : samples) {
+    out += name;
+    if (!sample.labels.empty()) out += "{" + sample.labels + "}";
+    fmt::format_to(std::back_inserter(out), " {:.10g}\n", sample.value);
+  }
+}
+
+std::vector<Sample> samples_of(const RegisterImage& image, Register which, const ShownNames& names) {
+  const RegisterEntry& entry = entry_of(which);
+  const std::vector<std::string>* slot_names = names.of(entry.slot_names);
+  const std::size_t count =
+      slot_names != nullptr ? std::min<std::size_t>(slot_names->size(), entry.slots) : entry.slots;
+  const double factor = find_unit(entry.unit)->factor;
+  std::vector<Sample> samples;
+  for (std::size_t slot = 0; slot < count; ++slot) {
+    const double value = shown_value(image, which, static_cast<int>(slot));
+    if (std::isnan(value)) continue;
+    std::string labels;
+    if (entry.slots > 1) {
+      labels = fmt::format("{}=\"{}\"", label_of(entry.slot_names),
+                           slot_names != nullptr ? escaped((*slot_names)[slot]) : std::to_string(slot));
+    }
+    if (!entry.codes_are_bits) {
+      samples.push_back({labels, factor * value});
+      continue;
+    }
+    for (const CodeName& bit : entry.codes) {
+      const bool is_set = (static_cast<unsigned>(value) & bit.value) != 0;
+      samples.push_back(
+          {fmt::format("{}{}bit=\"{}\"", labels, labels.empty() ? "" : ",", bit.name), is_set ? 1.0 : 0.0});
+    }
+  }
+  return samples;
+}
+
+void add_counts(std::string& out, const HttpCounts& counts) {
+  std::vector<Sample> answers;
+  for (const auto& [status, count] : counts.answers) {
+    answers.push_back({fmt::format("code=\"{}\"", status), static_cast<double>(count)});
+  }
+  write(out, "spindle_twin_http_requests_total", "counter", "requests that the HTTP port has answered, by status",
+        answers);
+  write(out, "spindle_twin_http_dropped_total", "counter", "HTTP clients that were too slow, or made room for others",
+        {{"", static_cast<double>(counts.dropped)}});
+  write(out, "spindle_twin_http_connections", "gauge", "open HTTP connections",
+        {{"", static_cast<double>(counts.connections)}});
+  write(out, "spindle_twin_http_viewers", "gauge", "open event streams", {{"", static_cast<double>(counts.viewers)}});
+}
+
+}  // namespace
+
+std::string metric_name(const RegisterEntry& entry) {
+  std::string name = entry.name;
+  constexpr std::string_view form = "_float32", count = "_count";
+  if (name.ends_with(form)) name.resize(name.size() - form.size());
+  if (name.ends_with(count)) name.replace(name.size() - count.size(), count.size(), "s");
+  const std::string_view unit = find_unit(entry.unit)->name;
+  if (!unit.empty()) name.append("_").append(unit);
+  return "spindle_twin_" + name + (entry.metric == Metric::counter ? "_total" : "");
+}
+
+std::string metrics_text(const RegisterImage& image, const ShownNames& names, const HttpCounts& counts) {
+  std::string out;
+  write(out, "spindle_twin_build_info", "gauge", "always 1; which program, and which spindle",
+        {{fmt::format("version=\"{}\",spindle=\"{}\"", SPINDLE_TWIN_VERSION, escaped(names.spindle)), 1.0}});
+  for (std::size_t r = 0; r < register_entries.size(); ++r) {
+    const RegisterEntry& entry = register_entries[r];
+    if (entry.command || entry.metric == Metric::none) continue;
+    const char* type = entry.metric == Metric::counter ? "counter" : "gauge";
+    write(out, metric_name(entry), type, entry.doc, samples_of(image, static_cast<Register>(r), names));
+  }
+  add_counts(out, counts);
+  return out;
+}
+
+}  // namespace spindle_twin::firmware

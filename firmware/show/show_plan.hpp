@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/serve/allow_list.hpp"
+
+namespace spindle_twin::firmware {
+
+/// What the HTTP port needs; made once from the configuration.
+struct ShowPlan {
+  bool enabled = false;               ///< nobody listens unless the configuration asks for it
+  std::string address = "127.0.0.1";  ///< IPv4 to listen on
+  int port = 9502;                    ///< 0 takes a free one (tests)
+  std::vector<AddressRange> allow;    ///< clients that are answered
+  double stale_after_s = 5.0;         ///< clock time; a cycle older than that makes /healthz 503
+};
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/serve/register_map.hpp"
+#include "firmware/show/shown_names.hpp"
+
+namespace spindle_twin::firmware {
+
+/// Every register but the command block as one JSON object on one line:
+///   {"spindle": ..., "version": ..., "map_version": ..., "registers": {NAME: {"value": 1.5, "unit": "um"}, ...}}
+/// Numbers are in the register's unit with the digits that it resolves, null where it holds "not present". Slots with
+/// names are {"values": {"nose": 1.5, ...}} up to as many as the network has, others {"values": [...]}. A code has its
+/// name beside it ("name", "names"), bits the names of those that are set ("set"). Allocates.
+std::string state_json(const RegisterImage& image, const ShownNames& names);
+
+/// The value of a slot in its unit; NaN: not present. The heartbeat uses all 16 bits and is always present.
+double shown_value(const RegisterImage& image, Register which, int slot);
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,96 @@
+#include "firmware/show/http_answer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "firmware/show/json_text.hpp"
+#include "firmware/show/routes.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+class Answers : public ::testing::Test {
+ protected:
+  HttpAnswer answer(const std::string& request) { return answerer_.answer(request); }
+
+  HttpAnswerer answerer_{[](const std::string& path) -> Page {
+    if (path == "/events") return {200, "text/event-stream", "", true};
+    if (path == "/sick") return {503, "application/json", "{\"error\":\"own words\"}"};
+    if (path == "/throws") throw std::runtime_error("a page went wrong");
+    return path == "/" ? Page{200, "text/plain", "hello"} : Page{404};
+  }};
+};
+
+TEST_F(Answers, every_answer_ends_its_connection_and_is_not_to_be_stored) {
+  const HttpAnswer good = answer("GET / HTTP/1.1\r\nConnection: keep-alive\r\n\r\n");
+  EXPECT_EQ(good.status, 200);
+  EXPECT_FALSE(good.is_stream);
+  EXPECT_TRUE(good.bytes.starts_with("HTTP/1.1 200 OK\r\n"));
+  EXPECT_TRUE(good.bytes.ends_with("\r\n\r\nhello"));
+  for (const char* line :
+       {"\r\nConnection: close\r\n", "\r\nCache-Control: no-store\r\n", "\r\nContent-Length: 5\r\n"}) {
+    EXPECT_NE(good.bytes.find(line), std::string::npos) << good.bytes;
+  }
+}
+
+TEST_F(Answers, a_page_may_say_itself_what_is_wrong) {
+  const HttpAnswer sick = answer("GET /sick HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(sick.status, 503);
+  EXPECT_TRUE(sick.bytes.ends_with("{\"error\":\"own words\"}"));
+}
+
+TEST_F(Answers, a_page_that_throws_is_500_and_the_next_one_is_answered) {
+  EXPECT_EQ(answer("GET /throws HTTP/1.1\r\n\r\n").status, 500);
+  EXPECT_EQ(answer("GET / HTTP/1.1\r\n\r\n").status, 200);
+}
+
+TEST_F(Answers, a_stream_is_a_head_without_length_and_of_head_it_is_none) {
+  const HttpAnswer stream = answer("GET /events HTTP/1.1\r\n\r\n");
+  EXPECT_TRUE(stream.is_stream);
+  EXPECT_TRUE(stream.bytes.ends_with("\r\n\r\n"));
+  EXPECT_EQ(stream.bytes.find("Content-Length"), std::string::npos);
+  EXPECT_EQ(stream.bytes.find("Transfer-Encoding"), std::string::npos);
+  EXPECT_FALSE(answer("HEAD /events HTTP/1.1\r\n\r\n").is_stream);
+}
+
+TEST_F(Answers, a_body_is_not_waited_for) {
+  EXPECT_EQ(answer("POST / HTTP/1.1\r\nContent-Length: 1000000000\r\n\r\n").status, 405);
+  EXPECT_EQ(answer("GET / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nExpect: 100-continue\r\n\r\n").status, 200);
+}
+
+TEST_F(Answers, of_broken_requests_none_is_answered_by_more_than_an_error_or_the_page) {
+  const std::string whole = "GET / HTTP/1.1\r\nHost: a\r\nRange: bytes=0-1\r\nAccept: */*\r\n\r\n";
+  std::mt19937 random(1);
+  for (int n = 0; n < 20000; ++n) {
+    std::string broken = whole;
+    for (unsigned change = 0; change <= random() % 6; ++change) {
+      const std::size_t at = random() % broken.size();
+      broken[at] = static_cast<char>(random());
+      if (random() % 5 == 0) broken.resize(at + 1);
+    }
+    const HttpAnswer got = answer(broken + "\r\n\r\n");
+    EXPECT_TRUE(got.bytes.empty() || got.bytes.starts_with("HTTP/1.")) << broken;
+    EXPECT_LT(got.bytes.size(), 10000U) << broken;
+  }
+}
+
+TEST(Routes, the_readme_names_each_one_in_its_own_words) {
+  std::ifstream file(std::string(SPINDLE_TWIN_SOURCE_DIR) + "/firmware/README.md");
+  const std::string readme{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  for (const Route& route : routes) {
+    EXPECT_NE(readme.find("| `" + std::string(route.path) + "` | " + route.doc + " |"), std::string::npos)
+        << route.path;
+  }
+}
+
+TEST(JsonText, quotes_backslashes_and_control_characters_are_escaped) {
+  EXPECT_EQ(json_text("a\"b\\c\n\x01 \xC2\xB5m"), "\"a\\\"b\\\\c\\u000a\\u0001 \xC2\xB5m\"");
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,64 @@
+#include "firmware/show/metrics.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <set>
+#include <string>
+
+#include "firmware/cycle/publish.hpp"
+#include "firmware/serve/fill_image.hpp"
+#include "firmware/serve/pack.hpp"
+#include "tests/firmware/support/small_network.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+std::string metrics_of(const Snapshot& snapshot, ShownNames names = names_of(tests::small_network())) {
+  RegisterImage image{};
+  fill_image(snapshot, 0, image);
+  return metrics_text(image, names, {});
+}
+
+TEST(Metrics, names_are_prometheus_names_and_none_stands_twice) {
+  std::set<std::string> seen;
+  for (const RegisterEntry& entry : register_entries) {
+    if (entry.command || entry.metric == Metric::none) continue;
+    const std::string name = metric_name(entry);
+    EXPECT_TRUE(seen.insert(name).second) << name;
+    for (const char each : name) EXPECT_TRUE(std::islower(each) || std::isdigit(each) || each == '_') << name;
+    EXPECT_EQ(name.ends_with("_total"), entry.metric == Metric::counter) << name;
+    EXPECT_FALSE(name.ends_with("_count")) << name;
+  }
+}
+
+TEST(Metrics, lengths_are_in_meters_ratios_without_percent_and_power_in_watts) {
+  Snapshot snapshot = first_snapshot(tests::small_network());
+  snapshot.nose_m = 12.5e-6;
+  snapshot.signals[static_cast<std::size_t>(Signal::load)] = 0.5;
+  snapshot.signals[static_cast<std::size_t>(Signal::power)] = 2500.0;
+  const std::string text = metrics_of(snapshot);
+  EXPECT_NE(text.find("\nspindle_twin_nose_meters 1.25e-05\n"), std::string::npos);
+  EXPECT_NE(text.find("\nspindle_twin_load_ratio 0.5\n"), std::string::npos);
+  EXPECT_NE(text.find("\nspindle_twin_motor_power_watts 2500\n"), std::string::npos);
+}
+
+TEST(Metrics, what_is_not_present_has_no_sample_and_bits_have_one_each) {
+  Snapshot snapshot = first_snapshot(tests::small_network());
+  snapshot.fault = bits(Fault::orders_lost);
+  const std::string text = metrics_of(snapshot);
+  EXPECT_EQ(text.find("spindle_twin_motor_current"), std::string::npos);
+  EXPECT_NE(text.find("\nspindle_twin_fault{bit=\"orders_lost\"} 1\n"), std::string::npos);
+  EXPECT_NE(text.find("\nspindle_twin_fault{bit=\"history_lost\"} 0\n"), std::string::npos);
+}
+
+TEST(Metrics, a_name_with_quotes_backslashes_and_line_ends_is_escaped) {
+  Snapshot snapshot = first_snapshot(tests::small_network());
+  snapshot.predicted_K[0] = 300.0;
+  ShownNames names = names_of(tests::small_network());
+  names.key_points[0] = "a\"b\\c\nd";
+  EXPECT_NE(metrics_of(snapshot, names).find("{key_point=\"a\\\"b\\\\c\\nd\"}"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware
