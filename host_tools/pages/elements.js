@@ -52,12 +52,20 @@ function addBar(cell, { bar, within }) {
   svgElement("rect", { y: 3.5, width: width(within), height: 5, fill: "var(--bar)", rx: 2 }, svg);
 }
 
+// Names may break after _ and /.
+function addText(cell, text) {
+  String(text).split(/(?<=[_/])/).forEach((piece, i) => {
+    if (i) element("wbr", {}, cell);
+    cell.append(piece);
+  });
+}
+
 // A cell is a text, {text, kind: class of the cell} or {bar, within}.
 export function addRow(table, cells, tag = "td", kind = "") {
   const line = element("tr", kind ? { class: kind } : {}, table);
   for (const content of cells) {
     const cell = element(tag, tag === "th" ? { scope: "col" } : {}, line);
-    if (typeof content !== "object") cell.textContent = content;
+    if (typeof content !== "object") addText(cell, content);
     else if (content.bar !== undefined) addBar(cell, content);
     else {
       cell.textContent = content.text;
@@ -67,3 +75,6 @@ export function addRow(table, cells, tag = "td", kind = "") {
 }
 
 export const left = text => ({ text, kind: "text" });
+
+// The same, left out where there is little room.
+export const aside = text => ({ text, kind: "text wide" });

@@ -1,6 +1,6 @@
 // The page of `spindle-twin inspect --html`: a network in its steady state.
 import { drawChart } from "./chart.js";
-import { addFacts, addRow, byId, duration, fixed, left, pageData, power, signed } from "./elements.js";
+import { addFacts, addRow, aside, byId, duration, fixed, left, pageData, power, signed } from "./elements.js";
 import { drawSection } from "./section.js";
 
 const mostRows = 22;  // of a table that is ranked; 40 outputs of a certificate
@@ -75,11 +75,11 @@ function showWarmUp() {
 function showFlows() {
   const flows = bySize(data.flows, "heat_W");
   const table = byId("flows");
-  addRow(table, ["from → to", left("through"), "W", { bar: 0 }], "th");
+  addRow(table, ["from → to", aside("through"), "W", { bar: 0 }], "th");
   for (const f of flows) {
     const [source, target] = f.heat_W >= 0 ? [f.from, f.to] : [f.to, f.from];
     const through = f.name.includes("/") ? f.kind : f.name;
-    addRow(table, [`${source} → ${target}`, left(through), fixed(Math.abs(f.heat_W), 2),
+    addRow(table, [`${source} → ${target}`, aside(through), fixed(Math.abs(f.heat_W), 2),
       { bar: Math.abs(f.heat_W / (flows[0].heat_W || 1)) }]);
   }
 }
@@ -88,9 +88,9 @@ function showSensitivities() {
   byId("sensitivity-title").textContent = nose ? `What moves the ${nose.name} (${fixed(nose.um, 2)} µm)` : "Sensitivities";
   const ranked = bySize(data.sensitivities, "um_per_doubling");
   const table = byId("sensitivities");
-  addRow(table, ["contact or film", left("kind"), "µm", { bar: 0 }], "th");
+  addRow(table, ["contact or film", aside("kind"), "µm", { bar: 0 }], "th");
   for (const s of ranked) {
-    addRow(table, [s.name, left(s.kind), fixed(s.um_per_doubling, 3),
+    addRow(table, [s.name, aside(s.kind), fixed(s.um_per_doubling, 3),
       { bar: s.um_per_doubling / (Math.abs(ranked[0].um_per_doubling) || 1) }]);
   }
 }

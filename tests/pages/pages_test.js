@@ -203,6 +203,17 @@ test("every curve is on its chart, in light and dark", async () => {
   }
 });
 
+test("a phone shows the numbers that tables are ranked by without scrolling sideways", async () => {
+  const { page } = await openPage(browser, files.network, { viewport: { width: 360, height: 800 }, hasTouch: true, isMobile: true });
+  for (const [id, unit] of [["flows", "W"], ["sensitivities", "µm"]]) {
+    const ends = await page.locator(`#${id}`).evaluate((table, head) => {
+      const column = [...table.rows[0].cells].findIndex(cell => cell.textContent === head);
+      return [...table.rows].map(row => row.cells[column].getBoundingClientRect().right);
+    }, unit);
+    assert.ok(ends.length > 2 && Math.max(...ends) <= 360, `${id} reaches ${Math.max(...ends)} px`);
+  }
+});
+
 test("no page loads or complains, and none is wider than a phone", async () => {
   for (const file of Object.values(files)) {
     for (const [width, colorScheme] of [[1280, "light"], [820, "dark"], [360, "dark"]]) {
