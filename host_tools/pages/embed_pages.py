@@ -95,7 +95,7 @@ def cpp_texts(pages):
     for name, text in pages.items():
         if f"){DELIMITER}\"" in text:
             raise PageError(f"{name}: holds the mark that ends a text")
-        source += f'extern const std::string_view {name}_text;\nconst std::string_view {name}_text = R"{DELIMITER}({text}){DELIMITER}";\n'
+        source += f'const std::string_view {name}_text = R"{DELIMITER}({text}){DELIMITER}";\n'
     return header, source + "\n}\n"
 
 

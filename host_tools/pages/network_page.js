@@ -63,7 +63,8 @@ function showWarmUp() {
   const run = data.warm_up;
   const inks = ["k1", "k2", "k3", "plant", "reading"];
   const chart = (id, label, curves, values) => {
-    const series = curves.map((curve, i) => ({ name: curve.name, values: values(curve), ink: inks[i % inks.length], dashed: i >= inks.length }));
+    const series = curves.map((curve, i) =>
+      ({ name: curve.name, values: values(curve), ink: inks[i % inks.length], dashed: i >= inks.length }));
     drawChart(byId(`${id}-legend`), byId(id), { label, time_s: run.time_s, series });
   };
   if (!data.key_points.length) byId("rises").parentElement.remove();
@@ -99,7 +100,8 @@ function showModes() {
   const table = byId("modes");
   addRow(table, ["time constant", left("where its heat lies")], "th");
   for (const mode of data.modes) {
-    addRow(table, [duration(mode.time_constant_s), left(mode.where.map(w => `${w.name} ${fixed(100 * w.share, 0)} %`).join(", "))]);
+    const where = mode.where.map(w => `${w.name} ${fixed(100 * w.share, 0)} %`).join(", ");
+    addRow(table, [duration(mode.time_constant_s), left(where)]);
   }
 }
 

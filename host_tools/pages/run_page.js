@@ -86,7 +86,9 @@ showSection();
 chart("raw", "rise, K", run.key_points.flatMap((p, i) => [
   { name: p.name, values: above(p.uncorrected, p.zero), ink: inkOf(i) },
   { name: `${p.name} plant`, values: above(p.plant, p.zero), ink: inkOf(i), dashed: true, width: 1.5 }]));
-chart("error", "twin − plant, K", run.key_points.map((p, i) => ({ name: p.name, values: less(p.twin, p.plant), ink: inkOf(i) })));
+chart("error", "twin − plant, K", run.key_points.map((p, i) =>
+  ({ name: p.name, values: less(p.twin, p.plant), ink: inkOf(i) })));
 chart("factor", "factor on the described heat", run.factors.map((factor, i) =>
-  ({ name: factor.name, values: factor.values, ink: ["twin", "k2", "k3", "plant"][i % 4], dashed: i >= 4, steps: true })), { from_zero: true });
+  ({ name: factor.name, values: factor.values, ink: ["twin", "k2", "k3", "plant"][i % 4], dashed: i >= 4, steps: true })),
+{ from_zero: true });
 chart("hottest", "temperature, °C", three(run.hottest));

@@ -34,7 +34,8 @@ function drawParts({ svg, view, scene, tip }) {
     tip(paths[part], part);
   }
   const [from, to] = view.axis;
-  svgElement("line", { x1: from[0], y1: from[1], x2: to[0], y2: to[1], stroke: "var(--soft)", "stroke-dasharray": "14 4 3 4" }, svg);
+  svgElement("line", { x1: from[0], y1: from[1], x2: to[0], y2: to[1], stroke: "var(--soft)",
+    "stroke-dasharray": "14 4 3 4" }, svg);
   return paths;
 }
 
@@ -99,7 +100,8 @@ function drawKey(drawing) {
   const { svg, view, scene } = drawing;
   drawRamp(drawing);
   const dash = ink => (x, y) => svgElement("path", { d: `M${x},${y}h22`, stroke: `var(--${ink})`, "stroke-width": 5 }, svg);
-  const cross = (x, y) => svgElement("path", { d: `M${x + 5},${y}h12M${x + 11},${y - 6}v12`, stroke: "var(--text)", "stroke-width": 1.8 }, svg);
+  const cross = (x, y) => svgElement("path", { d: `M${x + 5},${y}h12M${x + 11},${y - 6}v12`, stroke: "var(--text)",
+    "stroke-width": 1.8 }, svg);
   const signs = [];
   if (scene.flows.length) signs.push([dash("flow"), "heat between parts", 160], [dash("out"), "heat to coolant or ambient", 205]);
   if (scene.key_points.length) signs.push([cross, "key point", 100]);
@@ -132,7 +134,8 @@ function draw(svg, pointed, scene, width) {
   svg.replaceChildren();
   const view = makeView(scene, width);
   svg.setAttribute("viewBox", `0 0 ${view.width} ${view.height.toFixed(1)}`);
-  const drawing = { svg, view, scene, room: makeRoom(), colour: colourScale(scene.low_K, scene.high_K), tip: tipsInto(svg, pointed) };
+  const drawing = { svg, view, scene, room: makeRoom(), colour: colourScale(scene.low_K, scene.high_K),
+    tip: tipsInto(svg, pointed) };
   const paths = drawParts(drawing);
   if (scene.lumps) drawLinks(drawing);
   const nodes = drawNodes(drawing);

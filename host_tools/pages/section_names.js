@@ -9,7 +9,7 @@ function placeInside(path, half, room) {
   let best = null;
   for (let y = frame.y + half[1] + 1; y <= frame.y + frame.height - half[1]; y += 2) {
     for (let x = frame.x + half[0]; x <= frame.x + frame.width - half[0]; x += 2) {
-      const far = half[0] > half[1] ? Math.hypot(x - middle[0], 3 * (y - middle[1])) : Math.hypot(3 * (x - middle[0]), y - middle[1]);
+      const far = Math.hypot((half[0] > half[1] ? 1 : 3) * (x - middle[0]), (half[0] > half[1] ? 3 : 1) * (y - middle[1]));
       if (best && far >= best.far) continue;
       if (!room.isFree([x - half[0], y - half[1], x + half[0], y + half[1]])) continue;
       const inside = shares.every(a => shares.every(b => path.isPointInFill(new DOMPoint(x + a * half[0], y + b * half[1]))));
@@ -48,8 +48,8 @@ export function drawBeside({ svg, view, room }, at, away, text) {
   const box = ([x, y]) => [at[0] + x - wide, at[1] + y - 10, at[0] + x + wide, at[1] + y + 3];
   const around = [0, 16, 32, 48, 64].flatMap(more => {
     const far = away + more;
-    const sides = [[0, far + 14], [0, -far - 5], [wide + far + 4, 4], [-wide - far - 4, 4], [wide + far, -far], [-wide - far, -far],
-      [wide + far, far + 8], [-wide - far, far + 8]];
+    const sides = [[0, far + 14], [0, -far - 5], [wide + far + 4, 4], [-wide - far - 4, 4], [wide + far, -far],
+      [-wide - far, -far], [wide + far, far + 8], [-wide - far, far + 8]];
     return sides.map(place => ({ place, more }));
   });
   const onDrawing = ([x0, y0, x1]) => x0 >= 0 && x1 <= view.width && y0 >= 0;

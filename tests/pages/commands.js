@@ -9,7 +9,8 @@ if (!spindles) {
   process.exit(2);
 }
 
-export const command = (...words) => execFileSync(twin, words.map(String), { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+export const command = (...words) =>
+  execFileSync(twin, words.map(String), { encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
 
 // A table of a CSV file: a list of numbers for each column, NaN for an empty cell.
 export function readTable(path) {

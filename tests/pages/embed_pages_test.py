@@ -37,8 +37,8 @@ class EmbedPages(unittest.TestCase):
         (self.folder / name).write_text(text)
 
     def run_generator(self, *words):
-        return subprocess.run([sys.executable, GENERATOR, "--library", f"lib={self.folder}/library", *words, self.folder / "page.html"],
-                              capture_output=True, text=True, timeout=60)
+        command = [sys.executable, GENERATOR, "--library", f"lib={self.folder}/library", *words, self.folder / "page.html"]
+        return subprocess.run(command, capture_output=True, text=True, timeout=60)
 
     def error(self):
         result = self.run_generator("--html")

@@ -12,6 +12,7 @@ export default [
     rules: {
       complexity: ["error", 12],
       eqeqeq: "error",
+      "max-len": ["error", 130],
       "max-lines": ["error", 400],
       "max-lines-per-function": ["error", 60],
       "max-params": ["error", 6],

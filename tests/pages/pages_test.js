@@ -34,7 +34,8 @@ const close = (value, expected, tolerance, what) =>
   assert.ok(Math.abs(value - expected) <= tolerance, `${what}: ${value} is not ${expected} within ${tolerance}`);
 
 // Texts of a table's cells, row by row, without its head.
-const tableOf = (page, id) => page.locator(`#${id} tr:has(td)`).evaluateAll(rows => rows.map(row => [...row.cells].map(c => c.textContent)));
+const tableOf = (page, id) => page.locator(`#${id} tr:has(td)`)
+  .evaluateAll(rows => rows.map(row => [...row.cells].map(c => c.textContent)));
 
 // What a chart's legend says after the mouse went to that share of its width: {time, values by series}.
 async function pointAt(page, id, share) {
@@ -45,7 +46,8 @@ async function pointAt(page, id, share) {
   await page.mouse.move(box.x + axis + share * (box.width - axis - 4), box.y + box.height / 2);
   return page.locator(`#${id}-legend`).evaluate(legend => ({
     time: legend.querySelector(":scope > b").textContent,
-    values: Object.fromEntries([...legend.querySelectorAll("[data-series]")].map(e => [e.dataset.series, e.querySelector("b").textContent])),
+    values: Object.fromEntries([...legend.querySelectorAll("[data-series]")].map(e =>
+      [e.dataset.series, e.querySelector("b").textContent])),
   }));
 }
 
@@ -92,7 +94,10 @@ test("every part, key point and arrow of the section says its numbers to mouse a
       close(number(words.split(":")[1]), flow.heat_W, 0.0051, words);
     }
     const bodies = await page.locator("#section path[data-tip]").evaluateAll(list => list.map(body => body.dataset.tip));
-    for (const body of steady.balance) close(number(bodies.find(text => text.startsWith(body.name)).split("mean")[1]), body.mean_degC, 0.0051, body.name);
+    for (const body of steady.balance) {
+      const words = bodies.find(text => text.startsWith(body.name));
+      close(number(words.split("mean")[1]), body.mean_degC, 0.0051, body.name);
+    }
     await page.context().close();
   }
 });
@@ -187,7 +192,8 @@ test("every curve is on its chart, in light and dark", async () => {
     for (const [id, inks] of [["nose", ["plant", "twin", "raw"]], ["key-point-1", ["k2"]], ["factor", ["twin"]]]) {
       const drawn = await page.evaluate(([area, names]) => {
         const canvas = [...document.querySelectorAll(`#${area} canvas`)];
-        const colour = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).match(/[\da-f]{2}/g).map(h => parseInt(h, 16));
+        const style = getComputedStyle(document.documentElement);
+        const colour = name => style.getPropertyValue(`--${name}`).match(/[\da-f]{2}/g).map(h => parseInt(h, 16));
         return names.map(name => Math.max(...canvas.map(one => {
           const { data } = one.getContext("2d").getImageData(0, 0, one.width, one.height);
           let count = 0;
@@ -204,7 +210,8 @@ test("every curve is on its chart, in light and dark", async () => {
 });
 
 test("a phone shows the numbers that tables are ranked by without scrolling sideways", async () => {
-  const { page } = await openPage(browser, files.network, { viewport: { width: 360, height: 800 }, hasTouch: true, isMobile: true });
+  const phone = { viewport: { width: 360, height: 800 }, hasTouch: true, isMobile: true };
+  const { page } = await openPage(browser, files.network, phone);
   for (const [id, unit] of [["flows", "W"], ["sensitivities", "µm"]]) {
     const ends = await page.locator(`#${id}`).evaluate((table, head) => {
       const column = [...table.rows[0].cells].findIndex(cell => cell.textContent === head);
