@@ -21,26 +21,22 @@ struct NamedValue {
   double value = 0.0;
 };
 
-/// Everything that the pictures of one state show. Fields hold one entry per node of the lattice, `displacements_m` two
-/// (r, z); `deformation_um` has one entry per Spindle::deformations.
+/// Everything that the pictures of one state show.
 struct SectionPicture {
   const Spindle& spindle;
   const Section& section;
   const Lattice& lattice;
   PictureState state;
-  Eigen::VectorXd rises_K;
-  Eigen::VectorXd displacements_m;  ///< empty if the description asks for no mechanics
-  Eigen::VectorXd von_mises_Pa;     ///< empty likewise
-  std::vector<double> deformation_um;
+  Eigen::VectorXd rises_K;  ///< one entry per node of the lattice
   std::vector<NamedValue> air_rises_K;
   std::vector<NamedValue> heats_W;  ///< of every source at the reference state
   std::vector<NamedValue> key_point_rises_K;
-  std::vector<PartQuality> quality;
 };
 
 /// Draws the meridian section (z to the right, nose on the left, r upwards, mm) without a display, as PNG files
-/// DIR/<name>_parts.png, _rise.png, _mesh.png and, if the description asks for mechanics, _deformed.png and
-/// _stress.png. Returns their paths. Throws rom::InputError if a file cannot be written.
+/// DIR/<name>_parts.png (every part with all that the description attaches to it) and DIR/<name>_rise.png. Returns
+/// their paths. Throws rom::InputError if a file cannot be written. Mesh, displacements and stresses are in the VTU
+/// (field_file.hpp).
 std::vector<std::string> write_pictures(const std::string& directory, const std::string& name,
                                         const SectionPicture& picture);
 

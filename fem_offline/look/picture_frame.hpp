@@ -101,8 +101,5 @@ LegendGroup supports_legend(const Spindle& spindle);
 
 void draw_parts_picture(const SectionPicture& picture, const std::string& path);
 void draw_rise_picture(const SectionPicture& picture, const std::string& path);
-void draw_stress_picture(const SectionPicture& picture, const std::string& path);
-void draw_deformed_picture(const SectionPicture& picture, const std::string& path);
-void draw_mesh_picture(const SectionPicture& picture, const std::string& path);
 
 }  // namespace spindle_twin::fem_offline

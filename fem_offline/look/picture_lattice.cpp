@@ -41,7 +41,7 @@ std::vector<LatticeTriangle> triangles_of(const Lattice& lattice) {
   return triangles;
 }
 
-std::vector<LatticeEdge> edges_of(const Lattice& lattice, bool rim_only) {
+std::vector<LatticeEdge> rim_of(const Lattice& lattice) {
   std::map<LatticeEdge, int> count;
   const int row = lattice.degree + 1;
   for (const LatticeCell& cell : lattice.cells) {
@@ -55,7 +55,7 @@ std::vector<LatticeEdge> edges_of(const Lattice& lattice, bool rim_only) {
   }
   std::vector<LatticeEdge> edges;
   for (const auto& [edge, uses] : count) {
-    if (!rim_only || uses == 1) edges.push_back(edge);
+    if (uses == 1) edges.push_back(edge);
   }
   return edges;
 }

@@ -34,8 +34,8 @@ using LatticeTriangle = std::array<int, 3>;
 /// Two triangles per square of the lattice; all of them cover the section once.
 std::vector<LatticeTriangle> triangles_of(const Lattice& lattice);
 
-/// Sides of elements, node to node; `rim_only` leaves those that belong to one element: the outlines of the parts.
-std::vector<LatticeEdge> edges_of(const Lattice& lattice, bool rim_only);
+/// Sides that belong to one element only, node to node: the outlines of the parts.
+std::vector<LatticeEdge> rim_of(const Lattice& lattice);
 
 /// Straight pieces of the isoline field = level, one per triangle it crosses.
 struct IsolinePiece {

@@ -111,7 +111,7 @@ void draw_parts_picture(const SectionPicture& picture, const std::string& path) 
                  fixed(spindle.operating.speed_rpm, 0) + " rpm, load " + fixed(spindle.operating.load, 2));
   fill_parts(canvas, view, picture.section);
   draw_heats(canvas, view, picture);
-  stroke_edges(canvas, view, picture.lattice.nodes, edges_of(picture.lattice, true), 1.0, ink);
+  stroke_edges(canvas, view, picture.lattice.nodes, rim_of(picture.lattice), 1.0, ink);
   draw_surfaces(canvas, view, picture);
   draw_axes(canvas, view);
   LabelBoard board(canvas, {view.frame.x0, 95, picture_width_px - 20, view.frame.y1});

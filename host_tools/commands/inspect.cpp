@@ -8,6 +8,8 @@
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/network_page/page_data.hpp"
 #include "host_tools/network_page/steady_state.hpp"
+#include "host_tools/pages/fill_page.hpp"
+#include "host_tools/pages/page_texts.hpp"
 #include "rom/file/whole_file.hpp"
 
 // spindle-twin inspect reference.rom
@@ -39,7 +41,8 @@ void run(const Options& options) {
   const Inspection result = inspect(options.network);
   const rom::OperatingState state = chosen_state(options, result.network);
   if (!options.page.empty()) {
-    rom::write_whole_file(options.page, network_page(network_page_data(result.network, state, options.network)));
+    rom::write_whole_file(options.page,
+                          fill_page(network_page_text, network_page_data(result.network, state, options.network)));
     std::fprintf(stderr, "page in %s\n", options.page.c_str());
   }
   if (options.json) {
@@ -58,7 +61,7 @@ void add_inspect(CLI::App& app) {
   command->add_option("network", options->network, "network file, .rom")->required();
   command->add_flag("--json", options->json, "as JSON");
   command->add_option("--html", options->page,
-                      "write a page: section, heat flows and balances, sensitivities, certificate");
+                      "write a page: section, heat flows and balances, warm-up, sensitivities, certificate");
   command->add_option("--speed", options->speed_rpm, "of the steady state shown, rpm; else the operating state's")
       ->check(finite_range(0.0, 1e6, "0 to 1e6 rpm"));
   command->add_option("--load", options->load, "of the same, fraction of the rated load")

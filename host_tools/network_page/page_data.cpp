@@ -6,8 +6,9 @@
 
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/network_page/steady_state.hpp"
+#include "host_tools/network_page/warm_up.hpp"
+#include "host_tools/pages/outlines.hpp"
 #include "rom/boundary_values/environments.hpp"
-#include "rom/integrate/outputs.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
 
@@ -71,26 +72,21 @@ Json certificate_json(const rom::Network& network) {
   return json;
 }
 
-Json places_json(const SteadyState& steady, double rest_K) {
-  Json json{{"nodes", Json::array()}, {"outlines", Json::array()}, {"key_points", Json::array()}};
+/// Nodes and outlines; the key points of the steady state get their places.
+void add_places(const SteadyState& steady, double rest_K, Json& data) {
+  data["nodes"] = Json::array();
+  data["outlines"] = outlines_json(steady.network);
   for (std::size_t i = 0; i < steady.network.nodes.size(); ++i) {
     const rom::Node& node = steady.network.nodes[i];
-    json["nodes"].push_back({{"name", node.name},
+    data["nodes"].push_back({{"name", node.name},
                              {"part", node.part},
                              {"at_m", {node.r_m, node.z_m}},
                              {"rise_K", steady.temperatures_K[static_cast<Index>(i)] - rest_K}});
   }
-  for (const rom::OutlineRing& ring : steady.network.outlines) {
-    Json points = Json::array();
-    for (const auto& point : ring.points_m.colwise()) points.push_back({point[0], point[1]});
-    json["outlines"].push_back({{"part", ring.part}, {"points_m", points}});
+  for (std::size_t k = 0; k < steady.network.key_points.size(); ++k) {
+    const rom::KeyPoint& point = steady.network.key_points[k];
+    data["key_points"][k]["at_m"] = {point.r_m, point.z_m};
   }
-  for (const rom::KeyPoint& point : steady.network.key_points) {
-    json["key_points"].push_back({{"name", point.name},
-                                  {"at_m", {point.r_m, point.z_m}},
-                                  {"rise_K", point.row.dot(steady.temperatures_K) - rest_K}});
-  }
-  return json;
 }
 
 }  // namespace
@@ -104,28 +100,24 @@ Json network_page_data(const rom::Network& network, const rom::OperatingState& s
   const SteadyState& steady = *found;
   const double rest_K = rom::rest_temperature_K(boundaries, state);
 
-  Json data{{"spindle", network.spindle},           {"description_sha256", network.description_hash},
-            {"hand_written", network.hand_written}, {"rest_degC", rest_K - rom::zero_degC_K},
-            {"environments", Json::array()},        {"deformations", Json::array()}};
+  Json data{{"spindle", network.spindle},
+            {"description_sha256", network.description_hash},
+            {"hand_written", network.hand_written},
+            {"environments", Json::array()}};
   data.update(steady_state_json(steady));
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     data["environments"].push_back({{"name", boundaries.environments[e].name},
                                     {"kind", kind_name(boundaries.environments[e].kind)},
                                     {"degC", state.environment_K[static_cast<Index>(e)] - rom::zero_degC_K}});
   }
-  rom::NetworkOutputs outputs = rom::make_network_outputs(network);
-  rom::evaluate_outputs(network, steady.temperatures_K, outputs);
-  for (std::size_t d = 0; d < network.deformations.size(); ++d) {
-    data["deformations"].push_back({{"name", network.deformations[d].name},
-                                    {"um", rom::um_per_m * outputs.deformations_m[static_cast<Index>(d)]}});
-  }
   data["sources"] = Json::array();
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     data["sources"].push_back(
         {{"name", boundaries.sources[i].name}, {"heat_W", steady.values.heat_W[static_cast<Index>(i)]}});
   }
-  data.update(places_json(steady, rest_K));
+  add_places(steady, rest_K, data);
   data["modes"] = modes_json(steady);
+  data["warm_up"] = warm_up_json(network, state, data["modes"][0]["time_constant_s"], file);
   data["certificate"] = certificate_json(network);
   return data;
 }

@@ -3,8 +3,10 @@
 #include <cmath>
 
 #include "host_tools/inspection/inspection.hpp"
+#include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
+#include "rom/integrate/outputs.hpp"
 #include "rom/integrate/sensitivity.hpp"
 #include "rom/units.hpp"
 
@@ -130,6 +132,25 @@ Json sensitivities_json(const SteadyState& steady) {
   return list;
 }
 
+/// What the network says of itself: temperatures of the key points, and how much longer the spindle is.
+Json outputs_json(const SteadyState& steady, double rest_K) {
+  const rom::Network& network = steady.network;
+  rom::NetworkOutputs outputs = rom::make_network_outputs(network);
+  rom::evaluate_outputs(network, steady.temperatures_K, outputs);
+  Json json{{"key_points", Json::array()}, {"deformations", Json::array()}};
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    const double temperature_K = outputs.key_points_K[static_cast<Index>(k)];
+    json["key_points"].push_back({{"name", network.key_points[k].name},
+                                  {"degC", temperature_K - rom::zero_degC_K},
+                                  {"rise_K", temperature_K - rest_K}});
+  }
+  for (std::size_t d = 0; d < network.deformations.size(); ++d) {
+    json["deformations"].push_back({{"name", network.deformations[d].name},
+                                    {"um", rom::um_per_m * outputs.deformations_m[static_cast<Index>(d)]}});
+  }
+  return json;
+}
+
 /// A node that a person wrote is a lump of its own.
 std::vector<rom::Body> bodies_of(const rom::Network& network) {
   if (!network.hand_written) return rom::network_bodies(network);
@@ -160,11 +181,15 @@ std::optional<SteadyState> steady_state(const rom::Network& network, const rom::
 }
 
 Json steady_state_json(const SteadyState& steady) {
-  return {{"speed_rpm", steady.state.speed_rpm},
-          {"load", steady.state.load},
-          {"balance", balance_json(steady)},
-          {"flows", flows_json(steady)},
-          {"sensitivities", sensitivities_json(steady)}};
+  const double rest_K = rom::rest_temperature_K(steady.network.boundaries, steady.state);
+  Json json{{"speed_rpm", steady.state.speed_rpm},
+            {"load", steady.state.load},
+            {"rest_degC", rest_K - rom::zero_degC_K},
+            {"balance", balance_json(steady)},
+            {"flows", flows_json(steady)},
+            {"sensitivities", sensitivities_json(steady)}};
+  json.update(outputs_json(steady, rest_K));
+  return json;
 }
 
 }  // namespace spindle_twin::host_tools

@@ -25,8 +25,9 @@ struct SteadyState {
 /// Empty if nothing leads the heat to an environment. `network` must outlive the result.
 std::optional<SteadyState> steady_state(const rom::Network& network, const rom::OperatingState& state);
 
-/// `speed_rpm`, `load`, and by the equations of rom/integrate/heat_flows.hpp and sensitivity.hpp: `balance` of every
-/// body, `flows` from body to body or environment, `sensitivities` of the first deformation.
+/// `speed_rpm`, `load`, `rest_degC` (what rises are counted from), `key_points` (degC, rise in K), `deformations` (um),
+/// and by the equations of rom/integrate/heat_flows.hpp and sensitivity.hpp: `balance` of every body, `flows` from body
+/// to body or environment, `sensitivities` of the first deformation.
 nlohmann::ordered_json steady_state_json(const SteadyState& steady);
 
 }  // namespace spindle_twin::host_tools

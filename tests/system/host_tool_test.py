@@ -126,7 +126,8 @@ class Network(Case):
         seen = self.json_of("inspect", self.rom, "--html", page)
         text = page.read_text()
         self.assertNotRegex(text, r'(src|href)="?https?:')
-        start = text.index("const data = ") + len("const data = ")
+        mark = '<script id="data" type="application/json">'
+        start = text.index(mark) + len(mark)
         data = json.JSONDecoder().raw_decode(text, start)[0]
         heat_in = sum(source["heat_W"] for source in data["sources"])
         self.assertAlmostEqual(heat_in, sum(source["operating_W"] for source in seen["sources"]), delta=1e-9)
@@ -143,6 +144,10 @@ class Network(Case):
         self.assertEqual([node["name"] for node in data["nodes"]], [node["name"] for node in seen["nodes"]])
         self.assertEqual(len({outline["part"] for outline in data["outlines"]}), 22)
         self.assertEqual(data["certificate"]["cases"], seen["certificate"]["cases"])
+        for point in seen["steady_state"]["key_points"]:
+            self.assertAlmostEqual(point["degC"] - seen["steady_state"]["rest_degC"], point["rise_K"], delta=1e-9)
+        nose = seen["steady_state"]["deformations"][0]
+        self.assertAlmostEqual(data["warm_up"]["deformations"][0]["um"][-1] / nose["um"], 1.0, delta=0.02)  # exp(-5)
 
     def test_simulate_follows_the_fe_model(self):
         schedule = self.text("hour.csv", HOUR)

@@ -17,7 +17,6 @@ struct Options {
   std::string plant;
   std::string output;
   std::string part = "rotor";
-  std::string dygraphs = "/usr/share/javascript/dygraphs";
   double until_s = std::numeric_limits<double>::infinity();
   bool table = false;
 };
@@ -32,7 +31,7 @@ void run(const Options& options) {
   const RunData data = gather_run(network, history, plant, options.part, options.until_s);
   if (options.table) std::fputs(run_table(data).c_str(), stdout);
   if (options.output.empty()) return;
-  rom::write_whole_file(options.output, run_page(data, options.dygraphs));
+  rom::write_whole_file(options.output, run_page(data));
 }
 
 }  // namespace
@@ -48,7 +47,6 @@ void add_report(CLI::App& app) {
   command->add_flag("--table", options->table, "print the table of the last row");
   command->add_option("--part", options->part, "part whose maximum is shown")->capture_default_str();
   command->add_option("--until-s", options->until_s, "last model time; without: as far as both files reach");
-  command->add_option("--dygraphs", options->dygraphs, "folder of the chart library")->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

@@ -191,9 +191,8 @@ void add_solve(CLI::App& app) {
   command->add_flag("--json", options->json, "as JSON");
   command->add_flag("--mesh", options->mesh, "table of the mesh's quality before the results (JSON always holds it)");
   command->add_option("--vtu", options->vtu_directory, "write the (last) field as VTU into this folder");
-  command->add_option(
-      "--png", options->png_directory,
-      "draw parts, temperature rise, mesh, deformed shape and stress of the (last) field into this folder");
+  command->add_option("--png", options->png_directory,
+                      "draw the parts with all that acts on them, and the (last) temperature rise, into this folder");
   steady->excludes(schedule);
   uniform->excludes(steady)->excludes(schedule);
   command->callback([options] {

@@ -3,50 +3,21 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "host_tools/commands/offline/report/page_template.hpp"
-#include "rom/read/input_error.hpp"
+#include "host_tools/pages/fill_page.hpp"
+#include "host_tools/pages/page_texts.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr std::size_t most_points = 4000;  // what a screen shows; longer runs are thinned
 
-std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw rom::InputError({path, 0}, "--dygraphs", "cannot be read; the Debian package libjs-dygraphs brings it");
-  }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-void replace(std::string& text, const std::string& mark, const std::string& by) {
-  const std::size_t place = text.find(mark);
-  if (place != std::string::npos) text.replace(place, mark.size(), by);
-}
-
-/// Inside a script element the text must not close it.
-std::string script_safe(const std::string& text) {
-  std::string safe;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text.compare(i, 3, "</s") == 0) {
-      safe += "<\\/";
-      ++i;
-    } else {
-      safe += text[i];
-    }
-  }
-  return safe;
-}
-
-nlohmann::json thinned(const std::vector<double>& values, std::size_t every, double digits) {
-  nlohmann::json list = nlohmann::json::array();
+Json thinned(const std::vector<double>& values, std::size_t every, double digits) {
+  Json list = Json::array();
   for (std::size_t i = 0; i < values.size(); i += every) {
     if (std::isfinite(values[i])) {
       list.push_back(std::round(values[i] * digits) / digits);
@@ -57,7 +28,7 @@ nlohmann::json thinned(const std::vector<double>& values, std::size_t every, dou
   return list;
 }
 
-nlohmann::json as_json(const Quantity& quantity, std::size_t every) {
+Json as_json(const Quantity& quantity, std::size_t every) {
   constexpr double digits = 1e4;
   return {{"name", quantity.name},
           {"zero", quantity.zero},
@@ -100,6 +71,19 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
+Json table_json(const RunData& run) {
+  Json rows = Json::array();
+  for (const TableRow& row : last_row(run)) {
+    rows.push_back({{"name", row.name},
+                    {"unit", row.unit == "um" ? "µm" : row.unit},
+                    {"uncorrected", row.uncorrected},
+                    {"twin", row.twin},
+                    {"plant", row.plant},
+                    {"twin_sd", std::isnan(row.twin_sd) ? Json() : Json(row.twin_sd)}});
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::string run_table(const RunData& run) {
@@ -116,33 +100,31 @@ std::string run_table(const RunData& run) {
   return text;
 }
 
-std::string run_page(const RunData& run, const std::string& dygraphs_folder) {
+std::string run_page(const RunData& run) {
   const std::size_t every = 1 + run.time_s.size() / most_points;
-  nlohmann::json data{{"spindle", run.spindle},
-                      {"speed_rpm", run.speed_rpm},
-                      {"ambient_degC", run.ambient_degC},
-                      {"coolant_degC", run.coolant_degC},
-                      {"time_s", thinned(run.time_s, every, 1e3)},
-                      {"end_s", run.time_s.back()},
-                      {"key_points", nlohmann::json::array()},
-                      {"hottest", as_json(run.hottest, every)},
-                      {"nose", as_json(run.nose, every)},
-                      {"factor_names", run.factor_names},
-                      {"heat_factors", nlohmann::json::array()},
-                      {"table", nlohmann::json::array()}};
-  for (const Quantity& point : run.key_points) data["key_points"].push_back(as_json(point, every));
-  for (const std::vector<double>& factor : run.heat_factors)
-    data["heat_factors"].push_back(thinned(factor, every, 1e5));
-  for (const TableRow& row : last_row(run)) {
-    data["table"].push_back({row.name, row.unit == "um" ? "µm" : row.unit, row.uncorrected, row.twin, row.plant,
-                             std::isnan(row.twin_sd) ? nlohmann::json(nullptr) : nlohmann::json(row.twin_sd)});
+  Json data{{"spindle", run.spindle},
+            {"speed_rpm", run.speed_rpm},
+            {"ambient_degC", run.ambient_degC},
+            {"coolant_degC", run.coolant_degC},
+            {"time_s", thinned(run.time_s, every, 1e3)},
+            {"end_s", run.time_s.back()},
+            {"key_points", Json::array()},
+            {"hottest", as_json(run.hottest, every)},
+            {"nose", as_json(run.nose, every)},
+            {"factors", Json::array()},
+            {"section", {{"outlines", run.outlines}, {"parts", Json::array()}}},
+            {"table", table_json(run)}};
+  for (std::size_t k = 0; k < run.key_points.size(); ++k) {
+    data["key_points"].push_back(as_json(run.key_points[k], every));
+    data["key_points"][k]["at_m"] = run.key_point_places_m[k];
   }
-  std::string page = page_template;
-  replace(page, "@DYGRAPHS_CSS@", read_text(dygraphs_folder + "/dygraph.min.css"));
-  replace(page, "@DYGRAPHS_JS@", script_safe(read_text(dygraphs_folder + "/dygraph.min.js")));
-  replace(page, "@SYNCHRONIZER_JS@", script_safe(read_text(dygraphs_folder + "/extras/synchronizer.js")));
-  replace(page, "@DATA@", script_safe(data.dump()));
-  return page;
+  for (std::size_t f = 0; f < run.heat_factors.size(); ++f) {
+    data["factors"].push_back({{"name", run.factor_names[f]}, {"values", thinned(run.heat_factors[f], every, 1e5)}});
+  }
+  for (const PartRises& part : run.part_rises) {
+    data["section"]["parts"].push_back({{"name", part.name}, {"rises_K", thinned(part.rises_K, every, 1e2)}});
+  }
+  return fill_page(run_page_text, data);
 }
 
 }  // namespace spindle_twin::host_tools

@@ -6,9 +6,8 @@
 
 namespace spindle_twin::host_tools {
 
-/// One HTML page with the run's curves and its table that opens without a network: the charts are dygraphs (MIT), whose
-/// files are read from `dygraphs_folder` and written into the page. Throws rom::InputError if they are not there.
-std::string run_page(const RunData& run, const std::string& dygraphs_folder);
+/// One HTML page with the run's curves, section and table that opens without a network (host_tools/pages/run_page.js).
+std::string run_page(const RunData& run);
 
 /// The same table for a terminal.
 std::string run_table(const RunData& run);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host_tools/pages/outlines.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
@@ -114,7 +115,13 @@ RunData gather_run(const rom::Network& network, const rom::CsvTable& history, co
     quantity.plant = on_axis(run.time_s, plant, "key_point." + point.name + "_degC");
     quantity.twin_sd = shown_or_empty("predicted_sd." + point.name + "_K");
     run.key_points.push_back(quantity);
+    run.key_point_places_m.push_back({point.r_m, point.z_m});
   }
+  for (const rom::PartOutput& each : network.parts) {
+    run.part_rises.push_back({each.name, shown("part_maximum." + each.name + "_degC")});
+    for (double& value : run.part_rises.back().rises_K) value -= reference_degC;
+  }
+  run.outlines = outlines_json(network);
   const std::string part_column = "part_maximum." + part + "_degC";
   run.hottest = {part, "degC", reference_degC, {}, on_axis(run.time_s, plant, part_column), shown(part_column), {}};
   const std::string nose_column = "deformation." + network.deformations.front().name + "_um";

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,12 @@ struct Quantity {
   std::vector<double> twin_sd = {};  ///< what the twin says of its own error, 1σ; empty where the history has none
 };
 
+/// Highest temperature of a part as the twin published it, above the reference temperature.
+struct PartRises {
+  std::string name;
+  std::vector<double> rises_K;
+};
+
 struct RunData {
   std::string spindle;
   double speed_rpm = 0.0;  ///< at the end
@@ -27,7 +35,10 @@ struct RunData {
   double coolant_degC = 0.0;
   std::vector<double> time_s;
   std::vector<Quantity> key_points;
-  Quantity hottest;  ///< maximum of the part asked for
+  std::vector<std::array<double, 2>> key_point_places_m;  ///< r, z
+  std::vector<PartRises> part_rises;
+  nlohmann::ordered_json outlines = nlohmann::ordered_json::array();  ///< as outlines_json() gives them
+  Quantity hottest;                                                   ///< maximum of the part asked for
   Quantity nose;
   std::vector<std::string> factor_names;  ///< one for all if the sources share a factor
   std::vector<std::vector<double>> heat_factors;

@@ -1,0 +1,29 @@
+// Rules for the scripts of the pages and of their tests.
+import js from "@eslint/js";
+
+const names = list => Object.fromEntries(list.map(name => [name, "readonly"]));
+const browser = names(["addEventListener", "document", "DOMPoint", "getComputedStyle", "matchMedia"]);
+
+export default [
+  js.configs.recommended,
+  {
+    languageOptions: { ecmaVersion: 2022, sourceType: "module" },
+    linterOptions: { reportUnusedDisableDirectives: "error" },
+    rules: {
+      complexity: ["error", 12],
+      eqeqeq: "error",
+      "max-len": ["error", 130],
+      "max-lines": ["error", 400],
+      "max-lines-per-function": ["error", 60],
+      "max-params": ["error", 6],
+      "no-shadow": "error",
+      "no-var": "error",
+      "prefer-const": "error",
+    },
+  },
+  { files: ["host_tools/pages/*.js"], languageOptions: { globals: browser } },
+  // The only script that knows the chart library.
+  { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
+  { files: ["tests/pages/*.js"],
+    languageOptions: { globals: { ...browser, ...names(["console", "process", "URL"]) } } },
+];
