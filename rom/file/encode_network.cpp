@@ -83,7 +83,7 @@ struct EncodedLaw {
 
   explicit EncodedLaw(const std::optional<BoundLaw>& physics) {
     if (!physics) return;
-    kind = law_kinds[physics->law.parameters.index()];
+    kind = traits_of(physics->law).kind;
     numbers = law_numbers(physics->law.parameters);
   }
 };
