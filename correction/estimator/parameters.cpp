@@ -84,8 +84,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   const double heat_deviation = std::hypot(priors.heat, priors.heat_common);
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     const double mean = priors.centred ? 0.5 * heat_deviation * heat_deviation : 0.0;
-    const rom::SpeedLaw& law = boundaries.sources[i].law;
-    friction_.push_back(law.load_squared == 0.0 && !law.speed_terms.empty());
+    friction_.push_back(boundaries.sources[i].friction);
     add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, heat_deviation,
          priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat},
         heat_[i]);

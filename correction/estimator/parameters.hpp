@@ -67,9 +67,8 @@ struct EstimatorPriors {
   bool centred = true;
 };
 
-/// θ of a network: the list, the prior covariance, and what a value of θ makes of the network's inputs. Friction heats
-/// are the sources whose law knows speed but not load; their rise is T of the source itself, b·T with b its column of
-/// B. A watt into a group warms all of it alike: C 1_g / C_g at the nodes.
+/// θ of a network: the list, the prior covariance, and what a value of θ makes of the network's inputs. The rise of a
+/// friction heat (rom::HeatSource) is T of the source itself, b·T with b its column of B. A watt into a group warms all of it alike: C 1_g / C_g at the nodes.
 class ParameterModel {
  public:
   /// Throws rom::InputError naming the option for a prior out of range. Allocates.
