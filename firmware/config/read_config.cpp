@@ -204,9 +204,9 @@ ConfiguredSensor read_sensor(const TomlTable& table) {
   sensor.interval_s = table.number_or("interval_s", sensor.interval_s, rom::between(0.0, 3600.0));
   sensor.stale_after_s =
       table.number_or("stale_after_s", std::max(sensor.stale_after_s, 3.0 * sensor.interval_s), rom::positive);
-  sensor.noise_K = table.optional_number("noise_K", noise_range_K);
-  sensor.offset_K = table.optional_number("offset_K", offset_range_K);
-  sensor.lag_s = table.optional_number("lag_s", lag_range_s);
+  sensor.noise_K = table.optional_number("noise_K", correction::noise_range_K);
+  sensor.offset_deviation_K = table.optional_number("offset_K", correction::offset_range_K);
+  sensor.lag_s = table.optional_number("lag_s", correction::lag_range_s);
   sensor.resolution_K = table.optional_number("resolution_K", resolution_range_K);
   return sensor;
 }
@@ -220,7 +220,7 @@ ConfiguredProbe read_probe(const TomlTable& table) {
   probe.source = to_si(read_source(table), {m_per_um, 0.0});
   ProbePlan& plan = probe.plan;
   plan.configured = true;
-  plan.sd_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
+  plan.deviation_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
   plan.min_m = m_per_um * table.number_or("min_um", plan.min_m / m_per_um, length_um);
   plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, length_um);
   if (plan.max_m <= plan.min_m) table.fail("max_um", "must be above min_um");

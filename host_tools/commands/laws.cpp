@@ -32,20 +32,23 @@ class CollectKeys {
     const rom::WrittenKey written = rom::written_key(field.name.substr(prefix_.size()), field.written);
     const std::string table = prefix_.empty() ? "" : prefix_.substr(0, prefix_.size() - 1) + ".";
     const double number = static_cast<double>(value);
-    LawKey key{table + written.key, range_text(field, written), "needed", shown(field, written, number)};
+    const std::string text = shown(field, written, number);
+    LawKey key{table + written.key, range_text(field, written), "needed", there_ ? text : ""};
     if (field.name == "assembly_K") {
       key.otherwise = "the reference temperature";
     } else if (!field.needed) {
-      key.otherwise = rom::is_allowed(field.range, number) ? key.example : "from the others";
+      key.otherwise = rom::is_allowed(field.range, number) ? text : "from the others";
     }
     keys_.push_back(key);
   }
   /// What may be missing is listed as if it were there: all of it is written or nothing.
   template <class Item, class Body>
-  void optional(std::string_view name, const std::optional<Item>&, const Body& body) {
-    const Item there{};
+  void optional(std::string_view name, const std::optional<Item>& item, const Body& body) {
+    const Item listed = item.value_or(Item{});
     prefix_ = std::string(name) + "_";
-    body(there);
+    there_ = item.has_value();
+    body(listed);
+    there_ = true;
     prefix_.clear();
   }
   const std::vector<LawKey>& keys() const { return keys_; }
@@ -66,6 +69,7 @@ class CollectKeys {
   }
 
   std::string prefix_;
+  bool there_ = true;  ///< what is listed has numbers of its own
   std::vector<LawKey> keys_;
 };
 
