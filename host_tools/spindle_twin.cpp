@@ -40,6 +40,7 @@ int run(int argc, char** argv) {
   add_replay(app);
   add_export(app);
   add_identify(app);
+  add_laws(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE
   add_plant(app);

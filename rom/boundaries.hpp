@@ -64,6 +64,9 @@ struct HeatSource {
   /// Its watts are read: OperatingState::heat_W has them; where that does not, they are those of nominal value and
   /// `law`. Not together with physics.
   bool measured = false;
+  /// It is friction of a bearing, which falls as the bearing warms: what an estimator's coefficient of that acts on.
+  /// Not together with physics, which follows its temperatures itself.
+  bool friction = false;
 };
 
 enum class EnvironmentKind { ambient, coolant };

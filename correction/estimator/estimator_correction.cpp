@@ -33,7 +33,7 @@ ConsistencyLimits limits_of(const rom::Network& network, const EstimatorOptions&
 std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, const EstimatorOptions& options) {
   std::vector<EstimatorSensor> sensors;
   for (const rom::KeyPoint& point : network.key_points) {
-    sensors.push_back({point.name, point.row, options.noise_K, options.offset_K, options.lag_s});
+    sensors.push_back({point.name, point.row, options.noise_K, options.offset_deviation_K, options.lag_s});
   }
   return sensors;
 }
@@ -56,7 +56,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   covariance.topLeftCorner(p, p) = parameters_.covariance();
   for (Eigen::Index s = 0; s < m; ++s) {
     const EstimatorSensor& sensor = options_.sensors[static_cast<std::size_t>(s)];
-    covariance(offset_at(s), offset_at(s)) = sensor.offset_K * sensor.offset_K;
+    covariance(offset_at(s), offset_at(s)) = sensor.offset_deviation_K * sensor.offset_deviation_K;
     if (!has_lags()) continue;
     prior_mean_[lag_at(s)] = neutral_mean_[lag_at(s)] = sensor.lag_s;
     covariance(lag_at(s), lag_at(s)) = options_.lag_deviation_s * options_.lag_deviation_s;
@@ -122,7 +122,7 @@ void EstimatorCorrection::forget() {
   theta_ = prior_mean_.head(parameters_.count());
   for (std::size_t s = 0; s < records_.size(); ++s) {
     records_[s] = {};
-    records_[s].offset_deviation_K = options_.sensors[s].offset_K;
+    records_[s].offset_deviation_K = options_.sensors[s].offset_deviation_K;
   }
   consistency_.restart();
   contradicted_ = false;

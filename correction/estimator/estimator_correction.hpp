@@ -14,24 +14,53 @@
 #include "correction/estimator/sensor_channel.hpp"
 #include "correction/estimator/square_root_filter.hpp"
 #include "rom/network.hpp"
+#include "rom/option.hpp"
 
 namespace spindle_twin::correction {
 
+/// Options, not state: what a person may set, which is why it is open. `each` says what each means.
 struct EstimatorOptions {
   EstimatorPriors priors;
-  double period_s = 10.0;  ///< between updates, [1, 60]
-  double noise_K = 0.03;   ///< of the sensors that are made from key points
-  double offset_K = 0.02;
+  double period_s = 10.0;
+  double noise_K = 0.03;             ///< of the sensors that are made from key points, as the next two
+  double offset_deviation_K = 0.02;  ///< key `offset_K`
   double lag_s = 0.0;
-  double lag_deviation_s = 14.0;  ///< 1σ of what a sensor's lag differs from that; 0: it is as said
-  double floor_K = 0.03;  ///< 1σ of what the network itself is wrong at a sensor, where the estimated one begins
-  double floor_by_hand_K = 0.3;  ///< the same of a hand-written network, which nobody could measure
-  double floor_largest_K = 1.0;  ///< the estimated one ends here
-  double curvature = 0.5;  ///< κ, share of what a straight line leaves out of the ln factors that counts; 0: linear
-  double correlation_s = 60.0;  ///< errors closer than this in time count as one
+  double lag_deviation_s = 14.0;
+  double floor_K = 0.03;  ///< 1σ, where the estimated one begins
+  double floor_by_hand_K = 0.3;
+  double floor_largest_K = 1.0;
+  double curvature = 0.5;  ///< κ
+  double correlation_s = 60.0;
   double offset_walk_K_per_root_hour = 0.002;
   double gate = 5.0;                     ///< an innovation beyond so many deviations is rejected
   std::vector<EstimatorSensor> sensors;  ///< empty: one per key point of the network
+
+  template <class Options, class Visit>
+  static void each(Options& options, Visit&& visit) {
+    using rom::zero_or_some;
+    visit({"period_s", "between updates, 1 to 60", rom::between(1.0, 60.0)}, options.period_s);
+    visit({"noise_K", "1 sigma of one reading, of sensors that say nothing of their own", noise_range_K},
+          options.noise_K);
+    visit({"offset_K", "1 sigma of a sensor's constant error: after a tare, 0.2 without one", offset_range_K},
+          options.offset_deviation_K);
+    visit({"lag_s", "first-order lag between temperature and reading, where its estimate begins", lag_range_s},
+          options.lag_s);
+    visit(zero_or_some("lag_deviation_s", "1 sigma of what it is wrong by; 0: it is as said", 120.0),
+          options.lag_deviation_s);
+    visit(zero_or_some("floor_K", "what the network itself is wrong at a sensor: least of the estimated floor", 10.0),
+          options.floor_K);
+    visit(zero_or_some("floor_by_hand_K", "the same of a hand-written network, which nobody could measure", 10.0),
+          options.floor_by_hand_K);
+    visit(zero_or_some("floor_largest_K", "most of the estimated floor", 100.0), options.floor_largest_K);
+    visit(zero_or_some("curvature", "share that counts of what a straight line leaves out of the ln factors", 100.0),
+          options.curvature);
+    visit(zero_or_some("correlation_s", "errors closer than this count as one", 3600.0), options.correlation_s);
+    visit(zero_or_some("offset_walk_K_per_root_hour", "how fast offsets wander", 1.0),
+          options.offset_walk_K_per_root_hour);
+    visit({"gate", "a reading further from the prediction than so many deviations is left out",
+           rom::between(1.0, 1000.0)},
+          options.gate);
+  }
 };
 
 /// One sensor per key point, with the options' noise, offset and lag.

@@ -256,7 +256,7 @@ void EstimatorCorrection::look_at_the_start() {
     seen = true;
     const EstimatorSensor& sensor = options_.sensors[s];
     widest_K = std::max(widest_K, std::abs(channels_[s].mean_residual_K()));
-    expected_K = std::max(expected_K, std::hypot(sensor.noise_K, sensor.offset_K));
+    expected_K = std::max(expected_K, std::hypot(sensor.noise_K, sensor.offset_deviation_K));
   }
   if (!seen) return;
   start_unseen_ = false;

@@ -5,15 +5,23 @@
 #include <string>
 #include <vector>
 
+#include "rom/range.hpp"
+
 namespace spindle_twin::correction {
+
+/// What the estimator can be told of a sensor.
+inline constexpr rom::Range noise_range_K = rom::between(1e-4, 10.0);
+inline constexpr rom::Range offset_range_K = rom::between(1e-4, 10.0);  ///< deviation of the offset
+inline constexpr rom::Range lag_range_s = rom::between(0.0, 600.0);
 
 /// A temperature sensor as the estimator sees it.
 struct EstimatorSensor {
   std::string name;
-  Eigen::VectorXd row;     ///< N; temperature_K = row · T, entries sum to 1
-  double noise_K = 0.03;   ///< 1σ of one reading
-  double offset_K = 0.02;  ///< 1σ of its constant error: 0.02 after a tare, 0.2 for a class A PT100 without one
-  double lag_s = 0.0;      ///< first-order lag between the temperature and the reading: mean of its prior
+  Eigen::VectorXd row;    ///< N; temperature_K = row · T, entries sum to 1
+  double noise_K = 0.03;  ///< 1σ of one reading
+  double offset_deviation_K =
+      0.02;            ///< 1σ of its constant error: 0.02 after a tare, 0.2 for a class A PT100 without one
+  double lag_s = 0.0;  ///< first-order lag between the temperature and the reading: mean of its prior
 };
 
 /// What the last update made of a channel: of a sensor in K, of a displacement the same in m.

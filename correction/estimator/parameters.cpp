@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
-#include "rom/read/input_error.hpp"
+#include "rom/read/options.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -21,11 +21,6 @@ constexpr double largest_start_K = 500.0;
 constexpr double largest_capacity = 1.6094379124341003;
 constexpr double most_disturbance = 1.0;  // of all nominal heats together
 constexpr std::size_t most_groups = 8;
-
-void require(double value, double highest, const char* field) {
-  if (std::isfinite(value) && value >= 0.0 && value <= highest) return;
-  throw rom::InputError({}, field, "must be between 0 and " + std::to_string(highest));
-}
 
 }  // namespace
 
@@ -55,24 +50,7 @@ const char* name_of(ParameterKind kind) {
 
 ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPriors& priors)
     : reference_speed_rpm_(network.boundaries.reference_speed_rpm), heat_common_(priors.heat_common) {
-  require(priors.heat, 2.0, "prior.heat");
-  require(priors.heat_common, 2.0, "prior.heat_common");
-  require(priors.contact, 2.0, "prior.contact");
-  require(priors.film, 2.0, "prior.film");
-  require(priors.environment_K, 10.0, "prior.environment_K");
-  require(priors.environment_memory_s, 1e9, "prior.environment_memory_s");
-  require(priors.bearing_mean_per_K, 0.1, "prior.bearing_mean_per_K");
-  require(priors.bearing_per_K, 0.1, "prior.bearing_per_K");
-  require(priors.speed_exponent, 1.0, "prior.speed_exponent");
-  require(priors.start_K, 100.0, "prior.start_K");
-  require(priors.start_shape_K, 100.0, "prior.start_shape_K");
-  require(priors.disturbance, 1.0, "prior.disturbance");
-  require(priors.disturbance_by_hand, 1.0, "prior.disturbance_by_hand");
-  require(priors.disturbance_memory_s, 1e9, "prior.disturbance_memory_s");
-  require(priors.capacity, 1.0, "prior.capacity");
-  require(priors.heat_walk_per_root_min, 1.0, "prior.heat_walk_per_root_min");
-  require(priors.contact_walk_per_root_min, 1.0, "prior.contact_walk_per_root_min");
-  require(priors.film_walk_per_root_min, 1.0, "prior.film_walk_per_root_min");
+  EstimatorPriors::each(priors, rom::CheckOptions("prior."));
 
   const rom::Boundaries& boundaries = network.boundaries;
   const double per_root_s = 1.0 / std::sqrt(seconds_per_minute);
@@ -84,8 +62,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   const double heat_deviation = std::hypot(priors.heat, priors.heat_common);
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     const double mean = priors.centred ? 0.5 * heat_deviation * heat_deviation : 0.0;
-    const rom::SpeedLaw& law = boundaries.sources[i].law;
-    friction_.push_back(law.load_squared == 0.0 && !law.speed_terms.empty());
+    friction_.push_back(boundaries.sources[i].friction);
     add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, heat_deviation,
          priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat},
         heat_[i]);

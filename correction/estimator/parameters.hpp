@@ -8,6 +8,7 @@
 #include "correction/estimator/start_shapes.hpp"
 #include "correction/estimator/thermal_groups.hpp"
 #include "rom/network.hpp"
+#include "rom/option.hpp"
 
 namespace spindle_twin::correction {
 
@@ -40,10 +41,11 @@ struct Parameter {
   double maximum = 0.0;
 };
 
-/// Deviations (1σ) of the priors; of ln factors where no unit stands.
+/// Deviations (1σ) of the priors; of ln factors where no unit stands. Options, not state: what a person may set, which
+/// is why it is open. `each` says what each means.
 struct EstimatorPriors {
-  double heat = 0.5;         ///< each source for itself
-  double heat_common = 0.0;  ///< and all sources together, where they share a cause
+  double heat = 0.5;
+  double heat_common = 0.0;
   double contact = 0.6;
   double film = 0.3;
   double environment_K = 0.1;
@@ -51,25 +53,57 @@ struct EstimatorPriors {
   double bearing_mean_per_K = 0.010;
   double bearing_per_K = 0.005;
   double speed_exponent = 0.15;
-  double start_K = 0.2;         ///< of the whole spindle at the start; 0: the start is known, no start parameter at all
-  double start_shape_K = 0.05;  ///< the same of each other way in which it may have been warmer (start_shapes)
-  /// Heat that no source explains, one per thermal group: share of all nominal heats together, 1σ; 0: none. Of
-  /// hand-written networks, whose structure is a guess, the second.
-  double disturbance = 0.01;
-  double disturbance_by_hand = 0.1;
+  double start_K = 0.2;              ///< 0: the start is known, no start parameter at all
+  double start_shape_K = 0.05;       ///< of each other way in which it may have been warmer (start_shapes)
+  double disturbance = 0.01;         ///< share of all nominal heats together, one heat per thermal group; 0: none
+  double disturbance_by_hand = 0.1;  ///< the same of hand-written networks, whose structure is a guess
   double disturbance_memory_s = 3600.0;
-  double capacity = 0.3;                     ///< ln factors of the nodes' capacities, hand-written networks only
-  double heat_walk_per_root_min = 0.003;     ///< of the ln factors, as the next two
+  double capacity = 0.3;
+  double heat_walk_per_root_min = 0.003;
   double contact_walk_per_root_min = 0.005;  ///< joints settle and loosen with load and temperature
   double film_walk_per_root_min = 0.003;
   /// A nominal value is the median of what machines have: start at the mean of the heats and of the resistances, which
   /// lie σ²/2 above in ln. Starting at the medians biases the nose by micrometres.
   bool centred = true;
+
+  template <class Options, class Visit>
+  static void each(Options& priors, Visit&& visit) {
+    using rom::zero_or_some;
+    constexpr double ln = 2.0;  // most deviation of a ln factor
+    visit(zero_or_some("heat", "of each heat source for itself", ln), priors.heat);
+    visit(zero_or_some("heat_common",
+                       "of all sources together: where all are wrong by the same cause, 0.5 beside heat = 0.15", ln),
+          priors.heat_common);
+    visit(zero_or_some("contact", "", ln), priors.contact);
+    visit(zero_or_some("film", "", ln), priors.film);
+    visit(zero_or_some("environment_K", "of what coolant and ambient read", 10.0), priors.environment_K);
+    visit(zero_or_some("environment_memory_s", "how long that stays", 1e9), priors.environment_memory_s);
+    visit(zero_or_some("bearing_mean_per_K", "friction heat falls so much per kelvin of the bearing", 0.1),
+          priors.bearing_mean_per_K);
+    visit(zero_or_some("bearing_per_K", "", 0.1), priors.bearing_per_K);
+    visit(zero_or_some("speed_exponent", "of each heat's speed law", 1.0), priors.speed_exponent);
+    visit(zero_or_some("start_K", "of the whole spindle at the start; opened where the first readings differ by more",
+                       100.0),
+          priors.start_K);
+    visit(zero_or_some("start_shape_K", "of each part group against that, likewise", 100.0), priors.start_shape_K);
+    visit(zero_or_some("disturbance",
+                       "heat that no source explains, of all nominal heats; shut until readings speak for one", 1.0),
+          priors.disturbance);
+    visit(zero_or_some("disturbance_by_hand", "the same in a hand-written network, always open", 1.0),
+          priors.disturbance_by_hand);
+    visit({"disturbance_memory_s", "how long such a heat stays", rom::between(60.0, 1e9)}, priors.disturbance_memory_s);
+    visit(zero_or_some("capacity", "of each node of a hand-written network", 1.0), priors.capacity);
+    visit(zero_or_some("heat_walk_per_root_min", "how fast the ln factors of heats wander", 1.0),
+          priors.heat_walk_per_root_min);
+    visit(zero_or_some("contact_walk_per_root_min", "", 1.0), priors.contact_walk_per_root_min);
+    visit(zero_or_some("film_walk_per_root_min", "", 1.0), priors.film_walk_per_root_min);
+    visit({"centred", "the description gives medians, the twin starts from the means"}, priors.centred);
+  }
 };
 
-/// θ of a network: the list, the prior covariance, and what a value of θ makes of the network's inputs. Friction heats
-/// are the sources whose law knows speed but not load; their rise is T of the source itself, b·T with b its column of
-/// B. A watt into a group warms all of it alike: C 1_g / C_g at the nodes.
+/// θ of a network: the list, the prior covariance, and what a value of θ makes of the network's inputs. The rise of a
+/// friction heat (rom::HeatSource) is T of the source itself, b·T with b its column of B. A watt into a group warms all
+/// of it alike: C 1_g / C_g at the nodes.
 class ParameterModel {
  public:
   /// Throws rom::InputError naming the option for a prior out of range. Allocates.

@@ -203,8 +203,8 @@ void Channel::judge_return(double elapsed_s) {
   }
   // A verdict that was taken back was no failure.
   if (review_.is_active() && record_.fault == HealthFault::drift) --record_.failures;
-  record_.return_offset_K =
-      limits_.return_offset_K + std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
+  record_.return_offset_deviation_K =
+      limits_.return_offset_deviation_K + std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
   usual_.forget();
   review_.dismiss();
   meet(ChannelEvent::probation_over);

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "rom/option.hpp"
+
 namespace spindle_twin::correction {
 
 /// When a machine counts as isothermal. All positive.
@@ -13,6 +15,17 @@ struct TareLimits {
   double spread_K = 1.0;              ///< largest minus smallest reading: untared class A sensors are within 0.2 K each
   double model_spread_K = 0.05;       ///< of the model's temperatures at the sensors
   double common_deviation_K = 0.015;  ///< 1σ by which places of a resting machine still differ
+
+  /// Those that a person may set.
+  template <class Options, class Visit>
+  static void each(Options& limits, Visit&& visit) {
+    constexpr rom::Range kelvin = rom::between(1e-3, 100.0);
+    visit({"rest_s", "without speed and load", rom::between(60.0, 1e6)}, limits.rest_s);
+    visit({"block_s", "two of these are compared", rom::between(10.0, 86400.0)}, limits.block_s);
+    visit({"rate_K_per_h", "of every sensor", kelvin}, limits.rate_K_per_h);
+    visit({"spread_K", "of the readings", kelvin}, limits.spread_K);
+    visit({"model_spread_K", "of the model at the sensors", kelvin}, limits.model_spread_K);
+  }
 };
 
 /// Offsets that were taken; plain numbers, for a checkpoint. reading − offset is what is used.

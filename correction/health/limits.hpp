@@ -2,9 +2,13 @@
 
 #include <limits>
 
+#include "rom/option.hpp"
+#include "rom/units.hpp"
+
 namespace spindle_twin::correction {
 
-/// Limits of all detectors, each with where it comes from; times in model time. Valid: all positive, counts at least 1.
+/// Limits of all detectors, each with where it comes from; times in model time. Options, not state, which is why it is
+/// open. Valid: all positive, counts at least 1.
 /// "Measured" is tests/bench/fault_campaign.
 struct HealthLimits {
   // Electrical. A PT100 or PT1000 (IEC 60751) reads 850 degC at 3.9 times its nominal resistance: a broken wire leaves
@@ -68,9 +72,42 @@ struct HealthLimits {
   double return_after_s = 300.0;                                     ///< without any sign of a fault
   double return_within_K = std::numeric_limits<double>::infinity();  ///< of its old course; finite where no estimator
                                                                      ///< learns the offset anew
-  double return_offset_K = 0.2;  ///< 1σ of its offset then, of an untared class A PT100 (IEC 60751: 0.15 K + 0.002 t),
-                                 ///< and what it has moved off its old course besides
-  int failures = 3;              ///< so many failures latch the channel until it is acknowledged
+  double return_offset_deviation_K = 0.2;  ///< 1σ of its offset then, of an untared class A PT100 (IEC 60751: 0.15 K +
+                                           ///< 0.002 t), and what it has moved off its old course besides
+  int failures = 3;                        ///< so many failures latch the channel until it is acknowledged
+
+  /// Those that a person may set.
+  template <class Options, class Visit>
+  static void each(Options& limits, Visit&& visit) {
+    constexpr rom::Range kelvin = rom::between(1e-3, 100.0), seconds = rom::between(1.0, 86400.0),
+                         ratio = rom::between(1e-3, 1000.0);
+    visit(
+        {"open_above_degC", "a broken wire reads at the upper end", rom::between(100.0, 1e4), false, rom::zero_degC_K},
+        limits.open_above_K);
+    visit({"short_below_degC", "a shorted one at the lower end", rom::between(-273.0, 0.0), false, rom::zero_degC_K},
+          limits.short_below_K);
+    visit({"jump_K", "least deviation of a reading from its course, besides 6 times its noise", kelvin}, limits.jump_K);
+    visit({"jump_share", "and this share of what the model has moved in four readings", rom::between(0.0, 100.0)},
+          limits.jump_share);
+    visit({"spikes", "so many single outliers within spike_window_s fail a sensor", rom::between(1.0, 16.0)},
+          limits.spikes);
+    visit({"spike_window_s", "", seconds}, limits.spike_window_s);
+    visit({"stuck_K", "no change while the model moves by this, and by 8 steps of resolution_K,", kelvin},
+          limits.stuck_K);
+    visit({"stuck_window_s", "within this time", seconds}, limits.stuck_window_s);
+    visit({"drift_limit", "evidence that a sensor contradicts all others, as -2 ln of a likelihood ratio,", ratio},
+          limits.drift_limit);
+    visit({"drift_lead", "and so much more than of the next one", ratio}, limits.drift_lead);
+    visit({"rejected", "updates rejected in a row by then: implausible, may return by itself", rom::between(1.0, 1e5)},
+          limits.rejected);
+    visit({"swap_K", "rms movement from which on a gain counts for telling swapped sensors", kelvin}, limits.swap_K);
+    visit({"swap_limit", "evidence that two sensors are swapped, as drift_limit", ratio}, limits.swap_limit);
+    visit({"return_after_s", "without any sign of the fault", seconds}, limits.return_after_s);
+    visit({"return_offset_K", "what its offset may then be, besides what it shows", kelvin},
+          limits.return_offset_deviation_K);
+    visit({"failures", "then it waits for an acknowledgement (command_sensors = 3)", rom::between(1.0, 1000.0)},
+          limits.failures);
+  }
 };
 
 }  // namespace spindle_twin::correction

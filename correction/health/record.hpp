@@ -28,14 +28,14 @@ enum class HealthFault : std::uint8_t {
 /// What is published of a channel.
 struct HealthRecord {
   HealthState state = HealthState::good;
-  HealthFault fault = HealthFault::none;  ///< the last one, kept while not good
-  bool usable = false;                    ///< this reading may be used
-  bool returned = false;                  ///< became good again with this sample: its offset is not known any more
-  double return_offset_K = 0.0;           ///< then: 1σ of its offset
-  int partner = -1;                       ///< of a swapped channel
-  int failures = 0;                       ///< since the start or the acknowledgement
-  int spikes = 0;                         ///< since the start
-  double since_s = 0.0;                   ///< time of the last change of state
+  HealthFault fault = HealthFault::none;   ///< the last one, kept while not good
+  bool usable = false;                     ///< this reading may be used
+  bool returned = false;                   ///< became good again with this sample: its offset is not known any more
+  double return_offset_deviation_K = 0.0;  ///< then: 1σ of its offset
+  int partner = -1;                        ///< of a swapped channel
+  int failures = 0;                        ///< since the start or the acknowledgement
+  int spikes = 0;                          ///< since the start
+  double since_s = 0.0;                    ///< time of the last change of state
 };
 
 }  // namespace spindle_twin::correction

@@ -28,14 +28,14 @@ struct Readings {
   Eigen::VectorXd offset;  ///< instants; what a constant error of 1σ adds
 };
 
-Readings readings_of(const Instants& instants, Eigen::Index place, double offset_K) {
+Readings readings_of(const Instants& instants, Eigen::Index place, double offset_deviation_K) {
   const auto count = static_cast<Eigen::Index>(instants.sensitivities.size());
   Readings readings{Eigen::MatrixXd(count, instants.sensitivities.front().cols()), Eigen::VectorXd(count)};
   for (Eigen::Index t = 0; t < count; ++t) {
     const auto index = static_cast<std::size_t>(t);
     const double weight = 1.0 / std::sqrt(instants.variance_K2[index]);
     readings.rows.row(t) = weight * instants.sensitivities[index].row(place);
-    readings.offset[t] = weight * offset_K;
+    readings.offset[t] = weight * offset_deviation_K;
   }
   return readings;
 }
@@ -192,7 +192,7 @@ Identification identify(const rom::Network& network, const std::vector<SensorPla
   result.growth_m = done.growth_m;
   result.prior_m = root(done.deformation_m.dot(covariance * done.deformation_m));
   for (Eigen::Index s = candidates; s < static_cast<Eigen::Index>(places.size()); ++s) {
-    take_in(readings_of(done.instants, s, options.offset_K), covariance);
+    take_in(readings_of(done.instants, s, options.offset_deviation_K), covariance);
   }
   result.posterior_m = root(done.deformation_m.dot(covariance * done.deformation_m));
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
@@ -203,15 +203,15 @@ Identification identify(const rom::Network& network, const std::vector<SensorPla
   for (int placed = 0; placed < options.placements && candidates > 0; ++placed) {
     std::vector<Placement> all;
     for (Eigen::Index c = 0; c < candidates; ++c) {
-      all.push_back(
-          {places[static_cast<std::size_t>(c)],
-           root(variance_with(readings_of(done.instants, c, options.offset_K), covariance, done.deformation_m))});
+      all.push_back({places[static_cast<std::size_t>(c)],
+                     root(variance_with(readings_of(done.instants, c, options.offset_deviation_K), covariance,
+                                        done.deformation_m))});
     }
     const auto best = std::min_element(all.begin(), all.end(), [](const Placement& a, const Placement& b) {
       return a.deformation_m < b.deformation_m;
     });
     result.placements.push_back(*best);
-    take_in(readings_of(done.instants, best - all.begin(), options.offset_K), covariance);
+    take_in(readings_of(done.instants, best - all.begin(), options.offset_deviation_K), covariance);
     if (placed > 0) continue;
     std::stable_sort(all.begin(), all.end(),
                      [](const Placement& a, const Placement& b) { return a.deformation_m < b.deformation_m; });

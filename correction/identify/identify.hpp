@@ -29,7 +29,7 @@ struct IdentifyOptions {
   EstimatorPriors priors;
   double sample_s = 10.0;                 ///< between readings
   double noise_K = 0.03;                  ///< 1σ of one reading
-  double offset_K = 0.0;                  ///< 1σ of each sensor's constant error
+  double offset_deviation_K = 0.0;        ///< 1σ of each sensor's constant error
   double floor_K = 0.0;                   ///< 1σ of what the network is wrong at a sensor
   double correlation_s = 60.0;            ///< readings closer than this share noise and floor; 0: each stands alone
   int placements = 3;                     ///< further sensors to look for

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "correction/paper/paper_correction.hpp"
+#include "correction/paper/paper_options.hpp"
 
 namespace spindle_twin::correction {
 

@@ -81,12 +81,15 @@ void read_heat(const TomlTable& table, Reading& into) {
   heat.name = into.heats.add(table);
   heat.where = table.where("name");
   const bool physical =
-      rom::has_law(table, {"heat_W", "density_W_per_m3", "flux_W_per_m2", "density_over", "speed_law"});
+      rom::has_law(table, {"heat_W", "density_W_per_m3", "flux_W_per_m2", "density_over", "speed_law", "friction"});
   heat.heat_W = physical ? 0.0 : table.optional_number("heat_W", not_negative);
   heat.density_W_per_m3 = table.optional_number("density_W_per_m3", not_negative);
   heat.flux_W_per_m2 = table.optional_number("flux_W_per_m2", not_negative);
   heat.density_over = into.parts.find_all(table, "density_over", table.strings_or_empty("density_over"));
-  if (!physical) heat.law = read_speed_law(table);
+  if (!physical) {
+    heat.law = read_speed_law(table);
+    heat.friction = rom::read_friction(table, heat.law);
+  }
   for (const auto& share : table.tables("shares")) heat.shares.push_back(read_share(share, into.parts));
   check_heat(table, heat);
   keep_law(table, LawOwner::heat, into.spindle.heats.size(), {}, into);

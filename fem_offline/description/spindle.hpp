@@ -164,6 +164,7 @@ struct HeatSource {
   rom::SpeedLaw law;
   rom::SourceLine where;
   std::optional<rom::BoundLaw> physics = {};  ///< whose nominal value stands above
+  bool friction = false;                      ///< as in rom::HeatSource
 };
 
 /// What holds a component of displacement: u = 0, a spring to the ground, or for `plane` all values on the face equal,

@@ -66,7 +66,7 @@ SourceTerms source_terms(const Spindle& spindle, const Section& section, const S
       column.head(spreads[i].size()) += fraction / extents[i] * spreads[i];
     }
     column /= column.sum();
-    terms.sources.push_back({heat.name, total_W, heat.law, heat.physics});
+    terms.sources.push_back({heat.name, total_W, heat.law, heat.physics, false, heat.friction});
   }
   return terms;
 }

@@ -134,7 +134,7 @@ DaemonPlan bind_config(const Config& config, const rom::Network& network) {
     slot = {true, sensor.min_degC + zero_degC_K, sensor.max_degC + zero_degC_K, sensor.stale_after_s};
     const correction::EstimatorOptions all = plan.cycle.estimator.value_or(correction::EstimatorOptions{});
     slot.noise_K = sensor.noise_K.value_or(all.noise_K);
-    slot.offset_K = sensor.offset_K.value_or(all.offset_K);
+    slot.offset_deviation_K = sensor.offset_deviation_K.value_or(all.offset_deviation_K);
     slot.lag_s = sensor.lag_s.value_or(all.lag_s);
     slot.interval_s = sensor.interval_s;
     slot.resolution_K = sensor.resolution_K.value_or(resolution_K(sensor.channel));

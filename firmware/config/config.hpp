@@ -25,7 +25,7 @@ struct ConfiguredSensor {
   double max_degC = 150.0;
   double stale_after_s = 3.0;
   std::optional<double> noise_K;  ///< empty: as [correction] says of all sensors
-  std::optional<double> offset_K;
+  std::optional<double> offset_deviation_K;
   std::optional<double> lag_s;
   double interval_s = 0.0;
   std::optional<double> resolution_K;  ///< empty: one count of an integer register, 0.01 K of a float

@@ -23,14 +23,14 @@ std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan
   options.floor_K = estimator.floor_K;
   options.correlation_s = estimator.correlation_s;
   options.placements = 0;
-  options.noise_K = options.offset_K = 0.0;
+  options.noise_K = options.offset_deviation_K = 0.0;
   std::vector<correction::SensorPlace> sensors;
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     if (!plan.sensors[k].configured) continue;
     const rom::KeyPoint& point = network.key_points[k];
     sensors.push_back({point.name, point.part, point.r_m, point.z_m, point.row});
     options.noise_K = std::max(options.noise_K, plan.sensors[k].noise_K);
-    options.offset_K = std::max(options.offset_K, plan.sensors[k].offset_K);
+    options.offset_deviation_K = std::max(options.offset_deviation_K, plan.sensors[k].offset_deviation_K);
   }
   const correction::Identification found =
       correction::identify(network, sensors, rom::constant_schedule(network.boundaries, hour_s), options);

@@ -176,9 +176,9 @@ ConfiguredSensor read_sensor(const TomlTable& table, Config& config) {
   sensor.stale_after_s = table.number_or(
       "stale_after_s", std::max(sensor.stale_after_s, 3.0 * sensor.interval_s) + added_age_s(*sensor.channel, config),
       rom::positive);
-  sensor.noise_K = table.optional_number("noise_K", noise_range_K);
-  sensor.offset_K = table.optional_number("offset_K", offset_range_K);
-  sensor.lag_s = table.optional_number("lag_s", lag_range_s);
+  sensor.noise_K = table.optional_number("noise_K", correction::noise_range_K);
+  sensor.offset_deviation_K = table.optional_number("offset_K", correction::offset_range_K);
+  sensor.lag_s = table.optional_number("lag_s", correction::lag_range_s);
   sensor.resolution_K = table.optional_number("resolution_K", resolution_range_K);
   return sensor;
 }
@@ -192,7 +192,7 @@ ConfiguredProbe read_probe(const TomlTable& table, Config& config) {
   probe.channel = read_channel(table, {m_per_um, 0.0}, config.cycle.clock_rate, config.devices);
   ProbePlan& plan = probe.plan;
   plan.configured = true;
-  plan.sd_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
+  plan.deviation_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
   plan.min_m = m_per_um * table.number_or("min_um", plan.min_m / m_per_um, length_um);
   plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, length_um);
   if (plan.max_m <= plan.min_m) table.fail("max_um", "must be above min_um");

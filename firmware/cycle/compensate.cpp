@@ -48,7 +48,7 @@ void Compensation::step(std::size_t good, std::size_t configured, double advance
   told.rung = rung;
   told.value_m = published_m_;
   told.age_s = lost_s_;
-  if (live && enabled()) told.sd_m = std::hypot(snapshot.deformation_sd_m[0], published_m_ - wanted_m);
+  if (live && enabled()) told.deviation_m = std::hypot(snapshot.deformation_deviation_m[0], published_m_ - wanted_m);
   if (enabled()) told.bits |= bits(CompensationBit::enabled);
   if (std::abs(kept * last_m_) > plan_.warning_m) told.bits |= bits(CompensationBit::warning);
   if (std::abs(kept * last_m_) > plan_.limit_m) told.bits |= bits(CompensationBit::limited);

@@ -19,7 +19,7 @@ void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector
     const SensorPlan& sensor = plan.sensors[k];
     if (!sensor.configured) continue;
     const rom::KeyPoint& point = network.key_points[k];
-    options.sensors.push_back({point.name, point.row, sensor.noise_K, sensor.offset_K, sensor.lag_s});
+    options.sensors.push_back({point.name, point.row, sensor.noise_K, sensor.offset_deviation_K, sensor.lag_s});
     corrector.channels.push_back(k);
     corrector.interval_s.push_back(sensor.interval_s);
   }
@@ -158,7 +158,7 @@ void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_
                       reading.age_s <= probe.stale_after_s && reading.time_ns != probed_ns;
     if (!due || !good) continue;
     probed_ns = reading.time_ns;
-    take_displacement(static_cast<int>(d), reading.value + (d == 0 ? tare_m : 0.0), probe.sd_m, corrector);
+    take_displacement(static_cast<int>(d), reading.value + (d == 0 ? tare_m : 0.0), probe.deviation_m, corrector);
   }
 }
 

@@ -96,7 +96,7 @@ OrderResult Cycle::take_length(const PlcCommand& command) {
   const Displacement& length = command.displacement;
   const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
   const bool taken =
-      take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.sd_m, corrector_);
+      take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.deviation_m, corrector_);
   displacements_ = command.displacements;
   snapshot_.displacement = length;
   ++snapshot_.displacement_orders;

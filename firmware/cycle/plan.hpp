@@ -19,18 +19,18 @@ struct SensorPlan {
   bool configured = false;
   double min_K = 253.15;
   double max_K = 423.15;
-  double stale_after_s = 3.0;  ///< model time
-  double noise_K = 0.03;       ///< 1σ of one reading
-  double offset_K = 0.02;      ///< 1σ of its constant error
-  double lag_s = 0.0;          ///< first-order lag, model time
-  double interval_s = 0.0;     ///< the device renews it so often, readings in between are repeats; 0: each is new
-  double resolution_K = 0.01;  ///< smallest step of the reading
+  double stale_after_s = 3.0;        ///< model time
+  double noise_K = 0.03;             ///< 1σ of one reading
+  double offset_deviation_K = 0.02;  ///< 1σ of its constant error
+  double lag_s = 0.0;                ///< first-order lag, model time
+  double interval_s = 0.0;           ///< the device renews it so often, readings in between are repeats; 0: each is new
+  double resolution_K = 0.01;        ///< smallest step of the reading
 };
 
 /// A displacement probe at one deformation output. It counts as the published value does: of the nose minus the tare.
 struct ProbePlan {
   bool configured = false;
-  double sd_m = 1e-6;
+  double deviation_m = 1e-6;
   double min_m = -1e-3;  ///< a reading outside is not used
   double max_m = 1e-3;
   double interval_s = 60.0;    ///< between readings that are taken in

@@ -22,7 +22,7 @@ void copy(const correction::SensorRecord& from, ChannelUpdate& to) {
   to.observation = from.observation_K;
   to.variance = from.variance_K2;
   to.offset = from.offset_K;
-  to.offset_sd = from.offset_deviation_K;
+  to.offset_deviation = from.offset_deviation_K;
   constexpr int most = std::numeric_limits<std::uint16_t>::max() - 1;
   to.rejected_in_a_row = static_cast<std::uint16_t>(std::min(from.rejected_in_a_row, most));
   if (std::isnan(from.observation_K)) return;
@@ -43,8 +43,8 @@ Snapshot first_snapshot(const rom::Network& network) {
   snapshot.deformations = network.deformations.size();
   snapshot.circuits = network.boundaries.circuits.size();
   snapshot.heats = rom::measured_heats(network.boundaries).size();
-  const Eigen::VectorXd sd_m = rom::output_uncertainty(network).deformations_m;
-  if (sd_m.size() > 0) snapshot.nose_network_sd_m = sd_m[0];
+  const Eigen::VectorXd deviation_m = rom::output_uncertainty(network).deformations_m;
+  if (deviation_m.size() > 0) snapshot.nose_network_deviation_m = deviation_m[0];
   return snapshot;
 }
 
@@ -115,11 +115,11 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
   if (!corrector.estimator) return;
   const correction::EstimatorCorrection& estimator = *corrector.estimator;
   const correction::OutputDeviations& deviations = estimator.deviations();
-  copy(deviations.key_points_K, snapshot.predicted_sd_K);
-  copy(deviations.part_maximum_K, snapshot.part_maximum_sd_K);
+  copy(deviations.key_points_K, snapshot.predicted_deviation_K);
+  copy(deviations.part_maximum_K, snapshot.part_maximum_deviation_K);
   for (std::size_t i = 0; i < snapshot.deformations; ++i) {
-    snapshot.deformation_sd_m[i] = std::hypot(deviations.deformations_m[static_cast<Eigen::Index>(i)],
-                                              snapshot.deformation_raw_m[i] - snapshot.deformation_m[i]);
+    snapshot.deformation_deviation_m[i] = std::hypot(deviations.deformations_m[static_cast<Eigen::Index>(i)],
+                                                     snapshot.deformation_raw_m[i] - snapshot.deformation_m[i]);
   }
   if (!corrector.corrects) return;
   if (corrector.enabled && estimator.consistency().in_doubt()) snapshot.quality |= bits(Quality::estimate_in_doubt);

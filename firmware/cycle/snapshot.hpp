@@ -67,7 +67,7 @@ struct DeviceFrame {
 struct Displacement {
   std::size_t output = 0;
   double value_m = not_a_value;
-  double sd_m = not_a_value;
+  double deviation_m = not_a_value;
 };
 
 enum class TareOrder : std::uint8_t { take, clear };
@@ -111,7 +111,7 @@ struct ChannelUpdate {
   double variance = not_a_value;     ///< expected of the innovation
   double test_ratio = not_a_value;   ///< innovation² / (gate² variance)
   double offset = not_a_value;
-  double offset_sd = not_a_value;
+  double offset_deviation = not_a_value;
   std::uint16_t flags = 0;              ///< bits of Update
   std::uint16_t rejected_in_a_row = 0;  ///< saturates
 };
@@ -128,7 +128,7 @@ struct SensorHealthState {
 /// What the CNC adds to its axis (compensate.hpp).
 struct CompensationState {
   double value_m = not_a_value;
-  double sd_m = not_a_value;
+  double deviation_m = not_a_value;
   double age_s = not_a_value;  ///< since there was a prediction, model time
   Rung rung = Rung::none;
   std::uint16_t bits = 0;  ///< of CompensationBit
@@ -193,11 +193,11 @@ struct Snapshot {
   double nose_m = not_a_value;                                         ///< deformation_m[0] minus the tare
   double nose_uncorrected_m = not_a_value;                             ///< minus the tare
   double tare_m = 0.0;
-  double nose_network_sd_m = not_a_value;  ///< the certificate's part of the nose's standard deviation
+  double nose_network_deviation_m = not_a_value;  ///< the certificate's part of the nose's standard deviation
   // Standard deviations of what is published, NaN with the published law, which knows none.
-  std::array<double, slots::key_points> predicted_sd_K = not_values;
-  std::array<double, slots::parts> part_maximum_sd_K = not_values;
-  std::array<double, slots::deformations> deformation_sd_m = not_values;
+  std::array<double, slots::key_points> predicted_deviation_K = not_values;
+  std::array<double, slots::parts> part_maximum_deviation_K = not_values;
+  std::array<double, slots::deformations> deformation_deviation_m = not_values;
   std::array<double, slots::sources> heat_factor = not_values;
   std::array<double, slots::conductances> conductance_factor = not_values;
 

@@ -88,7 +88,8 @@ void tell_estimator(const std::array<double, slots::key_points>& before_K, const
     const auto channel = static_cast<Eigen::Index>(c);
     const double shift_K = watch.tare.offset_K[k] - before_K[k];
     // Without a tare the offset is as open as the configuration says.
-    const double deviation_K = watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_K;
+    const double deviation_K =
+        watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_deviation_K;
     corrector.estimator->note_tare(channel, shift_K, deviation_K);
     if (watch.others) watch.others->shift_offset(*corrector.estimator, channel, shift_K);
     if (watch.heat) watch.heat->follow(*corrector.estimator);
@@ -173,8 +174,8 @@ void watch_sensors(const rom::Network& network, const CyclePlan& plan, const Sen
       }
       const Eigen::Index channel = record.returned && watch.others ? channel_at(corrector, k) : -1;
       if (channel < 0) continue;
-      corrector.estimator->widen_offset(channel, record.return_offset_K);
-      watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_K);
+      corrector.estimator->widen_offset(channel, record.return_offset_deviation_K);
+      watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
       if (watch.heat) watch.heat->follow(*corrector.estimator);
     }
   }

@@ -59,7 +59,7 @@ void add_update(std::string& row, const ChannelUpdate& update) {
   add(row, update.test_ratio);
   add(row, update.flags);
   add(row, update.offset);
-  add(row, update.offset_sd);
+  add(row, update.offset_deviation);
 }
 
 }  // namespace
@@ -126,10 +126,10 @@ std::string history_row(const Snapshot& snapshot) {
   add_values(row, snapshot.deformation_m, snapshot.deformations, 0.0, um_per_m);
   add_values(row, snapshot.heat_factor, snapshot.sources, 0.0, 1.0);
   add_values(row, snapshot.conductance_factor, snapshot.conductances, 0.0, 1.0);
-  add_values(row, snapshot.predicted_sd_K, snapshot.key_points, 0.0, 1.0);
-  add_values(row, snapshot.part_maximum_sd_K, snapshot.parts, 0.0, 1.0);
+  add_values(row, snapshot.predicted_deviation_K, snapshot.key_points, 0.0, 1.0);
+  add_values(row, snapshot.part_maximum_deviation_K, snapshot.parts, 0.0, 1.0);
   add_values(row, snapshot.deformation_raw_m, snapshot.deformations, 0.0, um_per_m);
-  add_values(row, snapshot.deformation_sd_m, snapshot.deformations, 0.0, um_per_m);
+  add_values(row, snapshot.deformation_deviation_m, snapshot.deformations, 0.0, um_per_m);
   add(row, snapshot.updates);
   add(row, snapshot.parameters_determined);
   for (std::size_t k = 0; k < snapshot.key_points; ++k) add_update(row, snapshot.sensor_update[k]);
@@ -143,7 +143,7 @@ std::string history_row(const Snapshot& snapshot) {
   fmt::format_to(std::back_inserter(row), ",{},{},{},{}", snapshot.clock_ns, snapshot.tare_count,
                  snapshot.displacement_orders, snapshot.displacement.output);
   add_exactly(row, snapshot.displacement.value_m);
-  add_exactly(row, snapshot.displacement.sd_m);
+  add_exactly(row, snapshot.displacement.deviation_m);
   const auto each = [&](const auto& value) {
     for (std::size_t k = 0; k < snapshot.key_points; ++k) add(row, value(k));
   };

@@ -87,7 +87,7 @@ void fill_nose(const Snapshot& snapshot, Filler& fill) {
   }
   fill.value(Register::nose_uncorrected, um_per_m * snapshot.nose_uncorrected_m);
   fill.value(Register::tare, um_per_m * snapshot.tare_m);
-  fill.value(Register::nose_network_sd, um_per_m * snapshot.nose_network_sd_m);
+  fill.value(Register::nose_network_sd, um_per_m * snapshot.nose_network_deviation_m);
   fill.values(Register::deformation, snapshot.deformation_m, 0.0, um_per_m);
   fill.values(Register::deformation_float32, snapshot.deformation_m, 0.0, um_per_m);
 }
@@ -107,10 +107,10 @@ void fill_temperatures(const Snapshot& snapshot, Filler& fill) {
 }
 
 void fill_deviations(const Snapshot& snapshot, Filler& fill) {
-  fill.value(Register::nose_sd, um_per_m * snapshot.deformation_sd_m[0]);
-  fill.values(Register::key_point_sd, snapshot.predicted_sd_K);
-  fill.values(Register::part_maximum_sd, snapshot.part_maximum_sd_K);
-  fill.values(Register::deformation_sd, snapshot.deformation_sd_m, 0.0, um_per_m);
+  fill.value(Register::nose_sd, um_per_m * snapshot.deformation_deviation_m[0]);
+  fill.values(Register::key_point_sd, snapshot.predicted_deviation_K);
+  fill.values(Register::part_maximum_sd, snapshot.part_maximum_deviation_K);
+  fill.values(Register::deformation_sd, snapshot.deformation_deviation_m, 0.0, um_per_m);
   fill.values(Register::deformation_raw, snapshot.deformation_raw_m, 0.0, um_per_m);
   fill.value(Register::nose_raw, um_per_m * (snapshot.deformation_raw_m[0] - snapshot.tare_m));
 }
@@ -126,7 +126,7 @@ void fill_updates(const Snapshot& snapshot, RegisterImage& image) {
     put(image, Register::sensor_test_ratio, update.test_ratio, slot);
     put(image, Register::sensor_update, std::isnan(update.variance) ? not_a_value : update.flags, slot);
     put(image, Register::sensor_offset, update.offset, slot);
-    put(image, Register::sensor_offset_sd, update.offset_sd, slot);
+    put(image, Register::sensor_offset_sd, update.offset_deviation, slot);
   }
   const auto if_estimating = [&](double value) { return snapshot.parameters > 0 ? value : not_a_value; };
   put(image, Register::estimator_updates, if_estimating(snapshot.updates));
@@ -188,7 +188,7 @@ void fill_compensation(const Snapshot& snapshot, Filler& fill) {
   put(fill.image, Register::compensation_rung, bits(told.rung));
   put(fill.image, Register::compensation_bits, told.bits);
   put(fill.image, Register::compensation_age, told.age_s);
-  fill.value(Register::compensation_sd, um_per_m * told.sd_m);
+  fill.value(Register::compensation_sd, um_per_m * told.deviation_m);
   fill.value(Register::compensation_slope, um_per_m * told.slope);
   constexpr double mm_per_m = 1e3;
   fill.value(Register::compensation_reference, mm_per_m * told.reference_m);

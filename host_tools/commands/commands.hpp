@@ -16,6 +16,7 @@ void add_simulate(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_export(CLI::App& app);
 void add_identify(CLI::App& app);
+void add_laws(CLI::App& app);
 void add_registers(CLI::App& app);
 
 #ifdef SPINDLE_TWIN_OFFLINE

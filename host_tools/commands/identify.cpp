@@ -141,7 +141,7 @@ void add_identify(CLI::App& app) {
   command->add_option("--noise-K", identify.noise_K, "of one reading")
       ->capture_default_str()
       ->check(finite_range(1e-4, 10.0, "1e-4 to 10 K"));
-  command->add_option("--offset-K", identify.offset_K, "constant error of each sensor")
+  command->add_option("--offset-K", identify.offset_deviation_K, "constant error of each sensor")
       ->capture_default_str()
       ->check(kelvin);
   command->add_option("--floor-K", identify.floor_K, "what the network is wrong at a sensor")

@@ -67,9 +67,9 @@ Json errors_json(const std::vector<OutputErrors>& outputs, const std::string& un
     Json entry{{"name", output.name}, {"readings", output.twin.count}, {"rise_" + unit, scale * output.rise()}};
     entry["used"] = output.used;
     entry["twin"] = statistics_json(output.twin, unit, scale, output.rise());
-    if (output.with_sd > 0) {
-      entry["sd_" + unit] = scale * output.sd();
-      entry["within_2_sd_percent"] = percent(output.within_2_sd, output.with_sd);
+    if (output.with_deviation > 0) {
+      entry["sd_" + unit] = scale * output.deviation();
+      entry["within_2_sd_percent"] = percent(output.within_2_deviations, output.with_deviation);
     }
     entry["uncorrected"] = statistics_json(output.uncorrected, unit, scale, output.rise());
     list.push_back(entry);
@@ -105,9 +105,9 @@ void print_errors(const char* title, const std::vector<OutputErrors>& outputs, d
                   scale * output.twin.worst, scale * output.twin.last);
       output.rise() > 0.0 ? std::printf(" %7.1f %%", 100.0 * output.twin.rms() / output.rise())
                           : std::printf(" %9s", "");
-      output.with_sd > 0
-          ? std::printf(" %9.3f %7.1f %%", scale * output.sd(), percent(output.within_2_sd, output.with_sd))
-          : std::printf(" %9s %9s", "", "");
+      output.with_deviation > 0 ? std::printf(" %9.3f %7.1f %%", scale * output.deviation(),
+                                              percent(output.within_2_deviations, output.with_deviation))
+                                : std::printf(" %9s %9s", "", "");
       if (output.uncorrected.count > 0) std::printf(" %16.3f", scale * output.uncorrected.rms());
     }
     std::printf("\n");
@@ -179,7 +179,8 @@ void add_replay(CLI::App& app) {
   };
   of_estimator("--floor-K", replay.floor_K, "what the network itself may be off at a sensor, 1 sigma, K", 0.0, 10.0,
                "0 to 10 K");
-  of_estimator("--offset-K", replay.offset_K, "constant error of each sensor, 1 sigma, K", 1e-4, 10.0, "1e-4 to 10 K");
+  of_estimator("--offset-K", replay.offset_deviation_K, "constant error of each sensor, 1 sigma, K", 1e-4, 10.0,
+               "1e-4 to 10 K");
   of_estimator("--lag-s", replay.lag_s, "lag of each sensor, s", 0.0, 600.0, "0 to 600 s");
   of_estimator("--start-K", replay.start_K, "how far the start temperature may be off, 1 sigma, K", 0.0, 10.0,
                "0 to 10 K");

@@ -26,6 +26,7 @@ nlohmann::json boundaries_json(const Inspection& result) {
                                {"nominal_W", boundaries.sources[i].nominal_W},
                                {"operating_W", result.values.heat_W[static_cast<Eigen::Index>(i)]}});
     if (boundaries.sources[i].measured) json["sources"].back()["measured"] = true;
+    if (boundaries.sources[i].friction) json["sources"].back()["friction"] = true;
     if (boundaries.sources[i].physics)
       json["sources"].back()["law"] = law_json(result.network, *boundaries.sources[i].physics);
   }

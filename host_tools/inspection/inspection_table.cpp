@@ -14,6 +14,7 @@ void print_inputs(const Inspection& result) {
     const rom::HeatSource& source = boundaries.sources[i];
     const std::string from = source.physics    ? "  " + law_words(result.network, *source.physics)
                              : source.measured ? "  measured"
+                             : source.friction ? "  friction"
                                                : "";
     std::printf("%-24s %12.2f %12.2f%s\n", source.name.c_str(), source.nominal_W,
                 result.values.heat_W[static_cast<Eigen::Index>(i)], from.c_str());

@@ -16,7 +16,7 @@ std::string place_of(const rom::Network& network, const rom::LawTemperature& tem
 }  // namespace
 
 std::string law_words(const rom::Network& network, const rom::BoundLaw& law) {
-  std::string words(rom::law_kinds[law.law.parameters.index()]);
+  std::string words(rom::traits_of(law.law).kind);
   std::string reads;
   const auto add = [&](const std::string& name) {
     if (!name.empty()) reads.append(reads.empty() ? " of " : ", ").append(name);
@@ -32,10 +32,10 @@ std::string law_words(const rom::Network& network, const rom::BoundLaw& law) {
 }
 
 nlohmann::json law_json(const rom::Network& network, const rom::BoundLaw& law) {
-  nlohmann::json json{{"kind", std::string(rom::law_kinds[law.law.parameters.index()])},
+  nlohmann::json json{{"kind", std::string(rom::traits_of(law.law).kind)},
                       {"mode", std::string(rom::law_modes[static_cast<std::size_t>(law.law.mode)])},
                       {"numbers", nlohmann::json::object()}};
-  const rom::LawTemperatureNames& names = rom::law_temperatures[law.law.parameters.index()];
+  const rom::LawTemperatureNames& names = rom::traits_of(law.law).temperatures;
   for (const auto& [word, temperature] : {std::pair{names.first, law.first}, {names.second, law.second}}) {
     if (word.empty()) continue;
     const std::string key(word);

@@ -91,6 +91,7 @@ void add_boundaries(const rom::Network& network, Facts& facts) {
     facts.add("nominal_W", boundaries.sources[i].nominal_W);
     facts.add("law", text_of(boundaries.sources[i].law));
     if (boundaries.sources[i].measured) facts.add("measured", std::string("yes"));
+    if (boundaries.sources[i].friction) facts.add("friction", std::string("yes"));
     add_law(network, boundaries.sources[i].physics, facts);
     facts.add("distribution", network.source_distribution.col(static_cast<Eigen::Index>(i)));
   }

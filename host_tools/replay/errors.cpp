@@ -8,17 +8,17 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-void add_reading(double measured, double predicted, double sd, double uncorrected, double time_s,
+void add_reading(double measured, double predicted, double deviation, double uncorrected, double time_s,
                  OutputErrors& errors) {
   if (!std::isfinite(measured) || !std::isfinite(predicted)) return;
   const bool first = errors.twin.count == 0;
   errors.lowest = first ? measured : std::min(errors.lowest, measured);
   errors.highest = first ? measured : std::max(errors.highest, measured);
   errors.twin.add(predicted - measured, time_s);
-  if (std::isfinite(sd)) {
-    ++errors.with_sd;
-    errors.sum_of_variances += sd * sd;
-    if (std::abs(predicted - measured) <= 2.0 * sd) ++errors.within_2_sd;
+  if (std::isfinite(deviation)) {
+    ++errors.with_deviation;
+    errors.sum_of_variances += deviation * deviation;
+    if (std::abs(predicted - measured) <= 2.0 * deviation) ++errors.within_2_deviations;
   }
   if (std::isfinite(uncorrected)) errors.uncorrected.add(uncorrected - measured, time_s);
 }
@@ -38,8 +38,8 @@ double ErrorStatistics::rms() const {
   return count > 0 ? std::sqrt(sum_of_squares / static_cast<double>(count)) : firmware::not_a_value;
 }
 
-double OutputErrors::sd() const {
-  return with_sd > 0 ? std::sqrt(sum_of_variances / static_cast<double>(with_sd)) : firmware::not_a_value;
+double OutputErrors::deviation() const {
+  return with_deviation > 0 ? std::sqrt(sum_of_variances / static_cast<double>(with_deviation)) : firmware::not_a_value;
 }
 
 ReplayErrors::ReplayErrors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log, double from_s)
@@ -83,8 +83,8 @@ void ReplayErrors::judge(const LogRow& row) {
     const double uncorrected_K = predicted(before_.snapshot.uncorrected_K[k], after_.snapshot.uncorrected_K[k]);
     if (row.measured_K[k] < limits_[k].min_K || row.measured_K[k] > limits_[k].max_K) continue;
     error_K_[k] = twin_K - row.measured_K[k];
-    const double sd_K = after_.snapshot.predicted_sd_K[k];
-    if (counts) add_reading(row.measured_K[k], twin_K, sd_K, uncorrected_K, row.time_s, sensors_[i]);
+    const double deviation_K = after_.snapshot.predicted_deviation_K[k];
+    if (counts) add_reading(row.measured_K[k], twin_K, deviation_K, uncorrected_K, row.time_s, sensors_[i]);
   }
   const auto open_loop_m = [](const Prediction& prediction, std::size_t d) {
     return d == 0 ? prediction.snapshot.nose_uncorrected_m + prediction.snapshot.tare_m : firmware::not_a_value;
@@ -93,8 +93,8 @@ void ReplayErrors::judge(const LogRow& row) {
     const std::size_t d = deformation_slots_[i];
     const double twin_m = predicted(before_.snapshot.deformation_m[d], after_.snapshot.deformation_m[d]);
     const double uncorrected_m = predicted(open_loop_m(before_, d), open_loop_m(after_, d));
-    const double sd_m = after_.snapshot.deformation_sd_m[d];
-    add_reading(row.deformation_m[d], twin_m, sd_m, uncorrected_m, row.time_s, deformations_[i]);
+    const double deviation_m = after_.snapshot.deformation_deviation_m[d];
+    add_reading(row.deformation_m[d], twin_m, deviation_m, uncorrected_m, row.time_s, deformations_[i]);
   }
 }
 

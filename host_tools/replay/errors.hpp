@@ -29,11 +29,11 @@ struct OutputErrors {
   ErrorStatistics uncorrected{};  ///< without a count where the cycle does not publish it
 
   // Against the published standard deviation, where there is one; the reading's own noise is not in it.
-  std::size_t with_sd = 0;
-  std::size_t within_2_sd = 0;
+  std::size_t with_deviation = 0;
+  std::size_t within_2_deviations = 0;
   double sum_of_variances = 0.0;
 
-  double sd() const;  ///< root mean square
+  double deviation() const;  ///< root mean square
   double rise() const { return highest - lowest; }
 };
 

@@ -73,7 +73,7 @@ void choose_correction(const std::string& wanted, firmware::Config& config) {
 /// What the command line says of the estimator and of the sensors' health.
 void apply_estimator_options(const ReplayOptions& options, firmware::CyclePlan& cycle) {
   const std::pair<const char*, const std::optional<double>*> given[] = {{"--floor-K", &options.floor_K},
-                                                                        {"--offset-K", &options.offset_K},
+                                                                        {"--offset-K", &options.offset_deviation_K},
                                                                         {"--lag-s", &options.lag_s},
                                                                         {"--start-K", &options.start_K}};
   for (const auto& [name, value] : given) {
@@ -82,7 +82,7 @@ void apply_estimator_options(const ReplayOptions& options, firmware::CyclePlan& 
   if (cycle.estimator) {
     correction::EstimatorOptions& estimator = *cycle.estimator;
     estimator.floor_K = options.floor_K.value_or(estimator.floor_K);
-    estimator.offset_K = options.offset_K.value_or(estimator.offset_K);
+    estimator.offset_deviation_K = options.offset_deviation_K.value_or(estimator.offset_deviation_K);
     estimator.lag_s = options.lag_s.value_or(estimator.lag_s);
     estimator.priors.start_K = options.start_K.value_or(estimator.priors.start_K);
   }

@@ -19,11 +19,11 @@ struct ReplayOptions {
   std::optional<double> start_degC;  ///< of the whole spindle; else the configuration's, else the sensors' mean
   double longest_gap_s = 60.0;       ///< between two rows of a plain log
   // Without a configuration, and of the estimator; empty: its defaults.
-  std::optional<double> floor_K;   ///< correlated error of the model at a sensor, 1σ
-  std::optional<double> offset_K;  ///< constant error of each sensor, 1σ
-  std::optional<double> lag_s;     ///< first-order lag of each sensor
-  std::optional<double> start_K;   ///< how sure the start temperature is, 1σ
-  std::string health;              ///< on, off; empty: on
+  std::optional<double> floor_K;             ///< correlated error of the model at a sensor, 1σ
+  std::optional<double> offset_deviation_K;  ///< constant error of each sensor, 1σ
+  std::optional<double> lag_s;               ///< first-order lag of each sensor
+  std::optional<double> start_K;             ///< how sure the start temperature is, 1σ
+  std::string health;                        ///< on, off; empty: on
 };
 
 /// The plan that the daemon would run, made by the same steps. Without a configuration: every sensor that the log has,

@@ -12,10 +12,9 @@ double nominal_K(const LawTemperature& temperature, const Eigen::VectorXd& envir
   return temperature.environment < 0 ? temperature.nominal_K : environment_K[temperature.environment];
 }
 
-template <class Law>
-bool has_heat_of(const Boundaries& boundaries) {
-  return std::any_of(boundaries.sources.begin(), boundaries.sources.end(), [](const HeatSource& source) {
-    return source.physics && std::holds_alternative<Law>(source.physics->law.parameters);
+bool has_heat_of(MeasuredDrive drive, const Boundaries& boundaries) {
+  return std::any_of(boundaries.sources.begin(), boundaries.sources.end(), [&](const HeatSource& source) {
+    return source.physics && traits_of(source.physics->law).measured == drive;
   });
 }
 
@@ -78,8 +77,8 @@ bool has_physics(const Boundaries& boundaries) {
          std::any_of(boundaries.conductances.begin(), boundaries.conductances.end(), physical);
 }
 
-bool follows_current(const Boundaries& boundaries) { return has_heat_of<CopperLaw>(boundaries); }
+bool follows_current(const Boundaries& boundaries) { return has_heat_of(MeasuredDrive::current, boundaries); }
 
-bool follows_power(const Boundaries& boundaries) { return has_heat_of<MotorEfficiencyLaw>(boundaries); }
+bool follows_power(const Boundaries& boundaries) { return has_heat_of(MeasuredDrive::power, boundaries); }
 
 }  // namespace spindle_twin::rom

@@ -43,12 +43,13 @@ void read_heat(const TomlTable& table, Names& names, Draft& draft) {
   HeatSource source;
   source.name = names.add(table);
   source.measured = table.boolean_or("measured", false);
-  if (const auto law = optional_law(table, {"heat_W", "speed_law"})) {
+  if (const auto law = optional_law(table, {"heat_W", "speed_law", "friction"})) {
     if (source.measured) table.fail("measured", "cannot stand beside a law: the heat is one or the other");
     draft.laws.push_back({*law, LawRole::heat, draft.network.boundaries.sources.size(), {}});
   } else {
     source.nominal_W = table.number("heat_W", not_negative);
     source.law = read_speed_law(table);
+    source.friction = read_friction(table, source.law);
   }
   Eigen::MatrixXd& distribution = draft.network.source_distribution;
   distribution.conservativeResize(draft.size(), distribution.cols() + 1);

@@ -193,6 +193,8 @@ void check_inputs(const Network& network, Eigen::Index nodes, const Checker& che
     check.law(source.law, boundaries.reference_speed_rpm, field);
     check.physics(source.physics, true, -1, network, field);
     check.require(!(source.measured && source.physics), field + " measured", "cannot follow a physical law besides");
+    check.require(!(source.friction && source.physics), field + " friction",
+                  "cannot be said of a physical law, which follows its temperatures itself");
     const auto column = network.source_distribution.col(static_cast<Eigen::Index>(i));
     check.finite(column, field + " distribution");
     check.sums_to_one(column.sum(), field + " distribution");

@@ -90,6 +90,7 @@ bool decode_source(pb_istream_t* stream, SourceWithDistribution& item) {
   item.source.nominal_W = message.nominal_W;
   item.source.measured = message.measured;
   take_law(message.law, item.source.law);
+  item.source.friction = message.has_friction ? message.friction : is_friction_unless_said(item.source.law);
   return true;
 }
 

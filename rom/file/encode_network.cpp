@@ -83,7 +83,7 @@ struct EncodedLaw {
 
   explicit EncodedLaw(const std::optional<BoundLaw>& physics) {
     if (!physics) return;
-    kind = law_kinds[physics->law.parameters.index()];
+    kind = traits_of(physics->law).kind;
     numbers = law_numbers(physics->law.parameters);
   }
 };
@@ -151,6 +151,8 @@ bool encode_source(pb_ostream_t* stream, const NetworkList<HeatSource>& list, st
   message.name = attach(item.name);
   message.nominal_W = item.nominal_W;
   message.measured = item.measured;
+  message.has_friction = item.friction != is_friction_unless_said(item.law);
+  message.friction = item.friction;
   message.has_law = true;
   message.law = law_message(item.law);
   message.distribution = attach(distribution);

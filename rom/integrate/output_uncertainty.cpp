@@ -14,12 +14,12 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 /// `worst_of_all` stands in where there is no error per output.
 Eigen::VectorXd deviations(const std::vector<OutputError>& errors, std::size_t outputs, double worst_of_all) {
   const auto count = static_cast<Eigen::Index>(outputs);
-  Eigen::VectorXd sigmas = Eigen::VectorXd::Constant(count, certificate_deviation({worst_of_all, 0.0, 0.0}));
-  if (errors.size() != outputs) return sigmas;
+  Eigen::VectorXd deviations = Eigen::VectorXd::Constant(count, certificate_deviation({worst_of_all, 0.0, 0.0}));
+  if (errors.size() != outputs) return deviations;
   for (Eigen::Index i = 0; i < count; ++i) {
-    sigmas[i] = certificate_deviation(errors[static_cast<std::size_t>(i)]);
+    deviations[i] = certificate_deviation(errors[static_cast<std::size_t>(i)]);
   }
-  return sigmas;
+  return deviations;
 }
 
 }  // namespace

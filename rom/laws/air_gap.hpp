@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "rom/laws/fluid.hpp"
+#include "rom/laws/law.hpp"
 
 namespace spindle_twin::rom {
 
@@ -60,5 +61,43 @@ LawValue<Scalar> end_winding_W_per_m2K(LawMode mode, const EndWinding& winding, 
   return {winding.still_W_per_m2K * (1.0 + winding.speed_factor * power),
           range_flags(magnitude(speed_m_per_s), 0.0, 100.0)};
 }
+
+/// [W/m²K], wall to wall: first = rotor, second = stator.
+struct AirGapLaw {
+  static constexpr LawTraits traits{"air_gap", LawRole::conductance, {"rotor", "stator"}};
+  AirGap gap;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"rotor_radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.gap.rotor_radius_m);
+    visit({"gap_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.gap.gap_m);
+    visit({"rotor_expansion_per_K", law_ranges::expansion, false, WrittenUnit::si, {}}, law.gap.rotor_expansion_per_K);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return air_gap_W_per_m2K(in.mode, gap, in.speed_rpm, in.first_K, in.second_K);
+  }
+  static AirGapLaw example() { return {{0.04, 0.0005, 1.17e-5}}; }
+};
+
+/// [W/m²K]: speed of the rotor's surface at radius_m.
+struct EndWindingLaw {
+  static constexpr LawTraits traits{"end_winding", LawRole::conductance};
+  EndWinding winding;
+  double radius_m = 0.0;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.radius_m);
+    visit({"still_W_per_m2K", law_ranges::above_0, false, WrittenUnit::si, {}}, law.winding.still_W_per_m2K);
+    visit({"speed_factor", law_ranges::from_0, false, WrittenUnit::si, {}}, law.winding.speed_factor);
+    visit({"exponent", {0.0, 2.0, true, true}, false, WrittenUnit::si, {}}, law.winding.exponent);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return end_winding_W_per_m2K(in.mode, winding, Number(in.speed_rpm * (std::numbers::pi / 30.0 * radius_m)));
+  }
+  static EndWindingLaw example() { return {{}, 0.04}; }
+};
 
 }  // namespace spindle_twin::rom

@@ -2,6 +2,9 @@
 
 #include <numbers>
 
+#include "rom/laws/bearing_preload.hpp"
+#include "rom/laws/fluid.hpp"
+#include "rom/laws/law.hpp"
 #include "rom/laws/smooth.hpp"
 
 namespace spindle_twin::rom {
@@ -90,5 +93,71 @@ LawValue<Scalar> bearing_heat_W(LawMode mode, const BearingFriction& bearing, co
   }
   return result;
 }
+
+/// Friction of one row [W]: first = inner ring, second = outer ring, displacement = axial closing of the rings.
+/// Lubricant and balls have the mean temperature of both rings.
+struct BearingHeatLaw {
+  static constexpr LawTraits traits{
+      "bearing_friction", LawRole::heat, {"inner_ring", "outer_ring"}, MeasuredDrive::none, true};
+  BearingFriction friction;
+  BearingPreload preload;
+  Lubricant oil;
+  double radial_N = 0.0;
+  double assembly_K = 293.15;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"pitch_diameter_m", law_ranges::length_m, true, mm, {}}, law.friction.pitch_diameter_m);
+    visit({"viscous_factor", law_ranges::from_0, true, si, {}}, law.friction.viscous_factor);
+    visit({"static_rating_N", law_ranges::above_0, true, si, {}}, law.friction.static_rating_N);
+    visit({"contact_angle_rad", law_ranges::angle_rad, true, degree, {}}, law.friction.contact_angle_rad);
+    visit({"load_factor", law_ranges::from_0, false, si, {}}, law.friction.load_factor);
+    visit({"load_exponent", {0.0, 5.0, false, false}, false, si, {}}, law.friction.load_exponent);
+    visit({"inlet_shear", {0.0, 1.0, false, false}, false, si, off_on}, law.friction.inlet_shear);
+    visit({"balls", {1.0, 1e4, false, false}, true, si, {}}, law.preload.balls);
+    visit({"ball_diameter_m", law_ranges::length_m, true, mm, {}}, law.preload.ball_diameter_m);
+    visit({"preload_angle_rad", law_ranges::angle_rad, false, degree, {}}, law.preload.contact_angle_rad);
+    visit({"preload_N", law_ranges::above_0, true, si, {}}, law.preload.initial_N);
+    visit({"spring_N_per_m", law_ranges::from_0, false, si, {}}, law.preload.spring_N_per_m);
+    visit({"inner_contact_radius_m", law_ranges::length_m, false, mm, {}}, law.preload.inner_radius_m);
+    visit({"outer_contact_radius_m", law_ranges::length_m, false, mm, {}}, law.preload.outer_radius_m);
+    visit({"ring_expansion_per_K", law_ranges::expansion, false, si, {}}, law.preload.ring_expansion_per_K);
+    visit({"ball_expansion_per_K", law_ranges::expansion, false, si, {}}, law.preload.ball_expansion_per_K);
+    visit({"walther_a", {0.0, 100.0, true, false}, false, viscosities, {}}, law.oil.walther_a);
+    visit({"walther_b", {0.0, 100.0, true, false}, false, viscosities, {}}, law.oil.walther_b);
+    visit({"radial_N", law_ranges::from_0, false, si, {}}, law.radial_N);
+    visit({"assembly_K", law_ranges::kelvin, false, degC, {}}, law.assembly_K);
+  }
+  /// The preload acts at the contact angle, the balls touch the rings where that angle and their diameter say.
+  template <class Given>
+  void complete(const Given& given) {
+    const double angle_rad = friction.contact_angle_rad;
+    const double offset_m = 0.5 * preload.ball_diameter_m * std::cos(angle_rad);
+    if (!given("preload_angle_rad")) preload.contact_angle_rad = angle_rad;
+    if (!given("inner_contact_radius_m")) preload.inner_radius_m = 0.5 * friction.pitch_diameter_m - offset_m;
+    if (!given("outer_contact_radius_m")) preload.outer_radius_m = 0.5 * friction.pitch_diameter_m + offset_m;
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    const Number oil_K = in.mean_K();
+    const auto nu = lubricant_viscosity_m2_per_s(in.mode, oil, oil_K);
+    const auto axial_N = preload_N(preload, Number(in.first_K - assembly_K), Number(in.second_K - assembly_K),
+                                   Number(oil_K - assembly_K), in.displacement_m);
+    auto heat = bearing_heat_W(in.mode, friction, nu.value, axial_N.value, radial_N, in.speed_rpm);
+    heat.flags |= nu.flags;
+    heat.flags |= axial_N.flags;
+    return heat;
+  }
+  static BearingHeatLaw example() {
+    BearingHeatLaw law;
+    law.friction.pitch_diameter_m = 0.065;
+    law.friction.static_rating_N = 20000.0;
+    law.friction.contact_angle_rad = 0.436;
+    law.preload = {18.0, 9.525e-3, 0.436, 250.0, 0.0, 0.0275, 0.0375};
+    law.oil = lubricant_through(313.15, 32e-6, 373.15, 5.4e-6);
+    return law;
+  }
+};
 
 }  // namespace spindle_twin::rom

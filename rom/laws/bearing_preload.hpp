@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "rom/laws/law.hpp"
 #include "rom/laws/smooth.hpp"
 
 namespace spindle_twin::rom {
@@ -92,5 +93,28 @@ Scalar film_thickness_ratio(const Scalar& speed, double material, double load, d
   return 2.69 * pow(speed, 0.67) * std::pow(material, 0.53) * std::pow(load, -0.067) *
          (1.0 - 0.61 * std::exp(-0.73 * ellipticity));
 }
+
+/// [W/m²K] over area_m2: rings through the balls.
+struct BearingPathLaw {
+  static constexpr LawTraits traits{"bearing_path", LawRole::conductance};
+  BearingConductance bearing;
+  double area_m2 = 1.0;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"balls", {1.0, 1e4, false, false}, true, WrittenUnit::si, {}}, law.bearing.balls);
+    visit({"ball_diameter_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.bearing.ball_diameter_m);
+    visit({"inner_raceway_radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}},
+          law.bearing.inner_raceway_radius_m);
+    visit({"area_m2", law_ranges::above_0, true, WrittenUnit::mm2, {}}, law.area_m2);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    auto path = bearing_conductance_W_per_K(in.mode, bearing, in.speed_rpm);
+    path.value = path.value / area_m2;
+    return path;
+  }
+  static BearingPathLaw example() { return {{18.0, 9.52e-3, 0.025}, 0.01}; }
+};
 
 }  // namespace spindle_twin::rom

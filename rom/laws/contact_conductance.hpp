@@ -1,5 +1,10 @@
 #pragma once
 
+#include <numbers>
+#include <optional>
+
+#include "rom/laws/interference_fit.hpp"
+#include "rom/laws/law.hpp"
 #include "rom/laws/smooth.hpp"
 
 namespace spindle_twin::rom {
@@ -94,5 +99,53 @@ LawValue<Scalar> contact_conductance_W_per_m2K(LawMode mode, const ContactSurfac
   }
   return {spot_conductance_W_per_m2K(surfaces, P) + gap_conductance_W_per_m2K(surfaces, P, clearance_m), flags};
 }
+
+inline constexpr std::array<std::string_view, 3> contact_formulas = {"plastic", "elastic", "paper"};
+
+/// [W/m²K]: first = inner body, second = outer body of the fit; without a fit the pressure input decides.
+struct ContactLaw {
+  static constexpr LawTraits traits{"contact", LawRole::conductance, {"inner_body", "outer_body"}};
+  ContactSurfaces surfaces;
+  std::optional<InterferenceFit> fit;
+  double assembly_K = 293.15;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"formula", {0.0, 2.0, false, false}, false, si, contact_formulas}, law.surfaces.formula);
+    visit({"conductivity_W_per_mK", law_ranges::above_0, true, si, {}}, law.surfaces.conductivity_W_per_mK);
+    visit({"roughness_m", law_ranges::length_m, true, um, {}}, law.surfaces.roughness_m);
+    visit({"slope", {0.0, 10.0, true, false}, true, si, {}}, law.surfaces.slope);
+    visit({"hardness_Pa", law_ranges::above_0, false, si, {}}, law.surfaces.hardness_Pa);
+    visit({"young_Pa", law_ranges::above_0, true, si, {}}, law.surfaces.young_Pa);
+    visit({"gap_conductivity_W_per_mK", law_ranges::from_0, false, si, {}}, law.surfaces.gap_conductivity_W_per_mK);
+    visit({"gas_jump_m", {0.0, 1.0, false, false}, false, um, {}}, law.surfaces.gas_jump_m);
+    visit({"paper_constant", law_ranges::above_0, false, si, {}}, law.surfaces.paper_constant);
+    visit({"assembly_K", law_ranges::kelvin, false, degC, {}}, law.assembly_K);
+    visit.optional("fit", law.fit, [&](auto& fit) { InterferenceFit::each(fit, visit); });
+  }
+  bool reads_pressure() const { return !fit; }
+  std::string_view fault() const {
+    if (!fit || (fit->bore_radius_m < fit->joint_radius_m && fit->joint_radius_m < fit->outer_radius_m)) return {};
+    return "fit_joint_radius_m: must lie between bore and outer radius";
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    if (!fit) return contact_conductance_W_per_m2K(in.mode, surfaces, in.pressure_Pa, Number(0.0));
+    const auto pressed = fit_state(in.mode, *fit, Number(in.first_K - assembly_K), Number(in.second_K - assembly_K),
+                                   Number(in.speed_rpm * (std::numbers::pi / 30.0)));
+    auto conductance = contact_conductance_W_per_m2K(in.mode, surfaces, pressed.pressure_Pa, pressed.gap_m);
+    conductance.flags |= pressed.flags;
+    return conductance;
+  }
+  static ContactLaw example() {
+    ContactLaw law;
+    law.surfaces.conductivity_W_per_mK = 45.9;
+    law.surfaces.roughness_m = 1.13e-6;
+    law.surfaces.slope = 0.141;
+    law.surfaces.young_Pa = 116e9;
+    return law;
+  }
+};
 
 }  // namespace spindle_twin::rom

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "rom/laws/fluid.hpp"
+#include "rom/laws/law.hpp"
 
 namespace spindle_twin::rom {
 
@@ -176,5 +177,52 @@ LawValue<Scalar> channel_film_W_per_m2K(LawMode mode, const ChannelShape& shape,
   }
   return result;
 }
+
+inline constexpr std::array<std::string_view, 2> channel_formulas = {"gnielinski", "paper_trio"};
+
+/// [W/m²K]: first = wall, second = liquid. The channel law makes the segment's effective value of it.
+struct ChannelLaw {
+  static constexpr LawTraits traits{"channel", LawRole::channel, {"wall", "liquid"}};
+  ChannelShape shape;
+  Liquid liquid;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"formula", {0.0, 1.0, false, false}, false, si, channel_formulas}, law.shape.formula);
+    visit({"hydraulic_diameter_m", law_ranges::length_m, true, mm, {}}, law.shape.hydraulic_diameter_m);
+    visit({"perimeter_m", law_ranges::length_m, true, mm, {}}, law.shape.perimeter_m);
+    visit({"length_m", law_ranges::length_m, true, mm, {}}, law.shape.length_m);
+    visit({"coil_diameter_m", {0.0, 1e3, false, false}, false, mm, {}}, law.shape.coil_diameter_m);
+    visit({"laminar_limit", {0.1, 100.0, false, false}, false, si, {}}, law.shape.laminar_limit);
+    visit({"liquid_viscosity_Pa_s", law_ranges::above_0, false, si, {}}, law.liquid.viscosity_Pa_s);
+    visit({"liquid_vogel_K", {0.0, 1e4, false, false}, false, si, {}}, law.liquid.vogel_K);
+    visit({"liquid_vogel_zero_K", {0.0, 1e4, false, false}, false, si, {}}, law.liquid.vogel_zero_K);
+    visit({"liquid_conductivity_W_per_mK", law_ranges::any, false, si, {}}, law.liquid.conductivity_W_per_mK);
+    visit({"liquid_conductivity_slope_W_per_mK2", law_ranges::any, false, si, {}},
+          law.liquid.conductivity_slope_W_per_mK2);
+    visit({"liquid_conductivity_curve_W_per_mK3", law_ranges::any, false, si, {}},
+          law.liquid.conductivity_curve_W_per_mK3);
+    visit({"liquid_density_kg_per_m3", law_ranges::above_0, false, si, {}}, law.liquid.density_kg_per_m3);
+    visit({"liquid_heat_capacity_J_per_kgK", law_ranges::above_0, false, si, {}}, law.liquid.heat_capacity_J_per_kgK);
+    visit({"liquid_coldest_K", law_ranges::kelvin, false, degC, {}}, law.liquid.coldest_K);
+    visit({"liquid_hottest_K", law_ranges::kelvin, false, degC, {}}, law.liquid.hottest_K);
+  }
+  std::string_view fault() const {
+    if (liquid.coldest_K + 2.0 < liquid.hottest_K && liquid.vogel_zero_K < liquid.coldest_K) return {};
+    return "liquid_coldest_K: must lie above vogel_zero_K and 2 K below hottest_K";
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return channel_film_W_per_m2K(in.mode, shape, liquid, in.flow_kg_per_s, in.first_K, in.second_K);
+  }
+  static ChannelLaw example() {
+    ChannelLaw law;
+    law.shape.hydraulic_diameter_m = 0.008;
+    law.shape.perimeter_m = 0.0251;
+    law.shape.length_m = 3.0;
+    return law;
+  }
+};
 
 }  // namespace spindle_twin::rom

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "rom/laws/law.hpp"
 #include "rom/laws/smooth.hpp"
 
 namespace spindle_twin::rom {
@@ -18,6 +19,24 @@ struct InterferenceFit {
   double interference_m = 0.0;    ///< d₀, radial, at assembly; negative: clearance
   double centrifugal_m_s2 = 0.0;  ///< radial interference lost per ω²
   double corner_m = 1e-7;         ///< interference over which pressing turns into a gap
+
+  /// As a law lists its numbers.
+  template <class Fit, class Visit>
+  static void each(Fit& fit, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"fit_bore_radius_m", {0.0, 1e3, false, false}, true, mm, {}}, fit.bore_radius_m);
+    visit({"fit_joint_radius_m", law_ranges::length_m, true, mm, {}}, fit.joint_radius_m);
+    visit({"fit_outer_radius_m", law_ranges::length_m, true, mm, {}}, fit.outer_radius_m);
+    visit({"fit_interference_m", {-0.1, 0.1, false, false}, true, um, {}}, fit.interference_m);
+    visit({"fit_inner_young_Pa", law_ranges::above_0, true, si, {}}, fit.inner_young_Pa);
+    visit({"fit_inner_poisson", {0.0, 0.5, false, true}, true, si, {}}, fit.inner_poisson);
+    visit({"fit_inner_expansion_per_K", law_ranges::expansion, true, si, {}}, fit.inner_expansion_per_K);
+    visit({"fit_outer_young_Pa", law_ranges::above_0, true, si, {}}, fit.outer_young_Pa);
+    visit({"fit_outer_poisson", {0.0, 0.5, false, true}, true, si, {}}, fit.outer_poisson);
+    visit({"fit_outer_expansion_per_K", law_ranges::expansion, true, si, {}}, fit.outer_expansion_per_K);
+    visit({"fit_centrifugal_m_s2", law_ranges::from_0, false, si, {}}, fit.centrifugal_m_s2);
+    visit({"fit_corner_m", {1e-12, 1e-3, false, false}, false, um, {}}, fit.corner_m);
+  }
 };
 
 /// Pressure per radial interference [Pa/m] (Lamé 1852):

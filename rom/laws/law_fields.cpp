@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
+
+#include "rom/units.hpp"
 
 namespace spindle_twin::rom {
 namespace {
@@ -99,22 +102,54 @@ struct Assign {
   }
 };
 
-template <std::size_t... I>
-std::optional<LawParameters> make_kind(std::string_view kind, std::index_sequence<I...>) {
+/// What make() gives for the law whose kind it is.
+template <class Make, class... Laws>
+std::optional<LawParameters> law_of(std::string_view kind, const Make& make, const std::variant<Laws...>*) {
   std::optional<LawParameters> made;
-  ((kind == law_kinds[I] ? (void)made.emplace(std::in_place_index<I>) : void()), ...);
+  ((kind == Laws::traits.kind ? (void)made.emplace(make(std::type_identity<Laws>())) : void()), ...);
   return made;
 }
 
+constexpr const LawParameters* every_law = nullptr;
+
 }  // namespace
 
+WrittenKey written_key(std::string_view name, WrittenUnit unit) {
+  const auto instead = [&](std::string_view si_unit, std::string_view by) {
+    return std::string(name.substr(0, name.size() - si_unit.size())).append(by);
+  };
+  switch (unit) {
+    case WrittenUnit::mm:
+      return {instead("_m", "_mm"), 1e-3, 0.0};
+    case WrittenUnit::um:
+      return {instead("_m", "_um"), 1e-6, 0.0};
+    case WrittenUnit::mm2:
+      return {instead("_m2", "_mm2"), 1e-6, 0.0};
+    case WrittenUnit::degree:
+      return {instead("_rad", "_deg"), std::numbers::pi / 180.0, 0.0};
+    case WrittenUnit::degC:
+      return {instead("_K", "_degC"), 1.0, zero_degC_K};
+    case WrittenUnit::viscosities:
+      return {"viscosities"};
+    case WrittenUnit::si:
+      break;
+  }
+  return {std::string(name)};
+}
+
 std::optional<LawParameters> default_law(std::string_view kind) {
-  return make_kind(kind, std::make_index_sequence<std::variant_size_v<LawParameters>>());
+  return law_of(
+      kind, []<class Law>(std::type_identity<Law>) { return Law{}; }, every_law);
+}
+
+std::optional<LawParameters> example_law(std::string_view kind) {
+  return law_of(
+      kind, []<class Law>(std::type_identity<Law>) { return Law::example(); }, every_law);
 }
 
 std::vector<NamedNumber> law_numbers(const LawParameters& parameters) {
   Collect collect;
-  std::visit([&](const auto& law) { law_fields::each(law, collect); }, parameters);
+  std::visit([&]<class Law>(const Law& law) { Law::each(law, collect); }, parameters);
   return std::move(collect.numbers);
 }
 
@@ -122,30 +157,23 @@ LawParameters law_from_numbers(const std::string& kind, const std::vector<NamedN
   std::optional<LawParameters> made = default_law(kind);
   if (!made) throw std::invalid_argument("there is no law \"" + kind + "\"");
   Assign assign{numbers};
-  std::visit([&](auto& law) { law_fields::each(law, assign); }, *made);
+  std::visit([&]<class Law>(Law& law) { Law::each(law, assign); }, *made);
   if (assign.used != numbers.size())
     throw std::invalid_argument(kind + ": has a number that it does not know, or twice");
   return *made;
 }
 
 std::string law_fault(const LawParameters& parameters) {
-  FindFault find;
-  std::visit([&](const auto& law) { law_fields::each(law, find); }, parameters);
-  if (!find.fault.empty()) return find.fault;
-  if (const auto* contact = std::get_if<ContactLaw>(&parameters); contact != nullptr && contact->fit) {
-    const InterferenceFit& fit = *contact->fit;
-    if (!(fit.bore_radius_m < fit.joint_radius_m && fit.joint_radius_m < fit.outer_radius_m)) {
-      return "fit_joint_radius_m: must lie between bore and outer radius";
-    }
-  }
-  if (const auto* channel = std::get_if<ChannelLaw>(&parameters);
-      channel != nullptr && !(channel->liquid.coldest_K + 2.0 < channel->liquid.hottest_K &&
-                              channel->liquid.vogel_zero_K < channel->liquid.coldest_K)) {
-    return "liquid_coldest_K: must lie above vogel_zero_K and 2 K below hottest_K";
-  }
-  return {};
+  return std::visit(
+      []<class Law>(const Law& law) {
+        FindFault find;
+        Law::each(law, find);
+        if constexpr (requires { law.fault(); }) {
+          if (find.fault.empty()) find.fault = law.fault();
+        }
+        return find.fault;
+      },
+      parameters);
 }
-
-bool is_channel(const PhysicalLaw& law) { return std::holds_alternative<ChannelLaw>(law.parameters); }
 
 }  // namespace spindle_twin::rom

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <numbers>
 
+#include "rom/laws/law.hpp"
 #include "rom/laws/smooth.hpp"
 
 namespace spindle_twin::rom {
@@ -115,5 +117,86 @@ template <class Scalar>
 Scalar core_flux_T(double base_T, double base_speed_rpm, const Scalar& speed_rpm) {
   return base_T / logmax(Scalar(1.0), Scalar(magnitude(speed_rpm) / base_speed_rpm), 0.1);
 }
+
+/// [W]: first = winding.
+struct CopperLaw {
+  static constexpr LawTraits traits{"copper_loss", LawRole::heat, {"winding", ""}, MeasuredDrive::current};
+  CopperLoss copper;
+  double rated_current_A = 0.0;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"resistance_20_ohm", law_ranges::above_0, true, si, {}}, law.copper.resistance_20_ohm);
+    visit({"rated_current_A", law_ranges::from_0, true, si, {}}, law.rated_current_A);
+    visit({"phases", {1.0, 100.0, false, false}, false, si, {}}, law.copper.phases);
+    visit({"temperature_per_K", {0.0, 0.1, false, false}, false, si, {}}, law.copper.temperature_per_K);
+    visit({"ac_ratio", {1.0, 1e3, false, false}, false, si, {}}, law.copper.ac_ratio);
+    visit({"printed_resistivity", law_ranges::from_0, false, si, {}}, law.copper.printed_resistivity);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return copper_loss_W(in.mode, copper, Number(in.state.current_A.value_or(rated_current_A * in.state.load)),
+                         in.first_K);
+  }
+  static CopperLaw example() {
+    CopperLaw law;
+    law.copper.resistance_20_ohm = 0.35;
+    law.rated_current_A = 20.0;
+    return law;
+  }
+};
+
+/// The motor's loss as a whole [W]: (1 − efficiency) |P|, P its electrical power. Depends on no temperature.
+struct MotorEfficiencyLaw {
+  static constexpr LawTraits traits{"motor_efficiency", LawRole::heat, {}, MeasuredDrive::power};
+  double efficiency = 0.9;
+  double rated_power_W = 0.0;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"efficiency", {0.0, 1.0, true, false}, true, WrittenUnit::si, {}}, law.efficiency);
+    visit({"rated_power_W", law_ranges::from_0, true, WrittenUnit::si, {}}, law.rated_power_W);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    const double power_W = std::abs(in.state.power_W.value_or(rated_power_W * in.state.load));
+    return {Number((1.0 - efficiency) * power_W), in_range};
+  }
+  static MotorEfficiencyLaw example() { return {0.92, 9000.0}; }
+};
+
+/// [W]: f = pole_pairs n/60 + slip. Depends on no temperature.
+struct IronLaw {
+  static constexpr LawTraits traits{"iron_loss", LawRole::heat};
+  IronLoss iron;
+  double pole_pairs = 1.0;
+  double slip_Hz = 0.0;
+  double base_flux_T = 1.0;
+  double base_speed_rpm = 1e9;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"core_mass_kg", law_ranges::above_0, true, si, {}}, law.iron.mass_kg);
+    visit({"pole_pairs", {1.0, 1e3, false, false}, true, si, {}}, law.pole_pairs);
+    visit({"base_flux_T", {0.0, 10.0, false, false}, true, si, {}}, law.base_flux_T);
+    visit({"base_speed_rpm", law_ranges::above_0, true, si, {}}, law.base_speed_rpm);
+    visit({"slip_Hz", {0.0, 1e4, false, false}, false, si, {}}, law.slip_Hz);
+    visit({"hysteresis", law_ranges::from_0, false, si, {}}, law.iron.hysteresis);
+    visit({"excess", law_ranges::from_0, false, si, {}}, law.iron.excess);
+    visit({"lamination_m", law_ranges::length_m, false, mm, {}}, law.iron.lamination_m);
+    visit({"resistivity_ohm_m", law_ranges::above_0, false, si, {}}, law.iron.resistivity_ohm_m);
+    visit({"density_kg_per_m3", law_ranges::above_0, false, si, {}}, law.iron.density_kg_per_m3);
+    visit({"relative_permeability", law_ranges::above_0, false, si, {}}, law.iron.relative_permeability);
+    visit({"build_factor", law_ranges::above_0, false, si, {}}, law.iron.build_factor);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    const Number frequency_Hz = pole_pairs / 60.0 * in.speed_rpm + slip_Hz;
+    return iron_loss_W(in.mode, iron, frequency_Hz, core_flux_T(base_flux_T, base_speed_rpm, in.speed_rpm));
+  }
+  static IronLaw example() { return {{}, 2.0, 3.0, 1.1, 6000.0}; }
+};
 
 }  // namespace spindle_twin::rom

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "rom/laws/fluid.hpp"
+#include "rom/laws/law.hpp"
 
 namespace spindle_twin::rom {
 
@@ -171,5 +172,57 @@ LawValue<Scalar> still_cylinder_W_per_m2K(double radius_m, const Scalar& air_K, 
   result.flags |= gas.flags;
   return result;
 }
+
+inline constexpr std::array<std::string_view, 3> rotation_formulas = {"standard", "dropkin_carmi", "jungnickel"};
+
+/// [W/m²K]: first = surface, second = air around it.
+struct CylinderLaw {
+  static constexpr LawTraits traits{"rotating_cylinder", LawRole::conductance, {"surface", "air"}};
+  RotatingSurface surface;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.surface.radius_m);
+    visit({"formula", {0.0, 2.0, false, false}, false, WrittenUnit::si, rotation_formulas}, law.surface.formula);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return rotating_cylinder_W_per_m2K(in.mode, surface, in.speed_rpm, in.mean_K(), Number(in.first_K - in.second_K));
+  }
+  static CylinderLaw example() { return {{RotationFormula::standard, 0.04}}; }
+};
+
+/// Likewise.
+struct DiscLaw {
+  static constexpr LawTraits traits{"rotating_disc", LawRole::conductance, {"surface", "air"}};
+  RotatingSurface surface;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.surface.radius_m);
+    visit({"formula", {0.0, 2.0, false, false}, false, WrittenUnit::si, rotation_formulas}, law.surface.formula);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return rotating_disc_W_per_m2K(in.mode, surface, in.speed_rpm, in.mean_K(), Number(in.first_K - in.second_K));
+  }
+  static DiscLaw example() { return {{RotationFormula::standard, 0.05}}; }
+};
+
+/// Likewise.
+struct StillCylinderLaw {
+  static constexpr LawTraits traits{"still_cylinder", LawRole::conductance, {"surface", "air"}};
+  double radius_m = 0.0;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    visit({"radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.radius_m);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    return still_cylinder_W_per_m2K(radius_m, in.mean_K(), Number(in.first_K - in.second_K));
+  }
+  static StillCylinderLaw example() { return {0.088}; }
+};
 
 }  // namespace spindle_twin::rom

@@ -20,6 +20,10 @@ struct SpeedLaw {
   bool zero_at_standstill = false;
 };
 
+/// Whether a heat of this law counts as friction where its description or file does not say whether it is: the law
+/// knows speed, but not load.
+bool is_friction_unless_said(const SpeedLaw& law);
+
 /// scale(x, load) of SpeedLaw with x = |speed_rpm| / reference_speed_rpm. Cycle-safe.
 double evaluate_speed_law(const SpeedLaw& law, double speed_rpm, double reference_speed_rpm, double load);
 

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "rom/laws/fluid.hpp"
+#include "rom/laws/law.hpp"
 
 namespace spindle_twin::rom {
 
@@ -85,5 +86,31 @@ LawValue<Scalar> end_windage_W(LawMode mode, const WindageShape& shape, const Sc
   result.flags |= range_flags(reynolds, 0.0, 1e7);
   return result;
 }
+
+/// Air friction of gap and ends [W]: first = rotor, second = stator; air at their mean.
+struct WindageLaw {
+  static constexpr LawTraits traits{"windage", LawRole::heat, {"rotor", "stator"}};
+  WindageShape shape;
+
+  template <class Law, class Visit>
+  static void each(Law& law, Visit&& visit) {
+    using enum WrittenUnit;
+    visit({"rotor_radius_m", law_ranges::length_m, true, mm, {}}, law.shape.rotor_radius_m);
+    visit({"gap_m", law_ranges::length_m, true, mm, {}}, law.shape.gap_m);
+    visit({"length_m", law_ranges::length_m, true, mm, {}}, law.shape.length_m);
+    visit({"end_bore_radius_m", {0.0, 1e3, false, false}, false, mm, {}}, law.shape.end_bore_radius_m);
+    visit({"roughness", law_ranges::above_0, false, si, {}}, law.shape.roughness);
+    visit({"printed_coefficient", law_ranges::from_0, false, si, {}}, law.shape.printed_coefficient);
+  }
+  template <class Number>
+  LawValue<Number> value(const LawInputs<Number>& in) const {
+    auto heat = gap_windage_W(in.mode, shape, in.speed_rpm, in.mean_K());
+    const auto ends = end_windage_W(in.mode, shape, in.speed_rpm, in.mean_K());
+    heat.value += ends.value;
+    heat.flags |= ends.flags;
+    return heat;
+  }
+  static WindageLaw example() { return {{0.04, 0.0005, 0.15}}; }
+};
 
 }  // namespace spindle_twin::rom

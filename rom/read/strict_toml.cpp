@@ -8,6 +8,8 @@
 #include <numeric>
 #include <sstream>
 
+#include "rom/read/allowed.hpp"
+
 namespace spindle_twin::rom {
 
 struct TomlTable::State {
@@ -87,23 +89,6 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string printed(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
-std::string allowed(Range range) {
-  const bool low = std::isfinite(range.min), high = std::isfinite(range.max);
-  if (low && high) {
-    return "a number from " + printed(range.min) + (range.min_excluded ? " (excluded)" : "") + " to " +
-           printed(range.max) + (range.max_excluded ? " (excluded)" : "");
-  }
-  if (low) return "a number " + std::string(range.min_excluded ? "above " : "of at least ") + printed(range.min);
-  if (high) return "a number " + std::string(range.max_excluded ? "below " : "of at most ") + printed(range.max);
-  return "a finite number";
-}
-
 std::string type_name(const toml::node& node) {
   switch (node.type()) {
     case toml::node_type::table:
@@ -130,9 +115,7 @@ double checked_number(const toml::node& node, Range range, std::string& complain
     complaint = "must be " + allowed(range) + ", is " + type_name(node);
     return 0.0;
   }
-  const bool inside = std::isfinite(*value) && (range.min_excluded ? *value > range.min : *value >= range.min) &&
-                      (range.max_excluded ? *value < range.max : *value <= range.max);
-  if (!inside) complaint = "must be " + allowed(range) + ", is " + printed(*value);
+  if (!is_allowed(range, *value)) complaint = "must be " + allowed(range) + ", is " + printed(*value);
   return *value;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -15,43 +14,12 @@
 namespace spindle_twin::rom {
 namespace {
 
-/// A number's key as a person writes it: written = (SI − shift) / scale.
-struct WrittenKey {
-  std::string key;
-  double scale = 1.0;
-  double shift = 0.0;
-
-  double si(double written) const { return scale * written + shift; }
-  double written(double si_value) const { return (si_value - shift) / scale; }
-};
-
-WrittenKey written_key(std::string_view name, WrittenUnit unit) {
-  const auto instead = [&](std::string_view si_unit, std::string_view by) {
-    return std::string(name.substr(0, name.size() - si_unit.size())).append(by);
-  };
-  switch (unit) {
-    case WrittenUnit::mm:
-      return {instead("_m", "_mm"), 1e-3, 0.0};
-    case WrittenUnit::um:
-      return {instead("_m", "_um"), 1e-6, 0.0};
-    case WrittenUnit::mm2:
-      return {instead("_m2", "_mm2"), 1e-6, 0.0};
-    case WrittenUnit::degree:
-      return {instead("_rad", "_deg"), std::numbers::pi / 180.0, 0.0};
-    case WrittenUnit::degC:
-      return {instead("_K", "_degC"), 1.0, zero_degC_K};
-    case WrittenUnit::si:
-      break;
-  }
-  return {std::string(name)};
-}
-
 class ReadNumbers {
  public:
   explicit ReadNumbers(const TomlTable& table) : table_(table) {}
 
   void operator()(const LawField& field, double& value) const {
-    if (field.name.starts_with("walther_")) return;  // of `viscosities`
+    if (field.written == WrittenUnit::viscosities) return;  // read_oil
     const WrittenKey key = written_key(field.name.substr(prefix_.size()), field.written);
     const Range range{key.written(field.range.min), key.written(field.range.max), field.range.min_excluded,
                       field.range.max_excluded};
@@ -139,14 +107,21 @@ Lubricant read_oil(const TomlTable& table) {
   return lubricant_through(rows[0][0] + zero_degC_K, 1e-6 * rows[0][1], rows[1][0] + zero_degC_K, 1e-6 * rows[1][1]);
 }
 
-void complete(const TomlTable& table, BearingHeatLaw& law) {
-  law.oil = read_oil(table);
-  const double angle_rad = law.friction.contact_angle_rad;
-  BearingPreload& preload = law.preload;
-  if (!table.has("preload_angle_deg")) preload.contact_angle_rad = angle_rad;
-  const double offset_m = 0.5 * preload.ball_diameter_m * std::cos(angle_rad);
-  if (!table.has("inner_contact_radius_mm")) preload.inner_radius_m = 0.5 * law.friction.pitch_diameter_m - offset_m;
-  if (!table.has("outer_contact_radius_mm")) preload.outer_radius_m = 0.5 * law.friction.pitch_diameter_m + offset_m;
+/// All numbers of a law, and what follows from those that are not there.
+template <class Law>
+void read_numbers(const TomlTable& table, double reference_K, Law& law) {
+  if constexpr (requires { law.assembly_K; }) law.assembly_K = reference_K;
+  Law::each(law, ReadNumbers(table));
+  if constexpr (requires { law.oil; }) law.oil = read_oil(table);
+  if constexpr (requires { law.complete([](std::string_view) { return true; }); }) {
+    law.complete([&](std::string_view name) {
+      bool found = false;
+      Law::each(law, [&](const LawField& field, const auto&) {
+        if (field.name == name) found = table.has(written_key(field.name, field.written).key);
+      });
+      return found;
+    });
+  }
 }
 
 void read_displacement(const TomlTable& table, const LawPlaces& places, BoundLaw& bound) {
@@ -168,10 +143,8 @@ void read_pressure(const TomlTable& table, const LawPlaces& places, BoundLaw& bo
 
 std::vector<std::string> kinds_of(LawRole role) {
   std::vector<std::string> kinds;
-  for (const std::string_view kind : law_kinds) {
-    const PhysicalLaw law{LawMode::standard, *default_law(kind)};
-    const LawRole own = is_heat(law) ? LawRole::heat : is_channel(law) ? LawRole::channel : LawRole::conductance;
-    if (own == role) kinds.emplace_back(kind);
+  for (const LawTraits& traits : law_traits) {
+    if (traits.role == role) kinds.emplace_back(traits.kind);
   }
   return kinds;
 }
@@ -186,25 +159,19 @@ BoundLaw read_physical_law(const PendingLaw& pending, const LawPlaces& places, d
   const std::vector<std::string> modes(law_modes.begin(), law_modes.end());
   const std::string mode = table.choice_or("mode", modes[0], modes);
   bound.law.mode = static_cast<LawMode>(std::find(modes.begin(), modes.end(), mode) - modes.begin());
-  if (auto* bearing = std::get_if<BearingHeatLaw>(&bound.law.parameters)) bearing->assembly_K = reference_K;
-  if (auto* contact = std::get_if<ContactLaw>(&bound.law.parameters)) contact->assembly_K = reference_K;
-  std::visit([&](auto& law) { law_fields::each(law, ReadNumbers(table)); }, bound.law.parameters);
+  std::visit([&](auto& law) { read_numbers(table, reference_K, law); }, bound.law.parameters);
 
   const LawDefaults& defaults = pending.defaults;
-  const LawTemperatureNames& words = law_temperatures[bound.law.parameters.index()];
-  const auto* contact = std::get_if<ContactLaw>(&bound.law.parameters);
-  const bool reads_temperatures = contact == nullptr || contact->fit.has_value();
-  if (reads_temperatures) {
+  const LawTraits& traits = traits_of(bound.law);
+  if (reads_pressure(bound.law)) {
+    read_pressure(table, places, bound);
+  } else {
+    const LawTemperatureNames& words = traits.temperatures;
     bound.first = read_temperature(table, words.first, places, {defaults.first_part, -1, reference_K});
     bound.second =
         read_temperature(table, words.second, places, {defaults.second_part, defaults.second_environment, reference_K});
-  } else {
-    read_pressure(table, places, bound);
   }
-  if (auto* bearing = std::get_if<BearingHeatLaw>(&bound.law.parameters)) {
-    complete(table, *bearing);
-    read_displacement(table, places, bound);
-  }
+  if (traits.reads_displacement) read_displacement(table, places, bound);
   bound.circuit = defaults.circuit;
   if (const std::string fault = law_fault(bound.law.parameters); !fault.empty()) table.fail("kind", fault);
   return bound;

@@ -16,9 +16,6 @@ struct LawPlaces {
   std::vector<std::string> deformations;
 };
 
-/// Whose value the law is.
-enum class LawRole { heat, conductance, channel };
-
 /// What a law reads where its table does not say so: the two parts of a contact or gap, the wall and the surrounding of
 /// a film, the circuit of its segments.
 struct LawDefaults {
@@ -36,7 +33,7 @@ struct PendingLaw {
   LawDefaults defaults;
 };
 
-/// The table `law = { kind = "...", ... }`: kind and numbers of rom/laws/law_fields.hpp, written in mm, um, degrees and
+/// The table `law = { kind = "...", ... }`: kind and numbers of rom/laws/law_list.hpp, written in mm, um, degrees and
 /// degC; the places that it reads; the nominal temperatures of parts. `reference_K` is what the spindle had at assembly
 /// unless the table says otherwise. Throws InputError with file, line, key and what is allowed.
 BoundLaw read_physical_law(const PendingLaw& pending, const LawPlaces& places, double reference_K);

@@ -26,4 +26,8 @@ SpeedLaw read_speed_law(const TomlTable& owner) {
   return law;
 }
 
+bool read_friction(const TomlTable& heat, const SpeedLaw& law) {
+  return heat.boolean_or("friction", is_friction_unless_said(law));
+}
+
 }  // namespace spindle_twin::rom

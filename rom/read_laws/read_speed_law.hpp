@@ -14,4 +14,8 @@ inline constexpr Range temperature_degC{-zero_degC_K, 1000.0, true, false};
 /// load_squared add up to 1, the value at the reference state.
 SpeedLaw read_speed_law(const TomlTable& owner);
 
+/// `friction` of a heat whose law is `law`: whether it is friction of a bearing, which falls as the bearing warms.
+/// Without the key, is_friction_unless_said(law).
+bool read_friction(const TomlTable& heat, const SpeedLaw& law);
+
 }  // namespace spindle_twin::rom

@@ -17,6 +17,7 @@
 #include "rom/integrate/fallback_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/units.hpp"
+#include "tests/support/no_guards.hpp"
 
 /// The demo's experiment without clocks and sockets, over several sets of joints: 6000 rpm, 1800 s, true heat 0.46 of
 /// the described, joints off by up to 2x, noise 0.03 K, offsets 0.02 K. Prints the numbers of correction/README.md.
@@ -234,7 +235,7 @@ TEST_F(PaperExperiment, demo_is_on_the_rise_within_five_minutes_and_its_deviatio
     }
     worst_share = std::max(worst_share, std::abs(error_sum_K / rise_sum_K));
     const double nose_m = twin.back().deformation_raw_m[0] - 1e-6 * truth.seconds.back().deformation_um[0];
-    worst_ratio = std::max(worst_ratio, std::abs(nose_m) / twin.back().deformation_sd_m[0]);
+    worst_ratio = std::max(worst_ratio, std::abs(nose_m) / twin.back().deformation_deviation_m[0]);
     worst_nose_um = std::max(worst_nose_um, 1e6 * std::abs(nose_m));
   }
   std::printf(
@@ -284,7 +285,7 @@ TEST_F(PaperExperiment, law_without_state_rescaling_rings_on_at_every_gain) {
   }
   correction::PaperOptions published;
   published.state_rescale = false;
-  published.guards = correction::no_guards();
+  published.guards = correction::tests::no_guards();
   score("state kept, gamma 1, no guards", published);
 }
 

@@ -22,7 +22,7 @@ inline std::vector<std::uint64_t> bits_of(const firmware::Snapshot& snapshot) {
   };
   const auto add_update = [&](const firmware::ChannelUpdate& update) {
     add_number(update.observation, update.innovation, update.variance, update.test_ratio, update.offset,
-               update.offset_sd);
+               update.offset_deviation);
     add(update.flags, update.rejected_in_a_row);
   };
   add_number(snapshot.model_time_s, snapshot.nose_m, snapshot.nose_uncorrected_m, snapshot.tare_m, snapshot.data_age_s);
@@ -31,9 +31,9 @@ inline std::vector<std::uint64_t> bits_of(const firmware::Snapshot& snapshot) {
       snapshot.tare_count, snapshot.displacement_count, snapshot.displacement_orders, snapshot.sensor_orders,
       snapshot.sensor_order, snapshot.sensor_tare_count, snapshot.sensors_failed, snapshot.model_in_doubt);
   add_all(snapshot.signals, snapshot.measured_K, snapshot.raw_K, snapshot.predicted_K, snapshot.uncorrected_K,
-          snapshot.part_maximum_K, snapshot.deformation_m, snapshot.deformation_raw_m, snapshot.predicted_sd_K,
-          snapshot.part_maximum_sd_K, snapshot.deformation_sd_m, snapshot.heat_factor, snapshot.conductance_factor,
-          snapshot.sensor_tare_K);
+          snapshot.part_maximum_K, snapshot.deformation_m, snapshot.deformation_raw_m, snapshot.predicted_deviation_K,
+          snapshot.part_maximum_deviation_K, snapshot.deformation_deviation_m, snapshot.heat_factor,
+          snapshot.conductance_factor, snapshot.sensor_tare_K);
   for (const firmware::SensorQuality quality : snapshot.sensor_quality) add(quality);
   for (const firmware::ChannelUpdate& update : snapshot.sensor_update) add_update(update);
   add_update(snapshot.displacement_update);

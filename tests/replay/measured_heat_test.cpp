@@ -94,7 +94,7 @@ TEST(ReplayOptions, the_command_line_reaches_the_estimator_and_the_health) {
   const firmware::CyclePlan plain = plan_replay(two_node(), log, options);
   EXPECT_TRUE(plain.health);
   options.floor_K = 0.4;
-  options.offset_K = 0.25;
+  options.offset_deviation_K = 0.25;
   options.lag_s = 7.0;
   options.start_K = 3.0;
   options.health = "off";
@@ -102,9 +102,9 @@ TEST(ReplayOptions, the_command_line_reaches_the_estimator_and_the_health) {
   ASSERT_TRUE(plan.estimator);
   EXPECT_EQ(plan.estimator->floor_K, 0.4);
   EXPECT_EQ(plan.estimator->priors.start_K, 3.0);
-  EXPECT_EQ(plan.sensors[0].offset_K, 0.25);
+  EXPECT_EQ(plan.sensors[0].offset_deviation_K, 0.25);
   EXPECT_EQ(plan.sensors[0].lag_s, 7.0);
-  EXPECT_NE(plain.sensors[0].offset_K, 0.25);
+  EXPECT_NE(plain.sensors[0].offset_deviation_K, 0.25);
   EXPECT_FALSE(plan.health);
   options.correction = "paper";
   EXPECT_NE(refusal(options, log).find("--floor-K: is of the estimator"), std::string::npos) << refusal(options, log);

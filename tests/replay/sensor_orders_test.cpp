@@ -25,7 +25,7 @@ struct Life {
     for (std::size_t s = 0; s < 4; ++s) plan.signals[s].source = firmware::SignalSource::device;
     plan.tare.rest_s = 900.0;
     plan.start_temperature_K.reset();
-    for (firmware::SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+    for (firmware::SensorPlan& sensor : plan.sensors) sensor.offset_deviation_K = 0.2;
     firmware::Cycle cycle(network, plan, firmware::runtime);
     history = firmware::history_header(network) + "\n";
     for (int n = 0; n < 6000; ++n) step(cycle, n);

@@ -66,7 +66,7 @@ TEST(LawFile, every_number_out_of_range_is_refused_by_name) {
   int numbers = 0;
   const auto expect_refused = [&](const std::optional<BoundLaw>& law) {
     if (!law) return;
-    const std::string kind(law_kinds[law->law.parameters.index()]);
+    const std::string kind(traits_of(law->law).kind);
     const std::vector<NamedNumber> right = law_numbers(law->law.parameters);
     for (std::size_t i = 0; i < right.size(); ++i) {
       for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), -1e20, 1e20}) {

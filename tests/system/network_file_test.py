@@ -45,6 +45,17 @@ class NetworkFiles(host_tool_case.Case):
         result = subprocess.run([DAEMON, config, "--check"], capture_output=True, text=True, timeout=30)
         return result.returncode, (result.stdout + result.stderr).strip()
 
+    def test_laws_lists_every_kind_and_the_keys_of_one(self):
+        kinds = [line.split()[0] for line in self.good("laws").stdout.splitlines()[1:]]
+        self.assertIn("bearing_friction", kinds)
+        for kind in kinds:
+            self.assertIn("allowed", self.good("laws", kind).stdout)
+        bearing = self.good("laws", "bearing_friction").stdout
+        for word in ("pitch_diameter_mm", "contact_angle_deg", "viscosities", "the reference temperature", "from the others"):
+            self.assertIn(word, bearing)
+        self.assertIn("fit.joint_radius_mm", self.good("laws", "contact").stdout)
+        self.assertIn("there is no law \"magic\"", run("laws", "magic").stderr)
+
     def test_a_hand_written_network_runs_through_the_same_tools(self):
         rom = self.assemble()
         seen = self.json_of("inspect", rom)

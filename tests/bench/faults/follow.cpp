@@ -123,8 +123,8 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       const bool withdrawn = fault.is_reference() && fault.concerns(static_cast<int>(s)) && fault.at(time_s);
       valid[i] = !withdrawn && (record.usable || !options.with_health);
       if (record.returned && options.with_health) {
-        estimator.widen_offset(i, record.return_offset_K);
-        bank.widen_offset(estimator, i, record.return_offset_K);
+        estimator.widen_offset(i, record.return_offset_deviation_K);
+        bank.widen_offset(estimator, i, record.return_offset_deviation_K);
       }
     }
     const correction::EstimatorStep step = estimator.step(

@@ -115,7 +115,7 @@ class Trace {
     for (std::size_t k = 0; k < place_names.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       std::fprintf(file_.get(), ",%.4f,%.4f,%.4f,%.4f,%.4f,%u,%u,%.4f,%.4f", run.truth_K(row, i + 1) - zero_K,
-                   snapshot.predicted_K[k] - zero_K, snapshot.predicted_sd_K[k], run.readings_K(row, i) - zero_K,
+                   snapshot.predicted_K[k] - zero_K, snapshot.predicted_deviation_K[k], run.readings_K(row, i) - zero_K,
                    snapshot.uncorrected_K[k] - zero_K, static_cast<unsigned>(snapshot.sensor_health[k].state),
                    static_cast<unsigned>(snapshot.sensor_health[k].fault), snapshot.sensor_update[k].innovation,
                    snapshot.sensor_update[k].test_ratio);
@@ -259,7 +259,7 @@ FollowScore follow(const rom::Network& network, const MotorRun& run, const std::
     count += time_s >= judged_from_s ? 1 : 0;
     for (std::size_t k = 0; k < sums.size(); ++k) {
       const double true_K = run.truth_K(static_cast<Eigen::Index>(k), i + 1);
-      sums[k].add(time_s, snapshot.predicted_K[k] - true_K, snapshot.predicted_sd_K[k],
+      sums[k].add(time_s, snapshot.predicted_K[k] - true_K, snapshot.predicted_deviation_K[k],
                   snapshot.uncorrected_K[k] - true_K, score.places[k]);
     }
   }

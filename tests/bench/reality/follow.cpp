@@ -66,7 +66,7 @@ class Judge {
     const double nose_um = rom::um_per_m * now.nose_m;
     const double true_um = rom::um_per_m * truth_.nose_m(time_s);
     const double error_um = nose_um - true_um;
-    const double deviation_um = rom::um_per_m * now.deformation_sd_m[0];
+    const double deviation_um = rom::um_per_m * now.deformation_deviation_m[0];
     const bool inside = std::abs(error_um) <= 2.0 * deviation_um;
     if (noted_ > 0) score_.step_um_per_s = std::max(score_.step_um_per_s, std::abs(nose_um - last_um_) / cycle_s_);
     last_um_ = nose_um;
@@ -124,14 +124,14 @@ void print_head(std::ostream& to) {
 
 void print_row(const RealityTruth& truth, const firmware::Snapshot& now, double time_s, std::ostream& to) {
   to << time_s << ',' << rom::um_per_m * truth.nose_m(time_s) << ',' << rom::um_per_m * now.nose_m << ','
-     << rom::um_per_m * now.deformation_sd_m[0] << ',' << rom::um_per_m * now.nose_uncorrected_m << ','
+     << rom::um_per_m * now.deformation_deviation_m[0] << ',' << rom::um_per_m * now.nose_uncorrected_m << ','
      << now.signals[0] << ',' << static_cast<int>(now.state) << ',' << now.quality << ',' << now.fault << ','
      << now.model_in_doubt;
   for (std::size_t s = 0; s < sensor_count; ++s) {
     to << ',' << truth.place_K(s, time_s) << ',' << now.measured_K[s] << ',' << now.predicted_K[s] << ','
-       << now.predicted_sd_K[s] << ',' << now.sensor_update[s].innovation << ',' << now.sensor_update[s].test_ratio
-       << ',' << now.sensor_update[s].flags << ',' << static_cast<int>(now.sensor_health[s].state) << ','
-       << static_cast<int>(now.sensor_health[s].fault);
+       << now.predicted_deviation_K[s] << ',' << now.sensor_update[s].innovation << ','
+       << now.sensor_update[s].test_ratio << ',' << now.sensor_update[s].flags << ','
+       << static_cast<int>(now.sensor_health[s].state) << ',' << static_cast<int>(now.sensor_health[s].fault);
   }
   to << '\n';
 }

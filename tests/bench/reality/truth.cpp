@@ -217,8 +217,7 @@ class Run {
     }
     const Eigen::Index cutting = hidden_.heat.size() - 1;
     for (Eigen::Index i = 0; i < cutting; ++i) {
-      const rom::SpeedLaw& law = boundaries_.sources[static_cast<std::size_t>(i)].law;
-      const bool rubs = law.load_squared == 0.0 && !law.speed_terms.empty();
+      const bool rubs = boundaries_.sources[static_cast<std::size_t>(i)].friction;
       const double cooled = rubs ? std::max(0.1, 1.0 - friction_per_K * rises_K_[i]) * friction() : 1.0;
       factors_.heat[i] = std::exp(hidden_.heat[i]) * cooled;
     }

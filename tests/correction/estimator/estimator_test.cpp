@@ -21,7 +21,7 @@ TEST(Estimator, equals_batch_least_squares_where_the_model_is_linear) {
   options.priors.environment_K = 0.5;
   options.priors.environment_memory_s = 0.0;
   options.offset_walk_K_per_root_hour = 0.0;
-  options.offset_K = 0.1;
+  options.offset_deviation_K = 0.1;
   Pair pair(network, options);
   ASSERT_EQ(pair.estimator.parameters().count(), 2);
   pair.truth << 0.4, -0.3;
@@ -104,7 +104,7 @@ TEST(Estimator, heat_and_its_state_are_right_together) {
 TEST(Estimator, offsets_are_found_while_everything_has_one_temperature) {
   const rom::Network network = plates();
   EstimatorOptions options;
-  options.offset_K = 0.2;
+  options.offset_deviation_K = 0.2;
   options.priors.environment_K = 0.02;
   Pair pair(network, options);
   pair.operating.speed_rpm = 0.0;

@@ -37,6 +37,7 @@ struct Wrong {
 rom::Network three_plates(std::uint64_t seed) {
   rom::Network network = rom::tests::make_synthetic_network({3, 2, 1, true}, seed);
   network.boundaries.sources[0].law = {0.0, {{0.5, 1.0}, {0.5, 1.6}}, 0.0, false};
+  network.boundaries.sources[0].friction = true;
   network.certificate = {};
   return network;
 }

@@ -18,6 +18,7 @@ namespace spindle_twin::correction::test {
 inline rom::Network plates() {
   rom::Network network = rom::tests::make_synthetic_network({4, 3, 3, true}, 7);
   network.boundaries.sources[0].law = {0.0, {{0.5, 1.0}, {0.5, 1.6}}, 0.0, false};
+  network.boundaries.sources[0].friction = true;
   network.certificate = {};
   return network;
 }

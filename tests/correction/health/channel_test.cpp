@@ -157,11 +157,11 @@ TEST(Channel, a_repaired_channel_returns_after_its_probation_and_its_offset_is_o
   while (one.drive.time_s < one.from_s + 500.0 + 320.0) {
     one.drive.step();
     returned += one.record().returned ? 1 : 0;
-    if (one.record().returned) offset_K = one.record().return_offset_K;
+    if (one.record().returned) offset_K = one.record().return_offset_deviation_K;
   }
   EXPECT_EQ(returned, 1);
   EXPECT_EQ(one.record().state, HealthState::good);
-  EXPECT_GE(offset_K, one.drive.health.limits().return_offset_K);
+  EXPECT_GE(offset_K, one.drive.health.limits().return_offset_deviation_K);
 }
 
 TEST(Channel, without_an_estimator_a_channel_returns_only_to_its_old_course) {

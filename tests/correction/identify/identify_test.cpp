@@ -41,7 +41,7 @@ TEST(Identify, equals_what_the_filter_publishes_on_a_run_without_surprises) {
   const rom::Network network = plates();
   IdentifyOptions options;
   options.priors = constant_priors();
-  options.offset_K = 0.02;
+  options.offset_deviation_K = 0.02;
   options.floor_K = 0.03;
   options.placements = 0;
   const Identification found = identify(network, find_places(network, {"point 0", "point 2"}, "sensors"),

@@ -203,10 +203,13 @@ TEST(Guards, option_out_of_range_is_one_error_that_names_it) {
     }
     return "no error";
   };
-  EXPECT_EQ(message([](PaperOptions& o) { o.relaxation = 0.0; }), "relaxation: must be above 0 and at most 1");
-  EXPECT_EQ(message([](PaperOptions& o) { o.period_s = std::nan(""); }), "period_s: must be above 0 s");
+  EXPECT_EQ(message([](PaperOptions& o) { o.relaxation = 0.0; }),
+            "relaxation: must be a number from 0 (excluded) to 1");
+  EXPECT_EQ(message([](PaperOptions& o) { o.period_s = std::nan(""); }),
+            "period_s: must be a number from 0 (excluded) to 86400");
   EXPECT_EQ(message([](PaperOptions& o) { o.window_s = 81.0; }), "window_s: must be from 0 s to period_s");
-  EXPECT_EQ(message([](PaperOptions& o) { o.guards.step_maximum = 1.0; }), "step_maximum: must be above 1");
+  EXPECT_EQ(message([](PaperOptions& o) { o.guards.step_maximum = 1.0; }),
+            "step_maximum: must be a number from 1 (excluded) to 1e+06");
   EXPECT_EQ(message([](PaperOptions& o) {
               o.groups = {{"rear", {7}, {0}}};
             }),

@@ -9,6 +9,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/stepper.hpp"
 #include "rom/network.hpp"
+#include "tests/support/no_guards.hpp"
 
 /// Independent heated nodes, each against one ambient, whose answer is known in closed form.
 namespace spindle_twin::correction::test {
@@ -143,7 +144,7 @@ inline PaperOptions published_law() {
   options.relaxation = 1.0;
   options.state_rescale = false;
   options.joint_law = false;
-  options.guards = no_guards();
+  options.guards = tests::no_guards();
   return options;
 }
 

@@ -96,10 +96,10 @@ TEST(Config, estimator_corrects_by_default_and_each_sensor_may_have_its_own_nois
   EXPECT_DOUBLE_EQ(plan.cycle.estimator->priors.heat, 0.15);
   EXPECT_DOUBLE_EQ(plan.cycle.estimator->priors.heat_common, 0.5);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].noise_K, 0.05);
-  EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].offset_K, 0.02);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].offset_deviation_K, 0.02);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].lag_s, 4.0);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].noise_K, 0.1);
-  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].offset_K, 0.2);
+  EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].offset_deviation_K, 0.2);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].lag_s, 20.0);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].interval_s, 10.0);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[2].stale_after_s, 30.0) << "by default three of its own intervals";
@@ -136,7 +136,7 @@ TEST(Config, a_probe_stands_at_a_deformation_output) {
   const DaemonPlan plan = bind_config(parse_config(good + probe, "twin.toml"), tests::small_network());
   EXPECT_TRUE(plan.cycle.probes[0].configured);
   EXPECT_FALSE(plan.cycle.probes[1].configured);
-  EXPECT_DOUBLE_EQ(plan.cycle.probes[0].sd_m, 0.5e-6);
+  EXPECT_DOUBLE_EQ(plan.cycle.probes[0].deviation_m, 0.5e-6);
   EXPECT_DOUBLE_EQ(plan.cycle.probes[0].interval_s, 30.0);
   const Channel& channel = plan.devices[0].channels[2];
   ASSERT_EQ(channel.kind, Channel::Kind::displacement);

@@ -17,7 +17,7 @@ Snapshot live(double nose_um) {
   snapshot.correction_enabled = true;
   snapshot.nose_m = nose_um * um;
   snapshot.deformation_m = {nose_um * um, 0.0};
-  snapshot.deformation_sd_m[0] = 3.0 * um;
+  snapshot.deformation_deviation_m[0] = 3.0 * um;
   return snapshot;
 }
 
@@ -53,11 +53,11 @@ TEST(Compensation, follows_the_nose_at_the_slew_limit_and_its_deviation_counts_t
   Snapshot snapshot = live(10.0);
   EXPECT_NEAR(run(compensation, snapshot, 8), 0.5 * um, 1e-15);
   EXPECT_NEAR(snapshot.compensation.value_m, 4.0 * um, 1e-12);
-  EXPECT_NEAR(snapshot.compensation.sd_m, std::hypot(3.0, 6.0) * um, 1e-12);
+  EXPECT_NEAR(snapshot.compensation.deviation_m, std::hypot(3.0, 6.0) * um, 1e-12);
   EXPECT_NE(snapshot.compensation.bits & bits(CompensationBit::moving), 0);
   run(compensation, snapshot, 40);
   EXPECT_NEAR(snapshot.compensation.value_m, 10.0 * um, 1e-15);
-  EXPECT_NEAR(snapshot.compensation.sd_m, 3.0 * um, 1e-15);
+  EXPECT_NEAR(snapshot.compensation.deviation_m, 3.0 * um, 1e-15);
   EXPECT_EQ(snapshot.compensation.bits, bits(CompensationBit::enabled));
   EXPECT_EQ(snapshot.compensation.rung, Rung::estimator);
 }
@@ -79,7 +79,7 @@ TEST(Compensation, the_ladder_goes_down_and_up_without_a_step) {
   EXPECT_EQ(open.compensation.rung, Rung::hold);
   EXPECT_NEAR(open.compensation.value_m, 25.0 * um, 1e-15);
   EXPECT_EQ(open.compensation.age_s, 50.0);
-  EXPECT_TRUE(std::isnan(open.compensation.sd_m));
+  EXPECT_TRUE(std::isnan(open.compensation.deviation_m));
   largest_m = std::max(largest_m, run(compensation, open, 1050));
   EXPECT_EQ(open.compensation.rung, Rung::decay);
   EXPECT_NEAR(open.compensation.value_m, 25.0 * um * std::exp(-1.0), 1e-9 * um);
@@ -122,7 +122,7 @@ TEST(Compensation, switching_off_and_on_is_no_step) {
   double largest_m = run(compensation, snapshot, 60);
   EXPECT_EQ(snapshot.compensation.value_m, 0.0);
   EXPECT_EQ(snapshot.compensation.bits & bits(CompensationBit::enabled), 0);
-  EXPECT_TRUE(std::isnan(snapshot.compensation.sd_m));
+  EXPECT_TRUE(std::isnan(snapshot.compensation.deviation_m));
   compensation.order(SwitchOrder::on);
   largest_m = std::max(largest_m, run(compensation, snapshot, 60));
   EXPECT_NEAR(snapshot.compensation.value_m, 10.0 * um, 1e-15);
@@ -154,7 +154,7 @@ TEST(Compensation, changes_by_whole_steps_where_the_control_wants_them) {
     ASSERT_NEAR(steps, std::round(steps), 1e-9);
     ASSERT_LE(std::abs(snapshot.compensation.value_m - std::min(7.0, 0.5 * (n + 1)) * um), 2.0 * um);
   }
-  EXPECT_NEAR(snapshot.compensation.sd_m, std::hypot(3.0, snapshot.compensation.value_m / um - 7.0) * um, 1e-12);
+  EXPECT_NEAR(snapshot.compensation.deviation_m, std::hypot(3.0, snapshot.compensation.value_m / um - 7.0) * um, 1e-12);
 }
 
 TEST(Compensation, the_slope_is_that_between_nose_and_the_other_output) {

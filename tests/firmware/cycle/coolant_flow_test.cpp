@@ -99,8 +99,8 @@ TEST(CoolantFlow, a_trickle_that_leaves_at_the_walls_temperature_keeps_every_dev
   for (const double flow_kg_per_s : {0.02, 1e-3, 1e-4, 1e-5, 0.02}) {
     twin.command.signals[first_flow_signal] = {flow_kg_per_s, at_s(twin.now)};
     const Snapshot& snapshot = twin.run(20);
-    EXPECT_GT(snapshot.deformation_sd_m[0], 0.0) << flow_kg_per_s;
-    EXPECT_TRUE(std::isfinite(snapshot.deformation_sd_m[0])) << flow_kg_per_s;
+    EXPECT_GT(snapshot.deformation_deviation_m[0], 0.0) << flow_kg_per_s;
+    EXPECT_TRUE(std::isfinite(snapshot.deformation_deviation_m[0])) << flow_kg_per_s;
   }
 }
 

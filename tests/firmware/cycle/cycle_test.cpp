@@ -38,13 +38,13 @@ TEST(Cycle, open_loop_reaches_the_steady_state_of_the_network) {
 TEST(Cycle, the_certificate_enters_the_published_deviation_and_its_absence_is_seen) {
   rom::Network network = tests::small_network();
   Cycle certified(network, open_loop(), runtime);
-  EXPECT_DOUBLE_EQ(certified.step({}, {}, at_s(0), 0).nose_network_sd_m, std::hypot(1.5e-8, 1e-8));
+  EXPECT_DOUBLE_EQ(certified.step({}, {}, at_s(0), 0).nose_network_deviation_m, std::hypot(1.5e-8, 1e-8));
   EXPECT_EQ(certified.step({}, {}, at_s(1), 0).quality & bits(Quality::uncertified), 0);
   network.certificate = {};
   network.hand_written = true;
   Cycle uncertified(network, open_loop(), runtime);
   const Snapshot& last = uncertified.step({}, {}, at_s(0), 0);
-  EXPECT_TRUE(std::isnan(last.nose_network_sd_m));
+  EXPECT_TRUE(std::isnan(last.nose_network_deviation_m));
   EXPECT_NE(last.quality & bits(Quality::uncertified), 0);
   EXPECT_EQ(last.state, State::running) << "the configuration allowed it";
 }

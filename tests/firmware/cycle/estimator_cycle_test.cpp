@@ -42,14 +42,14 @@ TEST(EstimatorCycle, finds_the_heat_and_its_deviations_hold_the_truth) {
     const auto point = static_cast<std::size_t>(k);
     const double error_K = run.last.predicted_K[point] - run.machine.model.outputs.key_points_K[k];
     EXPECT_NEAR(error_K, 0.0, 0.02);
-    EXPECT_LT(std::abs(error_K), 2.0 * run.last.predicted_sd_K[point]);
+    EXPECT_LT(std::abs(error_K), 2.0 * run.last.predicted_deviation_K[point]);
     EXPECT_NE(run.last.sensor_update[point].flags & bits(Update::fused), 0);
     EXPECT_LT(run.last.sensor_update[point].test_ratio, 1.0);
   }
   const double uncorrected_m = run.last.nose_uncorrected_m - run.machine.model.outputs.deformations_m[0];
   EXPECT_LT(std::abs(run.nose_error_m()), 0.2 * std::abs(uncorrected_m));
-  EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_sd_m[0]);
-  EXPECT_GT(run.last.deformation_sd_m[0], run.last.nose_network_sd_m);
+  EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_deviation_m[0]);
+  EXPECT_GT(run.last.deformation_deviation_m[0], run.last.nose_network_deviation_m);
   EXPECT_NEAR(static_cast<double>(run.last.updates), 360.0, 1.0);
   EXPECT_GT(run.last.parameters_determined, 0);
   EXPECT_LT(run.last.parameters_determined, run.last.parameters);
@@ -100,7 +100,7 @@ TEST(EstimatorCycle, from_the_first_cycle_on_sigma_is_what_the_priors_make_of_th
         source.below.advance(1.0);
       }
       const Snapshot snapshot = cycle.step({}, {}, at_s(n), 0);
-      EXPECT_NEAR(snapshot.deformation_sd_m[0], std::sqrt(variance_m2), 0.02 * std::sqrt(variance_m2)) << n;
+      EXPECT_NEAR(snapshot.deformation_deviation_m[0], std::sqrt(variance_m2), 0.02 * std::sqrt(variance_m2)) << n;
     }
   }
 }
@@ -133,7 +133,9 @@ TEST(EstimatorCycle, the_same_inputs_give_the_same_bits) {
     a.step();
     b.step();
     ASSERT_EQ(std::memcmp(a.last.predicted_K.data(), b.last.predicted_K.data(), sizeof a.last.predicted_K), 0);
-    ASSERT_EQ(std::memcmp(&a.last.deformation_sd_m, &b.last.deformation_sd_m, sizeof a.last.deformation_sd_m), 0);
+    ASSERT_EQ(std::memcmp(&a.last.deformation_deviation_m, &b.last.deformation_deviation_m,
+                          sizeof a.last.deformation_deviation_m),
+              0);
   }
 }
 
@@ -149,20 +151,21 @@ TEST(EstimatorCycle, off_it_runs_open_loop_with_the_deviations_of_that_and_switc
     }
   };
   run.until(1799);
-  const double sd_on_K = run.last.predicted_sd_K[0];
+  const double sd_on_K = run.last.predicted_deviation_K[0];
   run.command.correction = SwitchOrder::off;
   step(3000);
   EXPECT_EQ(run.last.heat_factor[0], 1.0);
   EXPECT_EQ(run.last.conductance_factor[1], 1.0);
   EXPECT_NE(run.last.quality & bits(Quality::correction_off), 0);
   EXPECT_FALSE(run.last.correction_enabled);
-  EXPECT_GT(run.last.predicted_sd_K[0], 5.0 * sd_on_K);
-  EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_sd_m[0]);
+  EXPECT_GT(run.last.predicted_deviation_K[0], 5.0 * sd_on_K);
+  EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_deviation_m[0]);
   run.command.correction = SwitchOrder::on;
   step(3009);
   EXPECT_LT(largest_step_K, 0.03);
   run.until(3600);
-  EXPECT_NEAR(run.last.predicted_K[0], run.machine.model.outputs.key_points_K[0], 2.0 * run.last.predicted_sd_K[0]);
+  EXPECT_NEAR(run.last.predicted_K[0], run.machine.model.outputs.key_points_K[0],
+              2.0 * run.last.predicted_deviation_K[0]);
 }
 
 TEST(EstimatorCycle, after_it_was_switched_on_with_a_large_error_it_does_not_ring) {
@@ -200,8 +203,8 @@ TEST(EstimatorCycle, without_a_law_it_still_says_how_sure_the_open_loop_is) {
   EXPECT_EQ(run.last.predicted_K[0], run.last.uncorrected_K[0]);
   EXPECT_FALSE(run.last.correction_configured);
   EXPECT_EQ(run.last.parameters, 0);
-  EXPECT_GT(run.last.deformation_sd_m[0], run.last.nose_network_sd_m);
-  EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_sd_m[0]);
+  EXPECT_GT(run.last.deformation_deviation_m[0], run.last.nose_network_deviation_m);
+  EXPECT_LT(std::abs(run.nose_error_m()), 2.0 * run.last.deformation_deviation_m[0]);
 }
 
 TEST(EstimatorCycle, a_correction_is_no_step_for_the_machine) {
@@ -223,7 +226,7 @@ TEST(EstimatorCycle, a_correction_is_no_step_for_the_machine) {
     if (run.last.deformation_m[0] == run.last.deformation_raw_m[0]) continue;
     slewing = true;
     EXPECT_NE(run.last.quality & bits(Quality::slewing), 0);
-    EXPECT_GE(run.last.deformation_sd_m[0], std::abs(run.last.deformation_m[0] - run.last.deformation_raw_m[0]));
+    EXPECT_GE(run.last.deformation_deviation_m[0], std::abs(run.last.deformation_m[0] - run.last.deformation_raw_m[0]));
   }
   EXPECT_TRUE(slewing);
   EXPECT_LE(largest_published_m, 2e-7 * (1.0 + 1e-9));
@@ -274,14 +277,14 @@ TEST(EstimatorCycle, without_a_good_reading_it_says_so_and_grows_unsure) {
   const rom::Network network = tests::small_network();
   Pair run(network, estimated(), 0.5);
   run.until(1800);
-  const double sd_K = run.last.predicted_sd_K[0];
+  const double sd_K = run.last.predicted_deviation_K[0];
   while (run.n < 5400) {
     run.last = run.cycle.step({}, {}, at_s(run.n++), 0);
   }
   EXPECT_EQ(run.last.correction_freeze, bits(CorrectionFreeze::too_few_sensors));
   EXPECT_NE(run.last.quality & bits(Quality::correction_frozen), 0);
   EXPECT_EQ(run.last.state, State::degraded);
-  EXPECT_GT(run.last.predicted_sd_K[0], sd_K);
+  EXPECT_GT(run.last.predicted_deviation_K[0], sd_K);
 }
 
 TEST(EstimatorCycle, a_measured_length_is_taken_in_and_counts_from_the_tare) {
@@ -290,13 +293,13 @@ TEST(EstimatorCycle, a_measured_length_is_taken_in_and_counts_from_the_tare) {
   run.until(900);
   ++run.command.tare_orders;
   run.until(2700);
-  const double before_m = run.last.deformation_sd_m[0];
+  const double before_m = run.last.deformation_deviation_m[0];
   run.command.displacement = {0, run.machine.model.outputs.deformations_m[0] - run.last.tare_m, 1e-8};
   ++run.command.displacements;
   run.until(2711);
   EXPECT_EQ(run.last.displacement_count, 1);
   EXPECT_NE(run.last.displacement_update.flags & bits(Update::fused), 0);
-  EXPECT_LT(run.last.deformation_sd_m[0], before_m);
+  EXPECT_LT(run.last.deformation_deviation_m[0], before_m);
   EXPECT_NEAR(run.nose_error_m(), 0.0, 5e-8);
   run.command.displacement = {7, 1e-6, 1e-8};  // the network has two
   ++run.command.displacements;
@@ -327,7 +330,7 @@ TEST(EstimatorCycle, a_probe_is_taken_in_each_interval_and_not_when_it_reads_non
     if (run.n == 295) {
       EXPECT_EQ(run.last.displacement_count, 10) << "5 minutes of two probes, the second an update behind the first";
       EXPECT_NEAR(run.nose_error_m(), 0.0, 5e-8);
-      EXPECT_LT(run.last.deformation_sd_m[0], without.last.deformation_sd_m[0]);
+      EXPECT_LT(run.last.deformation_deviation_m[0], without.last.deformation_deviation_m[0]);
     }
   }
   EXPECT_EQ(run.last.displacement_count, 10);

@@ -46,12 +46,13 @@ bool all_finite(const Snapshot& snapshot) {
     return std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count),
                        [](double value) { return std::isfinite(value); });
   };
-  return finite(snapshot.predicted_K, snapshot.key_points) && finite(snapshot.predicted_sd_K, snapshot.key_points) &&
-         finite(snapshot.part_maximum_K, snapshot.parts) && finite(snapshot.part_maximum_sd_K, snapshot.parts) &&
+  return finite(snapshot.predicted_K, snapshot.key_points) &&
+         finite(snapshot.predicted_deviation_K, snapshot.key_points) &&
+         finite(snapshot.part_maximum_K, snapshot.parts) && finite(snapshot.part_maximum_deviation_K, snapshot.parts) &&
          finite(snapshot.deformation_raw_m, snapshot.deformations) &&
          finite(snapshot.deformation_m, snapshot.deformations) &&
-         finite(snapshot.deformation_sd_m, snapshot.deformations) && finite(snapshot.heat_factor, snapshot.sources) &&
-         finite(snapshot.conductance_factor, snapshot.conductances);
+         finite(snapshot.deformation_deviation_m, snapshot.deformations) &&
+         finite(snapshot.heat_factor, snapshot.sources) && finite(snapshot.conductance_factor, snapshot.conductances);
 }
 
 /// That something is wrong, in the state and in a bit that says what.

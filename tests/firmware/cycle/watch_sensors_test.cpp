@@ -57,8 +57,8 @@ struct Watched {
 
 CyclePlan untared() {
   CyclePlan plan = estimated();
-  plan.estimator->offset_K = 0.2;
-  for (SensorPlan& sensor : plan.sensors) sensor.offset_K = 0.2;
+  plan.estimator->offset_deviation_K = 0.2;
+  for (SensorPlan& sensor : plan.sensors) sensor.offset_deviation_K = 0.2;
   return plan;
 }
 
@@ -87,7 +87,7 @@ TEST(WatchSensors, a_broken_wire_is_withheld_at_once_and_shown_and_the_others_go
   run.until(1800);
   EXPECT_EQ(run.last.sensor_quality[0], SensorQuality::good);
   EXPECT_LT(std::abs(run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0]),
-            2.0 * run.last.deformation_sd_m[0]);
+            2.0 * run.last.deformation_deviation_m[0]);
   EXPECT_NEAR(run.last.predicted_K[0], run.machine.model.outputs.key_points_K[0], 0.05);
 }
 
@@ -156,7 +156,7 @@ TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_withou
   run.until(1100);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(run.last.sensor_update[k].offset, 0.0, 0.03);
-    EXPECT_LT(run.last.sensor_update[k].offset_sd, 0.03);
+    EXPECT_LT(run.last.sensor_update[k].offset_deviation, 0.03);
     EXPECT_EQ(run.last.sensor_health[k].state, SensorState::good) << "its readings have moved, but by our own hand";
   }
 

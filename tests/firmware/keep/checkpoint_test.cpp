@@ -122,7 +122,8 @@ TEST(Resume, without_a_gap_the_twin_goes_on_as_if_it_had_never_stopped) {
     ASSERT_NEAR(resumed.nose_m, ran.last.nose_m, 2e-8);
   }
   EXPECT_EQ(resumed.tare_m, ran.last.tare_m);
-  EXPECT_NEAR(resumed.predicted_sd_K[0], ran.last.predicted_sd_K[0], 0.02 * ran.last.predicted_sd_K[0]);
+  EXPECT_NEAR(resumed.predicted_deviation_K[0], ran.last.predicted_deviation_K[0],
+              0.02 * ran.last.predicted_deviation_K[0]);
   EXPECT_NEAR(resumed.heat_factor[0], ran.last.heat_factor[0], 0.01);
 }
 
@@ -147,7 +148,7 @@ TEST(Resume, the_model_cools_through_the_gap_as_the_machine_did) {
     const Snapshot first = again.step(machine.frame(at_s(0)), {}, at_s(0), 0);
     const double truth_K = machine.model.outputs.key_points_K[0];
     EXPECT_NEAR(first.predicted_K[0], truth_K, 0.05) << gap_s;
-    EXPECT_LT(std::abs(first.predicted_K[0] - truth_K), 2.0 * first.predicted_sd_K[0] + 0.03) << gap_s;
+    EXPECT_LT(std::abs(first.predicted_K[0] - truth_K), 2.0 * first.predicted_deviation_K[0] + 0.03) << gap_s;
     if (gap_s > 1000.0) {
       EXPECT_LT(first.predicted_K[0], warm_K - 0.5);
     }
@@ -212,8 +213,8 @@ TEST(Resume, a_machine_that_ran_unseen_is_found_within_the_first_update_and_the_
         largest_K = std::max(largest_K, n >= 20 ? std::abs(run.error_K(k)) : 0.0);
       }
       failed = std::max(failed, static_cast<int>(run.last.sensors_failed));
-      if (n == 0 || n == 60 || n == 600) sigma_um += fmt::format(" {:.2f}", 1e6 * run.last.deformation_sd_m[0]);
-      const double ratio = std::abs(run.nose_error_m()) / run.last.deformation_sd_m[0];
+      if (n == 0 || n == 60 || n == 600) sigma_um += fmt::format(" {:.2f}", 1e6 * run.last.deformation_deviation_m[0]);
+      const double ratio = std::abs(run.nose_error_m()) / run.last.deformation_deviation_m[0];
       if (ratio > 2.0) ++outside;
       worst_ratio = std::max(worst_ratio, ratio);
     }

@@ -47,11 +47,11 @@ void fill_predictions(Snapshot& snapshot) {
   number_from(zero_degC_K + 60.0, snapshot.part_maximum_K);
   number_from(0.5, snapshot.heat_factor);
   number_from(5.5, snapshot.conductance_factor);
-  number_from(0.125, snapshot.predicted_sd_K);
-  number_from(0.375, snapshot.part_maximum_sd_K);
+  number_from(0.125, snapshot.predicted_deviation_K);
+  number_from(0.375, snapshot.part_maximum_deviation_K);
   snapshot.deformation_m[0] = 11e-6;
   snapshot.deformation_raw_m[0] = 12e-6;
-  snapshot.deformation_sd_m[0] = 13e-6;
+  snapshot.deformation_deviation_m[0] = 13e-6;
   snapshot.nose_m = 14e-6;
   snapshot.nose_uncorrected_m = 15e-6;
   snapshot.tare_m = 16e-6;

@@ -89,7 +89,7 @@ TEST(RegisterImage, every_word_of_every_readable_register_is_written) {
 TEST(RegisterImage, nose_stands_in_all_forms) {
   Snapshot snapshot = empty_snapshot();
   snapshot.nose_m = -15.46e-6;
-  snapshot.nose_network_sd_m = 0.02e-6;
+  snapshot.nose_network_deviation_m = 0.02e-6;
   const RegisterImage image = image_of(snapshot);
   EXPECT_EQ(static_cast<std::int16_t>(word(image, Register::nose_int16)), -155);
   EXPECT_EQ(word(image, Register::nose_offset16), 32768 - 155);
@@ -110,10 +110,10 @@ TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
   EXPECT_EQ(word(image, Register::parameter_count), 0xFFFF);
   EXPECT_EQ(word(image, Register::displacement_innovation), 0x7FC0);
 
-  snapshot.deformation_sd_m[0] = 1.25e-6;
+  snapshot.deformation_deviation_m[0] = 1.25e-6;
   snapshot.deformation_raw_m[0] = 5e-6;
   snapshot.tare_m = 2e-6;
-  snapshot.predicted_sd_K[1] = 0.0214;
+  snapshot.predicted_deviation_K[1] = 0.0214;
   snapshot.sensor_update[1] = {303.15, -0.012, 1e-3, 80.0, 0.015, 0.02, bits(Update::rejected), 3};
   snapshot.parameters = 44;
   snapshot.parameters_determined = 10;
@@ -259,7 +259,7 @@ TEST(Commands, a_measured_length_is_taken_with_its_deviation_and_output) {
   EXPECT_EQ(first[0].kind, OrderKind::length);
   EXPECT_EQ(first[0].length.output, 0U);
   EXPECT_NEAR(first[0].length.value_m, -3.5e-6, 1e-12);
-  EXPECT_NEAR(first[0].length.sd_m, 1e-6, 1e-12);
+  EXPECT_NEAR(first[0].length.deviation_m, 1e-6, 1e-12);
   EXPECT_EQ(get(image, Register::command_displacement_take), 0.0);
   put(image, Register::command_displacement_output, 1.0);
   put(image, Register::command_displacement_take, 1.0);

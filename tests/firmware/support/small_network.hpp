@@ -66,6 +66,7 @@ inline rom::Network small_network() {
   motor.load_squared = 0.65;
   motor.zero_at_standstill = true;
   boundaries.sources = {{"bearing", 60.0, friction}, {"rotor", 40.0, motor}};
+  boundaries.sources[0].friction = true;
   network.source_distribution = Eigen::MatrixXd::Zero(5, 2);
   network.source_distribution(1, 0) = 1.0;
   network.source_distribution(0, 1) = 1.0;

@@ -1,7 +1,9 @@
 #include "rom/laws/evaluate.hpp"
 
 #include <random>
+#include <stdexcept>
 
+#include "rom/laws/law_fields.hpp"
 #include "tests/rom/heap_calls.hpp"
 #include "tests/rom/laws/law_checks.hpp"
 
@@ -25,42 +27,22 @@ struct NamedLaw {
   LawParameters parameters;
 };
 
+/// The example of every law there is, and a contact of a fit, which has inputs of its own.
 std::vector<NamedLaw> every_law() {
-  BearingHeatLaw bearing;
-  bearing.friction.pitch_diameter_m = 0.065;
-  bearing.friction.static_rating_N = 20000.0;
-  bearing.friction.contact_angle_rad = 0.436;
-  bearing.preload = {18.0, 9.525e-3, 0.436, 250.0, 0.0, 0.0275, 0.0375};
-  bearing.oil = lubricant_through(313.15, 32e-6, 373.15, 5.4e-6);
-  CopperLaw copper;
-  copper.copper.resistance_20_ohm = 0.35;
-  copper.rated_current_A = 20.0;
-  IronLaw iron{{}, 2.0, 3.0, 1.1, 6000.0};
-  ContactLaw pressed;
-  pressed.surfaces.conductivity_W_per_mK = 45.9;
-  pressed.surfaces.roughness_m = 1.13e-6;
-  pressed.surfaces.slope = 0.141;
-  pressed.surfaces.young_Pa = 116e9;
-  ContactLaw fitted = pressed;
+  std::vector<NamedLaw> laws;
+  for (const LawTraits& traits : law_traits) laws.push_back({std::string(traits.kind), *example_law(traits.kind)});
+  ContactLaw fitted = ContactLaw::example();
   fitted.fit = InterferenceFit{0.037, 0.04, 0.05, 219e9, 0.3, 1.2e-5, 209e9, 0.269, 1.17e-5, 4e-6, 1e-12};
-  ChannelLaw channel;
-  channel.shape.hydraulic_diameter_m = 0.008;
-  channel.shape.perimeter_m = 0.0251;
-  channel.shape.length_m = 3.0;
-  return {{"bearing heat", bearing},
-          {"windage", WindageLaw{{0.04, 0.0005, 0.15}}},
-          {"copper", copper},
-          {"motor efficiency", MotorEfficiencyLaw{0.92, 9000.0}},
-          {"iron", iron},
-          {"contact under a pressure output", pressed},
-          {"contact of a fit", fitted},
-          {"channel", channel},
-          {"cylinder", CylinderLaw{{RotationFormula::standard, 0.04}}},
-          {"disc", DiscLaw{{RotationFormula::standard, 0.05}}},
-          {"still cylinder", StillCylinderLaw{0.088}},
-          {"air gap", AirGapLaw{{0.04, 0.0005, 1.17e-5}}},
-          {"end winding", EndWindingLaw{{}, 0.04}},
-          {"rings through the balls", BearingPathLaw{{18.0, 9.52e-3, 0.025}, 0.01}}};
+  laws.push_back({"contact of a fit", fitted});
+  return laws;
+}
+
+/// The law of that name, as an integrator has it.
+PhysicalLaw standard(const std::string& name) {
+  for (const NamedLaw& law : every_law()) {
+    if (law.name == name) return {LawMode::standard, law.parameters};
+  }
+  throw std::invalid_argument(name);
 }
 
 /// Fourth-order difference of the value itself, so that inputs and their directions cannot be mixed up.
@@ -150,7 +132,7 @@ TEST(Evaluate, every_mode_is_finite_at_standstill_without_flow_or_pressure) {
       if (mode != LawMode::standard) continue;
       for (const double by : found.slope) EXPECT_TRUE(std::isfinite(by)) << item.name;
     }
-    if (is_heat({LawMode::standard, item.parameters}) && item.name != "iron") {
+    if (is_heat({LawMode::standard, item.parameters}) && item.name != "iron_loss") {
       EXPECT_EQ(evaluate({LawMode::standard, item.parameters}, still).value, 0.0) << item.name;  // iron keeps its slip
     }
   }
@@ -158,17 +140,15 @@ TEST(Evaluate, every_mode_is_finite_at_standstill_without_flow_or_pressure) {
 
 TEST(Evaluate, heat_follows_the_temperature_with_the_sign_that_physics_gives) {
   const LawState state = warm_state();
-  const auto laws = every_law();
-  const LawEvaluation bearing = evaluate({LawMode::standard, laws[0].parameters}, state);
-  EXPECT_LT(bearing.by(LawInput::second_K), 0.0);  // thinner oil and less preload
-  EXPECT_GT(evaluate({LawMode::standard, laws[2].parameters}, state).by(LawInput::first_K), 0.0);
-  EXPECT_GT(evaluate({LawMode::standard, laws[6].parameters}, state).by(LawInput::first_K), 0.0);
-  EXPECT_LT(evaluate({LawMode::standard, laws[6].parameters}, state).by(LawInput::second_K), 0.0);
+  EXPECT_LT(evaluate(standard("bearing_friction"), state).by(LawInput::second_K), 0.0);  // thinner oil, less preload
+  EXPECT_GT(evaluate(standard("copper_loss"), state).by(LawInput::first_K), 0.0);
+  EXPECT_GT(evaluate(standard("contact of a fit"), state).by(LawInput::first_K), 0.0);
+  EXPECT_LT(evaluate(standard("contact of a fit"), state).by(LawInput::second_K), 0.0);
 }
 
 TEST(Evaluate, measured_current_takes_the_place_of_the_rated_one) {
   LawState state = warm_state();
-  const PhysicalLaw copper{LawMode::standard, every_law()[2].parameters};
+  const PhysicalLaw copper = standard("copper_loss");
   const double by_load = evaluate(copper, state).value;
   state.current_A = 14.0;
   expect_close(evaluate(copper, state).value, by_load, "0.7 of 20 A");
@@ -176,10 +156,21 @@ TEST(Evaluate, measured_current_takes_the_place_of_the_rated_one) {
 
 TEST(Evaluate, measured_power_takes_the_place_of_the_rated_one) {
   LawState state = warm_state();
-  const PhysicalLaw motor{LawMode::standard, MotorEfficiencyLaw{0.92, 9000.0}};
+  const PhysicalLaw motor = standard("motor_efficiency");
   expect_close(evaluate(motor, state).value, 0.08 * 0.7 * 9000.0, "by load");
   state.power_W = -5000.0;  // braking loses as much
   expect_close(evaluate(motor, state).value, 400.0, "measured");
+}
+
+TEST(Evaluate, every_example_has_numbers_that_a_file_may_hold) {
+  for (const LawTraits& traits : law_traits) {
+    const LawParameters example = *example_law(traits.kind);
+    EXPECT_EQ(law_fault(example), "") << traits.kind;
+    const LawParameters read = law_from_numbers(std::string(traits.kind), law_numbers(example));
+    EXPECT_EQ(evaluate({LawMode::standard, read}, warm_state()).value,
+              evaluate({LawMode::standard, example}, warm_state()).value)
+        << traits.kind;
+  }
 }
 
 TEST(Evaluate, takes_nothing_from_the_heap) {
