@@ -1,12 +1,11 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_correction.hpp"
+#include "firmware/config/read_files.hpp"
 #include "firmware/config/read_health.hpp"
 #include "rom/read/strict_toml.hpp"
 #include "rom/units.hpp"
@@ -20,10 +19,6 @@ constexpr double coldest_degC = -50.0;
 constexpr double hottest_degC = 300.0;
 using rom::m_per_um;
 
-std::string beside(const std::string& config_path, const std::string& path) {
-  return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
-}
-
 std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
   std::string address = table.string_or("address", otherwise);
   in_addr parsed{};
@@ -31,17 +26,6 @@ std::string read_ipv4(const TomlTable& table, const std::string& otherwise) {
     table.fail("address", "must be an IPv4 address such as 127.0.0.1, is \"" + address + "\"");
   }
   return address;
-}
-
-/// A file that the daemon writes, relative to the configuration's folder.
-std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path) {
-  std::string path = beside(config_path, table.string(key));
-  std::error_code unknown;
-  const auto status = std::filesystem::status(path, unknown);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    table.fail(key, "\"" + path + "\" exists and is not a regular file");
-  }
-  return path;
 }
 
 RegisterSource read_source(const TomlTable& table) {
@@ -276,33 +260,6 @@ ConfiguredNetwork read_network_table(const TomlTable& root, const std::string& p
   return network;
 }
 
-/// [history], [orders] and [checkpoint]: the files that the daemon writes.
-void read_files(const TomlTable& root, const std::string& path, Config& config) {
-  if (const auto history = root.optional_table("history")) {
-    constexpr double bytes_per_MiB = 1048576.0;
-    HistoryPlan& plan = config.history;
-    plan.path = read_state_file(*history, "path", path);
-    const double segment_MiB = history->number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
-    const double most_MiB =
-        history->number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
-    plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
-    plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
-    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
-  }
-  const auto orders = root.optional_table("orders");
-  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
-  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
-  if (const auto checkpoint = root.optional_table("checkpoint")) {
-    constexpr double seconds_per_hour = 3600.0;
-    KeepPlan& keep = config.keep;
-    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
-    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
-    keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
-    keep.max_age_s = seconds_per_hour *
-                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
-  }
-}
-
 Config read_root(const TomlTable& root, const std::string& path) {
   Config config;
   config.path = path;
@@ -375,7 +332,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   }
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 
-  read_files(root, path, config);
+  read_files(root, config);
   root.finish();
   return config;
 }
