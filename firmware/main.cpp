@@ -22,7 +22,7 @@
 #include "firmware/config/load_network.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/keep/event_log.hpp"
-#include "firmware/keep/history.hpp"
+#include "firmware/keep/history_writer.hpp"
 #include "firmware/keep/keeper.hpp"
 #include "firmware/keep/order_keeper.hpp"
 #include "firmware/keep/state_files.hpp"
@@ -112,7 +112,7 @@ class Daemon {
       if (plan.devices[d].channels.empty()) continue;
       devices_.push_back(std::make_unique<DeviceThread>(plan.devices[d], d, clock_, readings_.of(d)));
     }
-    if (!config.history.path.empty()) history_ = std::make_unique<History>(config.history, file.network, troubles);
+    if (!config.history.path.empty()) history_ = make_history(config.history, file.network, troubles);
   }
   ~Daemon() { stop(); }
   Daemon(const Daemon&) = delete;
@@ -201,7 +201,7 @@ class Daemon {
   OrderKeeper order_keeper_;
   std::vector<std::unique_ptr<DeviceThread>> devices_;
   EventLog events_;
-  std::unique_ptr<History> history_;
+  std::unique_ptr<HistoryWriter> history_;
   std::optional<ModbusServer> server_;
   std::optional<HttpServer> shown_;
   std::optional<Keeper> keeper_;

@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   add_verify_signature(app);
   add_simulate(app);
   add_replay(app);
+  add_history(app);
   add_export(app);
   add_identify(app);
   add_laws(app);

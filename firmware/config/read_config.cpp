@@ -1,12 +1,11 @@
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "firmware/acquire/read_address.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_compensation.hpp"
 #include "firmware/config/read_correction.hpp"
+#include "firmware/config/read_files.hpp"
 #include "firmware/config/read_health.hpp"
 #include "rom/read/strict_toml.hpp"
 #include "rom/units.hpp"
@@ -20,21 +19,6 @@ constexpr double coldest_degC = -50.0;
 constexpr double hottest_degC = 300.0;
 using rom::m_per_um;
 constexpr Unit celsius{1.0, zero_degC_K};
-
-std::string beside(const std::string& config_path, const std::string& path) {
-  return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
-}
-
-/// A file that the daemon writes, relative to the configuration's folder.
-std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path) {
-  std::string path = beside(config_path, table.string(key));
-  std::error_code unknown;
-  const auto status = std::filesystem::status(path, unknown);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    table.fail(key, "\"" + path + "\" exists and is not a regular file");
-  }
-  return path;
-}
 
 /// How old the device's delay and the channel's filter make a reading at most; model time.
 double added_age_s(const ConfiguredChannel& channel, const Config& config) {
@@ -231,33 +215,6 @@ ConfiguredNetwork read_network_table(const TomlTable& root, const std::string& p
   return network;
 }
 
-/// [history], [orders] and [checkpoint]: the files that the daemon writes.
-void read_files(const TomlTable& root, const std::string& path, Config& config) {
-  if (const auto history = root.optional_table("history")) {
-    constexpr double bytes_per_MiB = 1048576.0;
-    HistoryPlan& plan = config.history;
-    plan.path = read_state_file(*history, "path", path);
-    const double segment_MiB = history->number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
-    const double most_MiB =
-        history->number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
-    plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
-    plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
-    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
-  }
-  const auto orders = root.optional_table("orders");
-  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
-  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
-  if (const auto checkpoint = root.optional_table("checkpoint")) {
-    constexpr double seconds_per_hour = 3600.0;
-    KeepPlan& keep = config.keep;
-    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
-    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
-    keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
-    keep.max_age_s = seconds_per_hour *
-                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
-  }
-}
-
 /// [cycle]: the period and how fast the clock runs.
 void read_cycle(const TomlTable& root, CyclePlan& plan) {
   const auto cycle = root.optional_table("cycle");
@@ -346,7 +303,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   read_output(root, config);
   read_compensation(root.optional_table("compensation"), config);
   read_start_temperature(root, config);
-  read_files(root, path, config);
+  read_files(root, config);
   root.finish();
   return config;
 }

@@ -1,7 +1,7 @@
 #include "firmware/keep/history.hpp"
 
 #include <fcntl.h>
-#include <spdlog/spdlog.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,15 +9,11 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
-#include <thread>
 #include <utility>
-
-#include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -70,20 +66,7 @@ bool put_aside(const std::string& path, std::size_t header_bytes) {
   if (fine && end < status.st_size) fine = ftruncate(file, end) == 0;
   close(file);
   if (!fine || end <= static_cast<off_t>(header_bytes)) return fine;
-  const std::vector<std::string> earlier = earlier_histories(path);
-  const unsigned long last = earlier.empty() ? 0 : number_of(path, fs::path(earlier.back()).filename().string());
-  return std::rename(path.c_str(), numbered(path, last + 1).c_str()) == 0;
-}
-
-void remove_oldest(const HistoryPlan& plan) {
-  std::vector<std::string> files = earlier_histories(plan.path);
-  std::error_code unknown;
-  std::uint64_t bytes = plan.segment_bytes;
-  std::size_t kept = 0;
-  for (auto each = files.rbegin(); each != files.rend(); ++each) {
-    bytes += fs::file_size(*each, unknown);
-    if (bytes > plan.most_bytes || ++kept > most_files) fs::remove(*each, unknown);
-  }
+  return std::rename(path.c_str(), next_earlier_history(path).c_str()) == 0;
 }
 
 bool write_all(int file, std::string_view text) {
@@ -109,8 +92,32 @@ std::vector<std::string> earlier_histories(const std::string& path) {
   return found;
 }
 
+std::string next_earlier_history(const std::string& path) {
+  const std::vector<std::string> earlier = earlier_histories(path);
+  const unsigned long last = earlier.empty() ? 0 : number_of(path, fs::path(earlier.back()).filename().string());
+  return numbered(path, last + 1);
+}
+
+std::uint64_t remove_oldest_histories(const std::string& path, std::uint64_t most_bytes) {
+  const std::vector<std::string> files = earlier_histories(path);
+  std::error_code unknown;
+  std::uint64_t bytes = 0;
+  std::size_t kept = 0;
+  for (auto each = files.rbegin(); each != files.rend(); ++each) {
+    const std::uint64_t more = fs::file_size(*each, unknown);
+    if (!unknown && bytes + more <= most_bytes && kept < most_files) {
+      bytes += more;
+      ++kept;
+    } else {
+      most_bytes = bytes;  // what is older goes too
+      fs::remove(*each, unknown);
+    }
+  }
+  return bytes;
+}
+
 History::History(HistoryPlan plan, const rom::Network& network, Troubles& troubles)
-    : plan_(std::move(plan)), header_(history_header(network) + "\n"), troubles_(troubles) {
+    : HistoryWriter(plan.path, troubles), plan_(std::move(plan)), header_(history_header(network) + "\n") {
   begin_file();
 }
 
@@ -121,59 +128,51 @@ void History::close_file() {
   file_ = -1;
 }
 
-void History::complain(const char* what) {
+void History::fail(const char* what) {
   const int reason = errno;
   close_file();
-  troubles_.set(Fault::history_lost, true);
-  const std::int64_t now_ns = MonotonicClock().now_ns();
-  try_from_ns_ = now_ns + 1'000'000'000;
-  const auto before = complaints_.pass(now_ns);
-  if (before) {
-    spdlog::error("history {}: {}: {}; rows are lost{}", plan_.path, what, std::strerror(reason),
-                  LogLimit::also(*before));
-  }
+  complain(what, std::strerror(reason));
 }
 
 bool History::begin_file() {
   close_file();
   written_ = 0;
   if (!put_aside(plan_.path, header_.size())) {
-    complain("cannot be put aside");
+    fail("cannot be put aside");
     return false;
   }
-  remove_oldest(plan_);
+  remove_oldest_histories(plan_.path, plan_.most_bytes - plan_.segment_bytes);
   file_ = open(plan_.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644);
   if (file_ < 0 || !write_all(file_, header_)) {
-    complain("cannot be written");
+    fail("cannot be written");
     return false;
   }
   written_ = header_.size();
-  if ((troubles_.faults() & bits(Fault::history_lost)) != 0) spdlog::info("history {}: is written again", plan_.path);
-  troubles_.set(Fault::history_lost, false);
+  works();
   return true;
 }
 
 void History::write_rows(const std::string& rows, std::uint64_t count) {
   if (count == 0) return;
-  const bool may_try = file_ >= 0 || (MonotonicClock().now_ns() >= try_from_ns_ && begin_file());
-  if (may_try && write_all(file_, rows)) {
+  const bool is_open = file_ >= 0 || (may_try() && begin_file());
+  if (is_open && write_all(file_, rows)) {
     written_ += rows.size();
     return;
   }
-  lost_ += count;
-  if (!may_try) return;
+  lose(count);
+  if (!is_open) return;
   // What is there of a row would merge with the next one. A disk that is full can still be cut.
   const int reason = errno;
   [[maybe_unused]] const int cut = ftruncate(file_, static_cast<off_t>(written_));
   errno = reason;
-  complain("cannot be written");
+  fail("cannot be written");
 }
 
 void History::drain() {
   Snapshot snapshot;
   std::string rows;
   std::uint64_t count = 0;
-  while (ring_.pop(snapshot)) {
+  while (ring().pop(snapshot)) {
     const bool gap = sequence_ != 0 && snapshot.sequence != sequence_ + 1;
     if (file_ >= 0 && (gap || written_ + rows.size() >= plan_.segment_bytes || count == rows_at_once)) {
       write_rows(rows, std::exchange(count, 0));
@@ -185,16 +184,6 @@ void History::drain() {
     ++count;
   }
   write_rows(rows, count);
-  troubles_.history_rows_lost.store(lost_.load(), std::memory_order_relaxed);
-}
-
-void History::run(const std::atomic<bool>& stop) {
-  while (!stop.load(std::memory_order_acquire)) {
-    drain();
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  drain();
-  if (const std::uint64_t lost = lost_.load(); lost > 0) spdlog::warn("history {}: {} rows lost", plan_.path, lost);
 }
 
 }  // namespace spindle_twin::firmware

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "firmware/cycle/snapshot.hpp"
 #include "rom/network.hpp"
@@ -11,5 +12,8 @@ namespace spindle_twin::firmware {
 /// fields for values that do not exist. Readings and signals to the last bit, as `spindle-twin replay` reads them back.
 std::string history_header(const rom::Network& network);
 std::string history_row(const Snapshot& snapshot);
+
+/// The numbers of the same row, none of them rounded; not finite: the value does not exist.
+void history_numbers(const Snapshot& snapshot, std::vector<double>& numbers);
 
 }  // namespace spindle_twin::firmware

@@ -14,11 +14,12 @@ struct KeepPlan {
   std::string orders_path;      ///< empty: none, of tests only
 };
 
-/// A file of a row per cycle, and as many of before as there is room for.
+/// A row per cycle: in a file of text, and as many of before as there is room for, or in a database.
 struct HistoryPlan {
-  std::string path;                                       ///< empty: none
-  std::uint64_t segment_bytes = std::uint64_t{64} << 20;  ///< then a new file is begun
+  std::string path;                                       ///< empty: none; ending in .sqlite: a database
+  std::uint64_t segment_bytes = std::uint64_t{64} << 20;  ///< of text: then a new file is begun
   std::uint64_t most_bytes = std::uint64_t{1} << 30;      ///< of all files together
+  double most_days = 90.0;                                ///< of a database: older rows go
 };
 
 }  // namespace spindle_twin::firmware

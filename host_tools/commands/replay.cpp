@@ -1,8 +1,10 @@
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "host_tools/commands/commands.hpp"
@@ -24,6 +26,7 @@ using firmware::state_codes;
 struct Options {
   ReplayOptions replay;
   std::string log;
+  std::optional<std::int64_t> run;
   std::string output;
   double from_s = -1e300;
   bool json = false;
@@ -134,7 +137,7 @@ void print_table(const Options& options, const rom::Network& network, const firm
 void run(const Options& options) {
   if (!options.output.empty()) rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.replay.network);
-  const Log log = read_log(options.log, network, options.replay.longest_gap_s);
+  const Log log = read_log(options.log, network, options.replay.longest_gap_s, options.run);
   const firmware::CyclePlan plan = plan_replay(network, log, options.replay);
   ReplayErrors errors(network, plan, log, options.from_s);
   Tally tally;
@@ -157,7 +160,10 @@ void add_replay(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   ReplayOptions& replay = options->replay;
   command->add_option("network", replay.network, "network file, .rom")->required();
-  command->add_option("log", options->log, "CSV: a history of spindle-twind, or any log with its columns")->required();
+  command->add_option("log", options->log, "a history of spindle-twind (CSV or SQLite), or any CSV with its columns")
+      ->required();
+  command->add_option("--run", options->run,
+                      "of a history in SQLite, as `spindle-twin history` lists them; else the last");
   command
       ->add_option("--correction", replay.correction,
                    "none, paper or estimator; else as the configuration says, without it estimator")

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "firmware/keep/history.hpp"
+#include "firmware/keep/read_sqlite_history.hpp"
 #include "host_tools/replay/replay.hpp"
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/read/csv_table.hpp"
@@ -216,8 +216,12 @@ void read_cycles(const rom::CsvTable& table, Log& log) {
 
 }  // namespace
 
-Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s) {
-  const rom::CsvTable table = rom::read_csv_table(path, rom::LastLine::may_be_cut);
+Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s,
+             std::optional<std::int64_t> run) {
+  const bool is_database = firmware::is_sqlite_file(path);
+  if (run && !is_database) throw rom::InputError({path, 0}, "run", "only a history in SQLite has several");
+  const rom::CsvTable table = is_database ? firmware::SqliteHistoryReader(path).table(run)
+                                          : rom::read_csv_table(path, rom::LastLine::may_be_cut);
   check_columns(table, network);
   Log log;
   log.file = path;

@@ -55,7 +55,9 @@ struct Log {
 /// cell: no new reading); or a history of spindle-twind as it is, which may have measured.<deformation>_um besides.
 /// Times of a history are those at which its cycles began. Throws rom::InputError with file, line and column for a
 /// missing or unknown column, a cell that is no finite number, an empty one where a number must be, times that do not
-/// rise, two rows further apart than longest_gap_s, and for a history that lacks rows between two others.
-Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s);
+/// rise, two rows further apart than longest_gap_s, and for a history that lacks rows between two others. Of a history
+/// in SQLite one run is read, by its id or else the last one; `where` then counts that run's rows.
+Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s,
+             std::optional<std::int64_t> run = std::nullopt);
 
 }  // namespace spindle_twin::host_tools

@@ -251,5 +251,20 @@ TEST(Config, nobody_listens_for_http_unless_told_to_and_then_on_the_loopback_onl
   EXPECT_EQ(error_of(good + "[http]\npath = \"/\"\n").find("/etc/twin.toml:27: http.path: "), 0U);
 }
 
+TEST(Config, a_history_is_bounded_by_days_in_a_database_and_by_segments_in_text) {
+  const HistoryPlan plan =
+      parse_config(good + "[history]\npath = \"a.sqlite\"\nmost_MiB = 16.0\nmost_days = 7.0\n", "/etc/twin.toml")
+          .history;
+  EXPECT_EQ(plan.path, "/etc/a.sqlite");
+  EXPECT_EQ(plan.most_bytes, std::uint64_t{16} << 20);
+  EXPECT_EQ(plan.most_days, 7.0);
+  EXPECT_NE(error_of(good + "[history]\npath = \"a.sqlite\"\nsegment_MiB = 1.0\n").find("segment_MiB: is of CSV"),
+            std::string::npos);
+  EXPECT_NE(error_of(good + "[history]\npath = \"a.csv\"\nmost_days = 1.0\n").find("most_days: needs a path"),
+            std::string::npos);
+  EXPECT_NE(error_of(good + "[history]\npath = \"a.sqlite\"\nmost_MiB = 1.0\n").find("history.most_MiB: "),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace spindle_twin::firmware

@@ -1,0 +1,68 @@
+#include "firmware/config/read_files.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <system_error>
+
+#include "firmware/keep/sqlite_history.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+using rom::TomlTable;
+
+/// A file that the daemon writes, relative to the configuration's folder.
+std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path) {
+  std::string path = beside(config_path, table.string(key));
+  std::error_code unknown;
+  const auto status = std::filesystem::status(path, unknown);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    table.fail(key, "\"" + path + "\" exists and is not a regular file");
+  }
+  return path;
+}
+
+HistoryPlan read_history(const TomlTable& table, const std::string& config_path) {
+  constexpr double bytes_per_MiB = 1048576.0;
+  HistoryPlan plan;
+  plan.path = read_state_file(table, "path", config_path);
+  const bool is_sqlite = is_sqlite_path(plan.path);
+  const double segment_MiB = is_sqlite ? 8.0 : table.number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
+  const double most_MiB =
+      table.number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
+  plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
+  plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
+  if (is_sqlite) plan.most_days = table.number_or("most_days", plan.most_days, rom::between(0.01, 36500.0));
+  if (is_sqlite && table.has("segment_MiB")) table.fail("segment_MiB", "is of CSV files only; path ends in .sqlite");
+  if (!is_sqlite && table.has("most_days")) table.fail("most_days", "needs a path that ends in .sqlite");
+  return plan;
+}
+
+}  // namespace
+
+std::string beside(const std::string& config_path, const std::string& path) {
+  return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
+}
+
+void read_files(const TomlTable& root, Config& config) {
+  const std::string& path = config.path;
+  if (const auto history = root.optional_table("history")) {
+    config.history = read_history(*history, path);
+    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
+  }
+  const auto orders = root.optional_table("orders");
+  const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
+  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
+  if (const auto checkpoint = root.optional_table("checkpoint")) {
+    constexpr double seconds_per_hour = 3600.0;
+    KeepPlan& keep = config.keep;
+    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
+    if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
+    keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
+    keep.max_age_s = seconds_per_hour *
+                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
+  }
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,184 @@
+"""The history in SQLite: replayed, exported, and after kills, on a full and on a read-only disk.
+
+history_test.py DAEMON MAKE_SMALL_NETWORK SPINDLE_TWIN [unittest options]
+"""
+import csv
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from ports import can_connect, wait_until
+from running_daemon import PROGRAMS, RunningDaemon, main
+
+HISTORY_LOST = 128
+READ = """
+import json, sqlite3, sys
+database = sqlite3.connect(f"file:{sys.argv[1]}?mode=rw", uri=True, timeout=20)
+print(json.dumps([database.execute("PRAGMA integrity_check").fetchall(),
+                  database.execute("SELECT run, sequence FROM cycle ORDER BY id").fetchall()]))
+"""
+MOUNTS = os.geteuid() == 0 and subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode == 0
+
+
+class History(RunningDaemon):
+    clock_rate = 10.0
+    path = "history.sqlite"
+    where = ()  # in front of a command: where it sees the history
+
+    def setUp(self):
+        super().setUp()
+        self.stop(signal.SIGKILL)
+        for file in self.folder.glob("history*"):
+            file.unlink()
+        for file in self.folder.glob("twin.checkpoint*"):
+            file.unlink()
+        text = self.config.read_text().replace('"history.csv"', f'"{self.path}"')
+        self.config.write_text(text.replace("clock_rate = 10.0", f"clock_rate = {self.clock_rate}"))
+
+    def stop(self, by=signal.SIGTERM):
+        self.daemon.send_signal(by)
+        self.daemon.wait(20)
+
+    def tool(self, *arguments):
+        return subprocess.run([PROGRAMS["tool"], *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+    def runs(self, path):
+        """Sequences of each run, by its id, of a database that is whole."""
+        result = subprocess.run([*self.where, sys.executable, "-c", READ, path], capture_output=True, text=True, timeout=60)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        integrity, rows = json.loads(result.stdout)
+        self.assertEqual(integrity, [["ok"]])
+        runs = {}
+        for run, sequence in rows:
+            runs.setdefault(run, []).append(int(sequence))
+        return runs
+
+    def assert_without_gaps(self, runs):
+        for run, sequences in runs.items():
+            self.assertEqual(sequences, list(range(sequences[0], sequences[0] + len(sequences))), f"run {run}")
+
+
+class Replay(History):
+    def test_a_replay_of_the_database_and_of_its_csv_gives_what_the_daemon_said_to_the_last_digit(self):
+        self.start_again()
+        self.write_signals()
+        self.wait_for_state(1)
+        wait_until(lambda: self.read(922, 2)[1] >= 3, "three updates of the estimator")
+        self.stop()
+        database, export = self.folder / self.path, self.folder / "export.csv"
+        listed = self.tool("history", database)
+        self.assertEqual((listed.returncode, listed.stderr), (0, ""))
+        self.assertEqual(len(listed.stdout.splitlines()), 2)
+        self.assertRegex(listed.stdout.splitlines()[1], r"^ +1  20\d\d-\d\d-\d\d .* small$")
+        written = self.tool("history", database, "--csv", export)
+        self.assertEqual((written.returncode, written.stderr), (0, ""))
+        replayed = []
+        for log in (database, export):
+            out = self.folder / "replayed.csv"
+            result = self.tool("replay", self.folder / "small.rom", log, "--config", self.config, "-o", out)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            replayed.append(out.read_text())
+        self.assertEqual(replayed[0], replayed[1])
+        said, again = list(csv.DictReader(export.read_text().splitlines())), list(csv.DictReader(replayed[0].splitlines()))
+        self.assertEqual(len(said), len(again))
+        self.assertGreater(len(said), 30)
+        compared = [name for name in said[0] if name.split(".")[0] in ("predicted", "deformation_raw", "predicted_sd", "heat_factor")]
+        self.assertGreater(len(compared), 6)
+        for told, repeated in zip(said, again):
+            for name in compared:
+                self.assertEqual(f"{float(told[name]):.9g}" if told[name] else "", repeated[name], name)
+        for arguments in (("--run", 99), ("--csv", export, "--run", 99)):
+            command = ("replay", self.folder / "small.rom", database) if arguments[0] == "--run" else ("history", database)
+            result = self.tool(*command, *arguments)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn(f"{database}: run: there is no 99; allowed: 1", result.stderr)
+
+    @unittest.skipUnless(MOUNTS, "mounting needs root")
+    def test_a_history_on_a_disk_that_cannot_be_written_is_read(self):
+        self.start_again()
+        self.wait_for_state(2)
+        self.stop()
+        disk = self.folder / "disk"
+        disk.mkdir()
+        shutil.copy(self.folder / self.path, disk)
+        script = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && exec "$0" history "$1/history.sqlite"'
+        result = subprocess.run(["unshare", "-m", "sh", "-c", script, PROGRAMS["tool"], disk], capture_output=True, text=True)
+        self.assertEqual((result.returncode, len(result.stdout.splitlines())), (0, 2), result.stderr)
+
+
+class Kills(History):
+    clock_rate = 1000.0  # a cycle each millisecond
+
+    def test_a_kill_at_any_moment_leaves_a_whole_file_and_each_start_begins_a_run(self):
+        rows = 0
+        chance = random.Random(1)
+        for start in range(10):
+            self.start_again()
+            wait_until(lambda: self.read(8, 2)[1] > 50, "fifty cycles")
+            time.sleep(chance.uniform(0.05, 0.4))
+            self.stop(signal.SIGKILL)
+            runs = self.runs(self.folder / self.path)
+            self.assert_without_gaps(runs)
+            now = sum(map(len, runs.values()))
+            self.assertGreater(now, rows)
+            self.assertGreater(len(runs), start)
+            rows = now
+        self.assertEqual(self.tool("history", self.folder / self.path).returncode, 0)
+
+
+@unittest.skipUnless(MOUNTS, "mounting needs root")
+class Disks(History):
+    clock_rate = 1000.0
+    path = "disk/history.sqlite"
+
+    def start_on(self, script):
+        """A daemon that sees a disk of its own, as `script` makes it of the folder $1."""
+        self.disk = self.folder / "disk"
+        self.disk.mkdir()
+        self.daemon = self.start(["unshare", "-m", "sh", "-c", script + ' && exec "$0" "$2"', PROGRAMS["daemon"],
+                                  self.disk, self.config], stderr=self.log)
+        wait_until(lambda: can_connect(self.port), "the daemon's port")
+        self.client.close()
+        self.assertTrue(self.client.connect())
+        self.where = ("nsenter", "-t", str(self.daemon.pid), "-m")
+
+    def on_the_disk(self, *command):
+        subprocess.run([*self.where, *map(str, command)], check=True)
+
+    def is_lost(self):
+        return self.read(12, 1)[0] & HISTORY_LOST
+
+    def newest_run(self):
+        runs = self.runs(self.disk / "history.sqlite")
+        self.assert_without_gaps(runs)
+        return max(runs)
+
+    def test_on_a_full_disk_rows_are_counted_the_cycle_goes_on_and_so_does_the_history_when_there_is_room(self):
+        self.start_on('mount -t tmpfs -o size=24M tmpfs "$1" && head -c 18M /dev/zero > "$1/ballast"')
+        wait_until(self.is_lost, "the disk to be full")
+        wait_until(lambda: self.read(1432, 2) != [0, 0], "lost rows to be counted")
+        before = self.read(8, 2)
+        wait_until(lambda: self.read(8, 2) > before, "the cycle to go on")
+        last = self.newest_run()
+        self.on_the_disk("rm", self.disk / "ballast")
+        wait_until(lambda: not self.is_lost(), "the history to go on")
+        wait_until(lambda: self.newest_run() > last, "a run of its own")
+        self.assertIn("is written again", self.log_text())
+
+    def test_a_read_only_disk_is_a_fault_until_it_can_be_written(self):
+        self.start_on('mount -t tmpfs -o ro tmpfs "$1"')
+        wait_until(self.is_lost, "the fault")
+        self.on_the_disk("mount", "-o", "remount,rw", self.disk)
+        wait_until(lambda: not self.is_lost(), "the history to be written")
+        wait_until(self.newest_run, "rows")
+
+
+if __name__ == "__main__":
+    PROGRAMS["tool"] = os.path.abspath(sys.argv.pop(3))
+    main()
