@@ -13,21 +13,37 @@ if(SPINDLE_TWIN_SANITIZE)
   target_link_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE})
 endif()
 
-# For builds that compile everything once, as CI's do. The release preset leaves the sources without: there a file that
-# forgets an include does not compile.
-set(SPINDLE_TWIN_PRECOMPILE "" CACHE STRING "Precompiled headers for: nothing (empty), tests, all")
-set_property(CACHE SPINDLE_TWIN_PRECOMPILE PROPERTY STRINGS "" tests all)
-if(SPINDLE_TWIN_PRECOMPILE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+# Precompiled headers halve the compiler's time. They hide a forgotten include, which the test `includes` finds instead.
+option(SPINDLE_TWIN_PRECOMPILE "Precompiled headers (GCC only)" ON)
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(SPINDLE_TWIN_PRECOMPILE OFF)
+endif()
+if(SPINDLE_TWIN_PRECOMPILE)
   # The compiler collects its garbage from 128 MB on, which a source with Eigen passes within a second.
   target_compile_options(spindle_twin_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=500000>)
+  add_library(spindle_twin_eigen_kernels STATIC cmake/eigen_kernels.cpp)
+  target_link_libraries(spindle_twin_eigen_kernels PRIVATE spindle_twin_flags Eigen3::Eigen)
+  set_target_properties(spindle_twin_eigen_kernels PROPERTIES POSITION_INDEPENDENT_CODE ON)
 endif()
-set(spindle_twin_common_headers <Eigen/Dense> <algorithm> <array> <cmath> <cstdint> <cstdio> <filesystem> <fstream>
-  <functional> <limits> <map> <memory> <numbers> <optional> <random> <set> <span> <sstream> <stdexcept> <string> <utility>
-  <vector>)
+set(spindle_twin_common_headers ${PROJECT_SOURCE_DIR}/cmake/eigen_kernels.hpp <algorithm> <array> <cmath> <cstdint> <cstdio>
+  <filesystem> <fstream> <functional> <limits> <map> <memory> <numbers> <optional> <random> <set> <span> <sstream>
+  <stdexcept> <string> <utility> <vector>)
 
-# spindle_twin_precompile(TARGET GROUP [header...]): the targets of a group share a precompiled header; they have the same
-# compiler flags. It belongs to a target of its own, because a target waits for the whole of the one whose header it takes.
+# For sources whose programs are busy elsewhere: tests, commands that read options and print, the daemon's main.cpp.
+if(SPINDLE_TWIN_SANITIZE)
+  set(spindle_twin_light -Og)
+else()
+  set(spindle_twin_light $<$<CONFIG:Release>:-O1>)
+endif()
+
+# spindle_twin_precompile(TARGET GROUP): the targets of a group share a precompiled header; they have the same compiler flags.
+# It belongs to a target of its own, because a target waits for the whole of the one whose header it takes.
+set(spindle_twin_headers_of_commands <CLI/App.hpp> <nlohmann/json.hpp>)
+set(spindle_twin_headers_of_tests <gtest/gtest.h>)
 function(spindle_twin_precompile target group)
+  if(NOT SPINDLE_TWIN_PRECOMPILE)
+    return()
+  endif()
   set(owner spindle_twin_precompiled_${group})
   if(NOT TARGET ${owner})
     file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${owner}.cpp CONTENT "")
@@ -42,9 +58,10 @@ function(spindle_twin_precompile target group)
         set_target_properties(${owner} PROPERTIES ${property} "${value}")
       endif()
     endforeach()
-    target_precompile_headers(${owner} PRIVATE ${spindle_twin_common_headers} ${ARGN})
+    target_precompile_headers(${owner} PRIVATE ${spindle_twin_common_headers} ${spindle_twin_headers_of_${group}})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${owner})
+  target_link_libraries(${target} PRIVATE spindle_twin_eigen_kernels)
 endfunction()
 
 # spindle_twin_room(NAME [PIC] FOLDERS dir... [LINK lib...]): a static library of all C++ sources below the folders. PIC: it
@@ -64,9 +81,7 @@ function(spindle_twin_room name)
       set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
       target_compile_options(${name} PRIVATE -fno-semantic-interposition)
     endif()
-    if(SPINDLE_TWIN_PRECOMPILE STREQUAL "all")
-      spindle_twin_precompile(${name} rooms_pic_${ROOM_PIC})
-    endif()
+    spindle_twin_precompile(${name} rooms_pic_${ROOM_PIC})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE spindle_twin_flags Eigen3::Eigen ${ROOM_LINK})
@@ -96,12 +111,8 @@ function(spindle_twin_tests name folder)
     add_executable(${name} ${sources})
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE SPINDLE_TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    if(SPINDLE_TWIN_SANITIZE)
-      target_compile_options(${name} PRIVATE -Og)  # compiles faster than -O1, and the tests take no longer
-    endif()
-    if(SPINDLE_TWIN_PRECOMPILE)
-      spindle_twin_precompile(${name} tests <gtest/gtest.h>)
-    endif()
+    target_compile_options(${name} PRIVATE ${spindle_twin_light})
+    spindle_twin_precompile(${name} tests)
     list(TRANSFORM TESTS_TOGETHER APPEND ".*" OUTPUT_VARIABLE together)
     list(JOIN together ":" together)
     gtest_discover_tests(${name} TEST_FILTER "*-${together}" PROPERTIES LABELS ${name} TIMEOUT 600 DISCOVERY_TIMEOUT 60)

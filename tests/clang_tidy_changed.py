@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
@@ -17,6 +18,9 @@ import sys
 BUILD = pathlib.Path("build")
 CLEAN = BUILD / "clang-tidy"
 FOREIGN_FLAGS = "--extra-arg=-Wno-unused-command-line-argument"  # the build folder may hold flags that only GCC knows
+
+
+PRECOMPILED = re.compile(r" -Winvalid-pch| -include \S+/cmake_pch\.hxx")  # GCC's; clang-tidy reads the headers themselves
 
 
 def said_by(command, folder="."):
@@ -42,7 +46,7 @@ def judge(path, entry, checks):
         return error.stderr.decode(), False
     if mark.exists():
         return "", False
-    result = subprocess.run(["clang-tidy", "-p", BUILD, "--quiet", FOREIGN_FLAGS, path], capture_output=True, text=True)
+    result = subprocess.run(["clang-tidy", "-p", CLEAN, "--quiet", FOREIGN_FLAGS, path], capture_output=True, text=True)
     if result.returncode == 0:
         mark.touch()
         return "", True
@@ -52,7 +56,9 @@ def judge(path, entry, checks):
 def main(paths):
     CLEAN.mkdir(exist_ok=True)
     checks = said_by(["clang-tidy", "--version"]) + pathlib.Path(".clang-tidy").read_bytes()
-    entries = {entry["file"]: entry for entry in json.loads((BUILD / "compile_commands.json").read_text())}
+    commands = PRECOMPILED.sub("", (BUILD / "compile_commands.json").read_text())
+    (CLEAN / "compile_commands.json").write_text(commands)
+    entries = {entry["file"]: entry for entry in json.loads(commands)}
     wanted = [(path, entries[os.path.abspath(path)]) for path in paths if os.path.abspath(path) in entries]
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         changed = found = 0

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <sstream>
+#include <utility>
 
 #include "fem_offline/mesh/section_detail.hpp"
 

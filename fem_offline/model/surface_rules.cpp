@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "fem_offline/mesh/piece_track.hpp"
 #include "fem_offline/model/discretisation.hpp"

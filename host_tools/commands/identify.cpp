@@ -1,5 +1,6 @@
 #include "correction/identify/identify.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "firmware/serve/register_map.hpp"
 #include "host_tools/commands/commands.hpp"

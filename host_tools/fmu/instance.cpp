@@ -1,5 +1,6 @@
 #include "host_tools/fmu/instance.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <pugixml.hpp>
 #include <sstream>
+#include <utility>
 
 #include "host_tools/fmu/variables.hpp"
 #include "host_tools/fmu/write_fmu.hpp"

@@ -1,5 +1,7 @@
 #include "host_tools/inspection/law_facts.hpp"
 
+#include <utility>
+
 #include "rom/laws/law_fields.hpp"
 #include "rom/units.hpp"
 

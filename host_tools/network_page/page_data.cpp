@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/network_page/steady_state.hpp"

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <sstream>
 
 #include "tests/firmware/support/daemon_plan.hpp"
@@ -172,10 +174,15 @@ std::uint64_t first_seed() {
 }
 
 TEST(PublishedStaysPhysical, or_says_so_whatever_fails_on_random_hand_written_networks) {
-  // Those behind 16 broke the law once.
+  // Those behind 16 broke the law once. The sanitizers look at memory: a few seeds walk all of the cycle.
+  constexpr std::array seeds = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 29, 43, 117, 129, 218, 228, 240};
+#ifdef __SANITIZE_ADDRESS__
+  constexpr std::size_t count = 6;
+#else
+  constexpr std::size_t count = seeds.size();
+#endif
   Course all;
-  for (const std::uint64_t seed :
-       {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 29, 43, 117, 129, 218, 228, 240}) {
+  for (const std::uint64_t seed : std::span(seeds).first(count)) {
     const Course course = run_seed(first_seed() + seed, true);
     all.cycles += course.cycles;
     all.running += course.running;
