@@ -19,8 +19,8 @@ function shareWithOthers(chart, act) {
   shared = false;
 }
 
-// A legend with room for the value of each curve; gives write(row), row -1: none.
-function addLegend(place, chart) {
+// A legend with room for the value of each curve, as `drawn(row, curve)` has it; gives write(row), row -1: none.
+function addLegend(place, chart, drawn) {
   const moment = element("b", {}, place);
   const values = chart.series.map(series => {
     const entry = element("span", { "data-series": series.name }, place);
@@ -31,9 +31,9 @@ function addLegend(place, chart) {
   });
   return row => {
     moment.textContent = row < 0 ? "" : `${fixed(chart.time_s[row], 0)} s`;
-    chart.series.forEach((series, i) => {
-      const value = row < 0 ? null : series.values[row];
-      values[i].textContent = value === null || value === undefined ? "" : fixed(value, 2);
+    chart.series.forEach((_, i) => {
+      const value = row < 0 ? null : drawn(row, i);
+      values[i].textContent = value === null ? "" : fixed(value, 2);
     });
   };
 }
@@ -77,12 +77,13 @@ function optionsOf(chart, banded) {
 // Draws into two elements: a legend and an area that has its height from style.css.
 export function drawChart(legend, area, chart) {
   const banded = chart.series.some(series => series.sd?.length);
-  const write = addLegend(legend, chart);
+  const rows = rowsOf(chart, banded);
+  const write = addLegend(legend, chart, (row, curve) => [rows[row][curve + 1]].flat().at(banded ? 1 : 0));
   write(-1);
   area.setAttribute("role", "img");
   area.setAttribute("aria-label", `${chart.label} over time: ${chart.series.map(s => s.name).join(", ")}`);
   const own = { chart, write };
-  own.graph = new Dygraph(area, rowsOf(chart, banded), {
+  own.graph = new Dygraph(area, rows, {
     ...optionsOf(chart, banded),
     highlightCallback: (event, time, points, row) => {
       write(row);
