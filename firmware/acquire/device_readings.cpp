@@ -29,7 +29,9 @@ void DeviceReadings::note(Line& line, WireFault fault, std::int64_t time_ns) {
   if (line.fault == fault) return;
   line.fault = fault;
   if (const auto before = changes_.pass(time_ns)) {
-    spdlog::warn("device {}: {} is {}{}", device_, line.channel.name, wire_fault_name(fault), LogLimit::also(*before));
+    const auto level = fault == WireFault::none ? spdlog::level::info : spdlog::level::warn;
+    spdlog::log(level, "device {}: {} is {}{}", device_, line.channel.name, wire_fault_name(fault),
+                LogLimit::also(*before));
   }
 }
 

@@ -1,0 +1,135 @@
+#include "firmware/acquire/device_thread.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <stdexcept>
+#include <utility>
+
+#include "firmware/cycle/device_inbox.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+using Script = std::function<Step(DeviceReadings&)>;
+
+class ScriptedDriver final : public Driver {
+ public:
+  explicit ScriptedDriver(Script script) : script_(std::move(script)) {}
+  Step step(DeviceReadings& readings) override { return script_(readings); }
+
+ private:
+  Script script_;
+};
+
+struct ScriptedPlan final : DriverPlan {
+  explicit ScriptedPlan(Script steps) : script(std::move(steps)) {}
+  ChannelSource add_channel(const rom::TomlTable&) override { return {}; }
+  std::unique_ptr<Driver> make_driver(Clock&) const override { return std::make_unique<ScriptedDriver>(script); }
+  std::string where() const override { return "nowhere"; }
+  Script script;
+};
+
+/// Time passes only where the thread sleeps.
+class SleepClock final : public Clock {
+ public:
+  std::int64_t now_ns() const override { return time_ns; }
+  void sleep_until_ns(std::int64_t until_ns) override { time_ns = until_ns; }
+  std::int64_t time_ns = 1'000'000'000;
+};
+
+class DeviceThreadTest : public testing::Test {
+ protected:
+  /// The times of the first steps, in ms after the first.
+  std::vector<std::int64_t> run(std::size_t steps, const std::function<Step(std::size_t, DeviceReadings&)>& script) {
+    std::vector<std::int64_t> at_ms;
+    plan_.driver = std::make_shared<ScriptedPlan>([&](DeviceReadings& readings) {
+      at_ms.push_back((clock_.time_ns - 1'000'000'000) / 1'000'000);
+      if (at_ms.size() == steps) stop_.store(true);
+      return script(at_ms.size() - 1, readings);
+    });
+    DeviceThread(plan_, 1, clock_, inbox_.of(1)).run(stop_);
+    return at_ms;
+  }
+
+  SleepClock clock_;
+  DeviceInbox inbox_;
+  DevicePlan plan_;
+  std::atomic<bool> stop_{false};
+};
+
+TEST_F(DeviceThreadTest, steps_follow_the_period_and_losses_the_back_off_which_a_good_step_ends) {
+  plan_.poll_s = 0.5;
+  const auto at_ms = run(8, [](std::size_t step, DeviceReadings&) -> Step {
+    if (step == 2 || step == 3) return {Step::Is::lost, "gone"};
+    if (step == 4) throw std::runtime_error("what a driver throws is a loss too");
+    if (step == 6) return {Step::Is::lost, "gone"};
+    return {};
+  });
+  EXPECT_EQ(at_ms, (std::vector<std::int64_t>{0, 500, 1000, 1100, 1300, 1700, 2200, 2300}));
+}
+
+TEST_F(DeviceThreadTest, a_lost_device_keeps_its_readings_and_says_that_it_is_offline) {
+  plan_.channels = {{Channel::Kind::sensor, 3, "outer", {}, {}}};
+  plan_.delay_s = 0.2;
+  run(3, [&](std::size_t step, DeviceReadings& readings) -> Step {
+    if (step == 1) return {Step::Is::lost, "gone"};
+    readings.take(0, 7.0, clock_.now_ns());
+    return {};
+  });
+  DeviceFrame frame;
+  inbox_.read(frame);
+  EXPECT_EQ(frame.sensors[3].value, 7.0);
+  EXPECT_EQ(frame.sensors[3].time_ns, 800'000'000) << "as old as the device's delay makes it";
+  EXPECT_FALSE(frame.connected);
+  EXPECT_TRUE(frame.devices[1].used);
+  EXPECT_FALSE(frame.devices[1].connected);
+}
+
+TEST(DeviceInbox, each_value_comes_from_its_own_device_and_the_loss_of_one_leaves_the_others) {
+  DeviceInbox inbox;
+  DeviceFrame first, second, all;
+  inbox.read(all);
+  EXPECT_FALSE(all.connected) << "nobody has said anything";
+  first.sensors[0] = {1.0, 10};
+  first.devices[0] = {true, true, 1, 0};
+  second.sensors[1] = {2.0, 20};
+  second.signals[2] = {3.0, 20};
+  second.devices[1] = {true, true, 1, 0};
+  inbox.of(0).write(first);
+  inbox.of(1).write(second);
+  inbox.read(all);
+  EXPECT_EQ(all.sensors[0].value, 1.0);
+  EXPECT_EQ(all.sensors[1].value, 2.0);
+  EXPECT_EQ(all.signals[2].value, 3.0);
+  EXPECT_TRUE(all.connected);
+  first.devices[0].connected = false;
+  second.sensors[1] = {2.5, 30};
+  inbox.of(0).write(first);
+  inbox.of(1).write(second);
+  inbox.read(all);
+  EXPECT_FALSE(all.connected);
+  EXPECT_TRUE(all.devices[1].connected);
+  EXPECT_EQ(all.sensors[0].value, 1.0);
+  EXPECT_EQ(all.sensors[0].time_ns, 10);
+  EXPECT_EQ(all.sensors[1].value, 2.5);
+}
+
+TEST(DeviceReadings, a_broken_wire_shows_at_once_whatever_the_filter_and_a_good_one_begins_anew) {
+  Channel channel{Channel::Kind::sensor, 0, "inner", {}, {FilterPlan::Kind::mean, 1.0}};
+  channel.conversion.kind = ConversionKind::pt100;
+  DeviceReadings readings("cabinet", 0, {channel}, 0.0);
+  const Reading& sensor = readings.frame().sensors[0];
+  constexpr std::int64_t ms = 1'000'000;
+  std::int64_t now_ns = 5'000 * ms;
+  for (int i = 0; i < 15; ++i, now_ns += 100 * ms) readings.take(0, 100.0, now_ns);
+  EXPECT_DOUBLE_EQ(sensor.value, 0.0);
+  readings.take(0, 1e6, now_ns);
+  EXPECT_DOUBLE_EQ(sensor.value, 850.0);
+  EXPECT_EQ(sensor.time_ns, now_ns);
+  for (int i = 0; i < 15; ++i) readings.take(0, 138.5055, now_ns += 100 * ms);
+  EXPECT_NEAR(sensor.value, 100.0, 1e-3) << "nothing of the broken wire is in the mean";
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware
