@@ -20,11 +20,13 @@ struct MetricUnit {
   std::string_view name;
   double factor;
 };
-constexpr std::array<MetricUnit, 14> units{{{"", "", 1.0},
+constexpr std::array<MetricUnit, 16> units{{{"", "", 1.0},
                                             {"s", "seconds", 1.0},
                                             {"h", "seconds", 3600.0},
                                             {"min", "seconds", 60.0},
                                             {"um", "meters", 1e-6},
+                                            {"mm", "meters", 1e-3},
+                                            {"um/m", "ratio", 1e-6},
                                             {"degC", "celsius", 1.0},
                                             {"K", "kelvins", 1.0},
                                             {"K2", "kelvins_squared", 1.0},
