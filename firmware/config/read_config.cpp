@@ -246,6 +246,28 @@ void read_files(const TomlTable& root, const std::string& path, Config& config) 
   }
 }
 
+/// [signals]
+void read_signals(const TomlTable& root, Config& config) {
+  const TomlTable signals = root.table("signals");
+  config.signals_where = root.where("signals");
+  struct NamedRules {
+    const char* name;
+    SignalRules rules;
+  };
+  const std::array<NamedRules, first_flow_signal> named{{{"speed", {0.0, -200000.0, 200000.0, {}}},
+                                                         {"load", {0.0, -10.0, 10.0, {}}},
+                                                         {"coolant", {20.0, coldest_degC, hottest_degC, celsius}},
+                                                         {"ambient", {20.0, coldest_degC, hottest_degC, celsius}},
+                                                         {"current", {not_a_value, -1e4, 1e4, {}}},
+                                                         {"power", {not_a_value, -1e6, 1e6, {}}}}};
+  for (std::size_t s = 0; s < named.size(); ++s) {
+    if (s >= first_optional_signal && !signals.has(named[s].name)) continue;
+    config.signals[s] = read_signal(signals, named[s].name, named[s].rules, config);
+  }
+  if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config);
+  if (const auto heats = signals.optional_table("heat")) config.heats = read_heats(*heats, config);
+}
+
 Config read_root(const TomlTable& root, const std::string& path) {
   Config config;
   config.path = path;
@@ -275,25 +297,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
     config.probes.push_back(read_probe(table, config));
   }
 
-  const TomlTable signals = root.table("signals");
-  config.signals_where = root.where("signals");
-  struct NamedRules {
-    const char* name;
-    SignalRules rules;
-  };
-  const std::array<NamedRules, first_flow_signal> named{{{"speed", {0.0, -200000.0, 200000.0, {}}},
-                                                         {"load", {0.0, -10.0, 10.0, {}}},
-                                                         {"coolant", {20.0, coldest_degC, hottest_degC, celsius}},
-                                                         {"ambient", {20.0, coldest_degC, hottest_degC, celsius}},
-                                                         {"current", {not_a_value, -1e4, 1e4, {}}},
-                                                         {"power", {not_a_value, -1e6, 1e6, {}}}}};
-  for (std::size_t s = 0; s < named.size(); ++s) {
-    if (s >= first_optional_signal && !signals.has(named[s].name)) continue;
-    config.signals[s] = read_signal(signals, named[s].name, named[s].rules, config);
-  }
-  if (const auto flows = signals.optional_table("flow")) config.flows = read_flows(*flows, config);
-  if (const auto heats = signals.optional_table("heat")) config.heats = read_heats(*heats, config);
-
+  read_signals(root, config);
   read_correction(root.optional_table("correction"), config);
   read_health(root.optional_table("health"), config);
   if (const auto output = root.optional_table("output")) {
