@@ -48,7 +48,7 @@ Eigen::LLT<Eigen::MatrixXd> innovation_factor(const Readings& readings, const Ei
   return Eigen::LLT<Eigen::MatrixXd>(innovation);
 }
 
-void take_in(const Readings& readings, Eigen::MatrixXd& covariance) {
+void condition_on(const Readings& readings, Eigen::MatrixXd& covariance) {
   const Eigen::MatrixXd rows_by_covariance = readings.rows * covariance;
   const Eigen::MatrixXd half = innovation_factor(readings, rows_by_covariance).matrixL().solve(rows_by_covariance);
   covariance -= half.transpose() * half;
@@ -192,7 +192,7 @@ Identification identify(const rom::Network& network, const std::vector<SensorPla
   result.growth_m = done.growth_m;
   result.prior_m = root(done.deformation_m.dot(covariance * done.deformation_m));
   for (Eigen::Index s = candidates; s < static_cast<Eigen::Index>(places.size()); ++s) {
-    take_in(readings_of(done.instants, s, options.offset_deviation_K), covariance);
+    condition_on(readings_of(done.instants, s, options.offset_deviation_K), covariance);
   }
   result.posterior_m = root(done.deformation_m.dot(covariance * done.deformation_m));
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
@@ -211,7 +211,7 @@ Identification identify(const rom::Network& network, const std::vector<SensorPla
       return a.deformation_m < b.deformation_m;
     });
     result.placements.push_back(*best);
-    take_in(readings_of(done.instants, best - all.begin(), options.offset_deviation_K), covariance);
+    condition_on(readings_of(done.instants, best - all.begin(), options.offset_deviation_K), covariance);
     if (placed > 0) continue;
     std::stable_sort(all.begin(), all.end(),
                      [](const Placement& a, const Placement& b) { return a.deformation_m < b.deformation_m; });

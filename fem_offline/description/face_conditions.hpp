@@ -49,15 +49,15 @@ enum class Assembles {
 /// A line along the face on a picture; lengths in pixels of a picture 2000 wide.
 struct FaceMark {
   double offset_px = 0.0;  ///< from the face outwards
-  double width_px = 4.0;   ///< a band of its own width in the legend
+  double width_px = 4.0;
   double legend_width_px = 4.0;
-  std::array<double, 2> dashes_px = {};  ///< on, off; solid where 0
-  bool white_dashes = false;             ///< the dashes are white and narrower, on a solid band
-  std::optional<std::array<double, 4>> colour =
-      {};                        ///< red, green, blue, opacity, 0 to 1; else that of its surrounding
-  std::string_view legend = {};  ///< stands before the name
+  std::array<double, 2> dashes_px = {};              ///< on, off; solid where 0
+  bool white_dashes = false;                         ///< the dashes are white and narrower, on a solid band
+  std::optional<std::array<double, 4>> colour = {};  ///< red, green, blue, opacity, 0 to 1; else by its surrounding
+  std::string_view legend = {};                      ///< stands before the name
 };
 
+/// One row of the table.
 struct FaceCondition {
   std::string_view table;                                    ///< [[table]] in the description
   void (*read)(const rom::TomlTable& table, Reading& into);  ///< adds the table to the description

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "fem_offline/mesh/section_mesh.hpp"
-#include "fem_offline/model/groups.hpp"
 #include "fem_offline/model/thermoelastic_supports.hpp"
+#include "fem_offline/model/union_find.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -29,7 +29,7 @@ std::map<PlaceKey, int> places_on(const SurfacePair& pair, Trace PairedPoint::*s
 }
 
 /// Joins the unknowns of both sides if every place has its opposite; false if the meshes do not match.
-bool join_matching(const SurfacePair& pair, const std::vector<DofPlace>& places, Groups& groups) {
+bool join_matching(const SurfacePair& pair, const std::vector<DofPlace>& places, UnionFind& groups) {
   const auto side_a = places_on(pair, &PairedPoint::a, places);
   const auto side_b = places_on(pair, &PairedPoint::b, places);
   const auto same_key = [](const auto& a, const auto& b) { return a.first == b.first; };
@@ -62,7 +62,7 @@ void add_tie(const SurfacePair& pair, double stiffness_N_per_m3, Triplets& tripl
 
 /// Ties what touches: joined unknowns where the meshes match, surface springs elsewhere.
 void bond(const Spindle& spindle, const SurfaceRules& rules, const std::vector<DofPlace>& places, double tie_factor,
-          Groups& groups, Triplets& springs) {
+          UnionFind& groups, Triplets& springs) {
   for (const SurfacePair& pair : rules.pairs) {
     if (pair.kind != PieceKind::contact || join_matching(pair, places, groups)) continue;
     const double modulus_Pa = std::max(spindle.materials[spindle.parts[pair.part_a].material].youngs_modulus_Pa,
@@ -87,7 +87,7 @@ void add_springs(const Support& support, const SupportPlaces& held, Triplets& sp
 
 /// Adds the supports to joined unknowns and springs; returns the leaders of the unknowns that are zero.
 std::set<int> support(const Spindle& spindle, const std::vector<SupportPlaces>& held,
-                      const std::vector<DofPlace>& places, Groups& groups, Triplets& springs) {
+                      const std::vector<DofPlace>& places, UnionFind& groups, Triplets& springs) {
   for (std::size_t s = 0; s < held.size(); ++s) {
     add_springs(spindle.supports[s], held[s], springs);
     if (spindle.supports[s].hold_z != Hold::plane) continue;
@@ -114,7 +114,7 @@ ElasticBody bond_and_support(const Spindle& spindle, const Section& section, con
   std::vector<SupportPlaces> held;
   for (const Support& support : spindle.supports) held.push_back(places_of(support, section, rules, places));
   check_held(spindle, rules, places, held);
-  Groups groups(2 * places.size());
+  UnionFind groups(2 * places.size());
   Triplets springs;
   bond(spindle, rules, places, tie_factor, groups, springs);
   const std::set<int> zero = support(spindle, held, places, groups, springs);

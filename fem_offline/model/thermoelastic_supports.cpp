@@ -6,7 +6,7 @@
 #include <set>
 
 #include "fem_offline/mesh/section_mesh.hpp"
-#include "fem_offline/model/groups.hpp"
+#include "fem_offline/model/union_find.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -87,7 +87,7 @@ SupportPlaces places_of(const Support& support, const Section& section, const Su
 
 void check_held(const Spindle& spindle, const SurfaceRules& rules, const std::vector<DofPlace>& places,
                 const std::vector<SupportPlaces>& held) {
-  Groups bonded(spindle.parts.size());
+  UnionFind bonded(spindle.parts.size());
   for (const SurfacePair& pair : rules.pairs) {
     if (pair.kind == PieceKind::contact) bonded.join(static_cast<int>(pair.part_a), static_cast<int>(pair.part_b));
   }

@@ -121,8 +121,8 @@ PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates
   return extremes;
 }
 
-void take_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
-                        rom::Network& network) {
+void add_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
+                       rom::Network& network) {
   for (std::size_t part = 0; part < model.parts.size(); ++part) {
     std::vector<int> unknowns;
     for (const int point : extremes[part]) unknowns.push_back(model.parts[part].dofs[static_cast<std::size_t>(point)]);

@@ -24,7 +24,7 @@ Loads make_loads(const AffineModel& model, double speed_high_rpm, double load_hi
   Loads loads;
   loads.heat_W = model.source_distribution;
   rom::LawDrive drive;
-  rom::take_machine(boundaries.operating, drive);
+  rom::set_machine(boundaries.operating, drive);
   drive.speed_rpm = speed_high_rpm;
   drive.load = load_high;
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {

@@ -34,7 +34,7 @@ PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates
                                 const rom::Network& network);
 
 /// Gives the parts of the network the rows of these points.
-void take_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
-                        rom::Network& network);
+void add_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
+                       rom::Network& network);
 
 }  // namespace spindle_twin::fem_offline

@@ -65,7 +65,7 @@ Eigen::VectorXd random_conductances(const rom::Boundaries& boundaries, const Par
   if (corner) speed_rpm = speed_rpm < 0.5 * box.speed_high_rpm ? 0.0 : box.speed_high_rpm;
   const double load = random.uniform(0.0, box.load_high);
   rom::LawDrive drive;
-  rom::take_machine(boundaries.operating, drive);
+  rom::set_machine(boundaries.operating, drive);
   drive.speed_rpm = speed_rpm;
   drive.load = load;
   Eigen::VectorXd conductances = random_conductance_factors(boundaries, box, corner, random);

@@ -117,7 +117,7 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
 
   PartExtremes extremes = known ? *known : PartExtremes();
   if (extremes.empty()) extremes = find_part_extremes(model, nodal, impl_->options, network);
-  take_part_extremes(model, nodal, extremes, network);
+  add_part_extremes(model, nodal, extremes, network);
   if (known) *known = std::move(extremes);
   clock.finish("part extremes");
   return network;

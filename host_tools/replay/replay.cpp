@@ -24,7 +24,7 @@ struct Inputs {
   firmware::PlcCommand command;
 };
 
-void take_signals(const LogRow& row, const Log& log, std::int64_t now_ns, Inputs& inputs) {
+void feed_signals(const LogRow& row, const Log& log, std::int64_t now_ns, Inputs& inputs) {
   inputs.frame.connected = row.connected;
   for (std::size_t s = 0; s < row.signals.size(); ++s) {
     if (log.has_signal[s]) inputs.frame.signals[s] = {row.signals[s], now_ns};
@@ -39,8 +39,8 @@ Reading reading_of_age(double value, double age_s, double clock_rate, std::int64
 
 /// A row of a plain log: an empty cell leaves the reading before. A measured length is a probe's reading, which counts
 /// where the plan has a probe there.
-void take_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs& inputs) {
-  take_signals(row, log, row_ns, inputs);
+void feed_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs& inputs) {
+  feed_signals(row, log, row_ns, inputs);
   for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
     if (std::isfinite(row.measured_K[k])) inputs.frame.sensors[k] = {row.measured_K[k], row_ns};
   }
@@ -50,8 +50,8 @@ void take_sample(const LogRow& row, const Log& log, std::int64_t row_ns, Inputs&
 }
 
 /// A row of a history: what the cycle of that row saw, readings as old as they were then.
-void take_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64_t now_ns, Inputs& inputs) {
-  take_signals(row, log, now_ns, inputs);
+void feed_cycle(const LogRow& row, const Log& log, double clock_rate, std::int64_t now_ns, Inputs& inputs) {
+  feed_signals(row, log, now_ns, inputs);
   for (std::size_t k = 0; k < row.raw_K.size(); ++k) {
     const bool without_age = std::isnan(row.age_s[k]) && std::isfinite(row.raw_K[k]);
     inputs.frame.sensors[k] = reading_of_age(row.raw_K[k], without_age ? 0.0 : row.age_s[k], clock_rate, now_ns);
@@ -77,7 +77,7 @@ void replay_history(firmware::Cycle& cycle, const firmware::CyclePlan& plan, con
   Inputs inputs;
   for (const LogRow& row : log.rows) {
     const std::int64_t now_ns = start_ns + row.clock_ns;
-    take_cycle(row, log, plan.clock_rate, now_ns, inputs);
+    feed_cycle(row, log, plan.clock_rate, now_ns, inputs);
     firmware::Snapshot snapshot = cycle.step(inputs.frame, inputs.command, now_ns, row.missed);
     snapshot.model_time_s += log.before_s;
     on_cycle({row.time_s, row.time_s + plan.period_s, snapshot});
@@ -95,7 +95,7 @@ void replay_samples(firmware::Cycle& cycle, const firmware::CyclePlan& plan, con
     const std::int64_t now_ns = at_ns(time_s);
     if (now_ns > last_ns) return;
     for (; next < log.rows.size() && at_ns(log.rows[next].time_s) <= now_ns; ++next) {
-      take_sample(log.rows[next], log, at_ns(log.rows[next].time_s), inputs);
+      feed_sample(log.rows[next], log, at_ns(log.rows[next].time_s), inputs);
     }
     firmware::Snapshot snapshot = cycle.step(inputs.frame, inputs.command, now_ns, 0);
     snapshot.model_time_s = time_s + plan.period_s;

@@ -27,7 +27,7 @@ void apply_channel_law(const Boundaries& boundaries, const OperatingState& state
 }
 
 /// Empty means `neutral` for every node; what is sized once stays so, as the cycle may not call the heap.
-void take_per_node(const Eigen::VectorXd& from, double neutral, Eigen::VectorXd& to) {
+void copy_per_node(const Eigen::VectorXd& from, double neutral, Eigen::VectorXd& to) {
   if (from.size() > 0) {
     to = from;
   } else {
@@ -59,7 +59,7 @@ BoundaryValues make_boundary_values(const Boundaries& boundaries) {
 void evaluate_boundaries(const Boundaries& boundaries, const OperatingState& state, const CorrectionFactors& factors,
                          BoundaryValues& values) {
   values.environment_K = state.environment_K;
-  take_machine(state, values.laws);
+  set_machine(state, values.laws);
   values.laws.heat_factor = factors.heat;
   values.laws.conductance_factor = factors.conductance;
   values.laws.follow = true;
@@ -79,8 +79,8 @@ void evaluate_boundaries(const Boundaries& boundaries, const OperatingState& sta
     ++measured;
   }
   apply_channel_law(boundaries, state, values);
-  take_per_node(factors.node_heat_W, 0.0, values.node_heat_W);
-  take_per_node(factors.capacity_factor, 1.0, values.capacity_factor);
+  copy_per_node(factors.node_heat_W, 0.0, values.node_heat_W);
+  copy_per_node(factors.capacity_factor, 1.0, values.capacity_factor);
 }
 
 }  // namespace spindle_twin::rom

@@ -50,7 +50,7 @@ double held_conductance_W_per_m2K(const Conductance& conductance, double referen
          evaluate_speed_law(conductance.law, drive.speed_rpm, reference_speed_rpm, drive.load);
 }
 
-void take_machine(const OperatingState& state, LawDrive& drive) {
+void set_machine(const OperatingState& state, LawDrive& drive) {
   drive.speed_rpm = state.speed_rpm;
   drive.load = state.load;
   drive.current_A = state.current_A;

@@ -20,7 +20,7 @@ double held_conductance_W_per_m2K(const Conductance& conductance, double referen
 
 /// Speed, load, flow and the machine's signals of an operating state; factors are left alone. No allocation where the
 /// flows have their size.
-void take_machine(const OperatingState& state, LawDrive& drive);
+void set_machine(const OperatingState& state, LawDrive& drive);
 
 /// Places of the sources whose watts are measured, in the order of OperatingState::heat_W. Allocates.
 std::vector<std::size_t> measured_heats(const Boundaries& boundaries);

@@ -6,7 +6,7 @@
 namespace spindle_twin::rom {
 namespace {
 
-CertificateErrors take_errors(const spindle_twin_rom_CertificateErrors& message) {
+CertificateErrors decode_errors(const spindle_twin_rom_CertificateErrors& message) {
   return {message.key_points_K, message.nose_um, message.part_max_K};
 }
 
@@ -33,13 +33,13 @@ void attach_certificate(spindle_twin_rom_Certificate& message, FlatErrors& error
   message.contact_pressures_Pa = attach(errors.contact_pressures_Pa);
 }
 
-Certificate take_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
-                             const std::string& file) {
+Certificate decode_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
+                               const std::string& file) {
   Certificate certificate;
   certificate.seed = message.seed;
   certificate.cases = message.cases;
-  certificate.worst = take_errors(message.worst);
-  certificate.median = take_errors(message.median);
+  certificate.worst = decode_errors(message.worst);
+  certificate.median = decode_errors(message.median);
   certificate.box = {message.box.contact_low, message.box.contact_high, message.box.film_low, message.box.film_high,
                      message.box.speed_high_rpm};
   certificate.mesh_size_m = message.mesh_size_m;

@@ -23,7 +23,7 @@ struct FlatErrors {
 void attach_certificate(spindle_twin_rom_Certificate& message, FlatErrors& errors);
 
 /// Throws InputError for a list that is not made of threes.
-Certificate take_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
-                             const std::string& file);
+Certificate decode_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
+                               const std::string& file);
 
 }  // namespace spindle_twin::rom

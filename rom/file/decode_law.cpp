@@ -26,8 +26,8 @@ void attach_physics(spindle_twin_rom_PhysicalLaw& message, DecodedLaw& decoded) 
   message.numbers = attach_list<NamedNumber, decode_law_number>(decoded.numbers);
 }
 
-std::optional<BoundLaw> take_physics(const spindle_twin_rom_PhysicalLaw& message, const DecodedLaw& decoded,
-                                     std::string& fault) {
+std::optional<BoundLaw> decode_physics(const spindle_twin_rom_PhysicalLaw& message, const DecodedLaw& decoded,
+                                       std::string& fault) {
   BoundLaw physics;
   try {
     physics.law.parameters = law_from_numbers(decoded.kind, decoded.numbers);

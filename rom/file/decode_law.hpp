@@ -21,7 +21,7 @@ struct DecodedLaw {
 void attach_physics(spindle_twin_rom_PhysicalLaw& message, DecodedLaw& decoded);
 
 /// The law; for one that cannot be nothing, and in `fault` why.
-std::optional<BoundLaw> take_physics(const spindle_twin_rom_PhysicalLaw& message, const DecodedLaw& decoded,
-                                     std::string& fault);
+std::optional<BoundLaw> decode_physics(const spindle_twin_rom_PhysicalLaw& message, const DecodedLaw& decoded,
+                                       std::string& fault);
 
 }  // namespace spindle_twin::rom

@@ -24,7 +24,7 @@ void attach_law(spindle_twin_rom_SpeedLaw& message, SpeedLaw& law) {
   message.speed_terms = attach_list<PowerTerm, decode_term>(law.speed_terms);
 }
 
-void take_law(const spindle_twin_rom_SpeedLaw& message, SpeedLaw& law) {
+void decode_law(const spindle_twin_rom_SpeedLaw& message, SpeedLaw& law) {
   law.constant = message.constant;
   law.load_squared = message.load_squared;
   law.zero_at_standstill = message.zero_at_standstill;
@@ -54,7 +54,7 @@ bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
   DecodedLaw physics;
   attach_physics(message.physics, physics);
   if (!pb_decode(stream, spindle_twin_rom_Conductance_fields, &message)) return false;
-  if (message.has_physics) conductance.physics = take_physics(message.physics, physics, item.law_fault);
+  if (message.has_physics) conductance.physics = decode_physics(message.physics, physics, item.law_fault);
   if (number_of(message.kind) > static_cast<unsigned>(ConductanceKind::environment_film)) {
     PB_RETURN_ERROR(stream, "a conductance of unknown kind");
   }
@@ -64,7 +64,7 @@ bool decode_conductance(pb_istream_t* stream, ConductanceWithFactor& item) {
   conductance.environment = message.environment;
   conductance.part_a = message.part_a;
   conductance.part_b = message.part_b;
-  take_law(message.law, conductance.law);
+  decode_law(message.law, conductance.law);
   if (message.has_fit) {
     conductance.fit = JointFit{message.fit.assembly_pressure_Pa, message.fit.pressure_per_inner_rise_Pa_per_K,
                                message.fit.pressure_per_outer_rise_Pa_per_K};
@@ -86,10 +86,10 @@ bool decode_source(pb_istream_t* stream, SourceWithDistribution& item) {
   DecodedLaw physics;
   attach_physics(message.physics, physics);
   if (!pb_decode(stream, spindle_twin_rom_HeatSource_fields, &message)) return false;
-  if (message.has_physics) item.source.physics = take_physics(message.physics, physics, item.law_fault);
+  if (message.has_physics) item.source.physics = decode_physics(message.physics, physics, item.law_fault);
   item.source.nominal_W = message.nominal_W;
   item.source.measured = message.measured;
-  take_law(message.law, item.source.law);
+  decode_law(message.law, item.source.law);
   item.source.friction = message.has_friction ? message.friction : is_friction_unless_said(item.source.law);
   return true;
 }
@@ -222,7 +222,7 @@ void refuse_law(const std::string& fault, const std::string& file, const std::st
   if (!fault.empty()) throw InputError({file, 0}, field, fault);
 }
 
-void take_lists(Lists& lists, Network& network, const std::string& file) {
+void decode_lists(Lists& lists, Network& network, const std::string& file) {
   const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
   for (ConductanceWithFactor& item : lists.conductances) {
     const Eigen::Index columns = item.factor_m.size() / nodes;
@@ -343,7 +343,7 @@ DecodedPayload decode_payload(std::span<const std::uint8_t> payload, const std::
   const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
   shape(network.capacity_J_per_K, nodes, nodes, file, "capacity_J_per_K");
   shape(network.conduction_W_per_K, nodes, nodes, file, "conduction_W_per_K");
-  take_lists(lists, network, file);
+  decode_lists(lists, network, file);
   shape_outputs(network, file);
   network.boundaries.reference_speed_rpm = message.reference_speed_rpm;
   network.boundaries.operating.speed_rpm = message.operating_speed_rpm;
@@ -351,7 +351,7 @@ DecodedPayload decode_payload(std::span<const std::uint8_t> payload, const std::
   network.boundaries.operating.heat_W = unread_heats_W(network.boundaries);
   network.boundaries.reference_temperature_K = message.reference_temperature_K;
   network.hand_written = message.hand_written;
-  network.certificate = take_certificate(message.certificate, errors, file);
+  network.certificate = decode_certificate(message.certificate, errors, file);
   return {std::move(network), message.schema_version};
 }
 

@@ -79,13 +79,13 @@ int newton_matrix(realtype, N_Vector x, N_Vector, SUNMatrix, booleantype serves,
       taken && problem.taken_W_per_m2K == wanted_W_per_m2K && same_as(problem.taken_inverse_capacity, inverse_capacity);
   const bool take = !taken || !(serves || near || same);
   if (take) {
-    problem.newton->take_matrix(problem.rhs->lower(), problem.rhs->network().feedback_columns(), inverse_capacity);
+    problem.newton->set_matrix(problem.rhs->lower(), problem.rhs->network().feedback_columns(), inverse_capacity);
     problem.taken_W_per_m2K = wanted_W_per_m2K;
     copy_or_fill(inverse_capacity, 1.0, problem.taken_inverse_capacity);
   }
   *fresh = take || same ? SUNTRUE : SUNFALSE;
   // A positive value tells CVODE to retry with a smaller step before it gives up.
-  return problem.newton->take_step(gamma, problem.rhs->feedback(NV_DATA_S(x))) ? 0 : 1;
+  return problem.newton->set_step(gamma, problem.rhs->feedback(NV_DATA_S(x))) ? 0 : 1;
 }
 
 /// Failures come back as return values; CVODE's own text would go to stderr from inside the cycle.

@@ -54,8 +54,8 @@ NewtonSolver::NewtonSolver(Eigen::Index nodes, Eigen::Index segments, SUNContext
   if (!band_) throw std::runtime_error("no memory for Newton's matrix");
 }
 
-void NewtonSolver::take_matrix(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& walls,
-                               const Eigen::VectorXd& inverse_capacity) {
+void NewtonSolver::set_matrix(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& walls,
+                              const Eigen::VectorXd& inverse_capacity) {
   ++decompositions_;
   // Eigen's class for this takes a vector from the heap whenever it is asked for Q, and so do the reflectors unless
   // they are multiplied out in place.
@@ -81,7 +81,7 @@ void NewtonSolver::take_matrix(const Eigen::MatrixXd& lower, const Eigen::Matrix
   }
 }
 
-bool NewtonSolver::take_step(double gamma, const Eigen::MatrixXd& coupling) {
+bool NewtonSolver::set_step(double gamma, const Eigen::MatrixXd& coupling) {
   SUNMatZero(band_.get());
   const Eigen::Index n = diagonal_.size();
   for (Eigen::Index i = 0; i < n; ++i) {

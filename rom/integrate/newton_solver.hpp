@@ -25,14 +25,14 @@ class NewtonSolver {
 
   /// K̃, of which the lower triangle is read, P, and 1 / c of the nodes' capacity factors (> 0; empty: all 1). All may
   /// change afterwards.
-  void take_matrix(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& walls,
-                   const Eigen::VectorXd& inverse_capacity = {});
+  void set_matrix(const Eigen::MatrixXd& lower, const Eigen::MatrixXd& walls,
+                  const Eigen::VectorXd& inverse_capacity = {});
   /// γ > 0 and X̃ (M x M). False if M is singular to working precision or not finite; solve() must then not be called.
-  bool take_step(double gamma, const Eigen::MatrixXd& coupling);
+  bool set_step(double gamma, const Eigen::MatrixXd& coupling);
   /// x = M⁻¹ b, N numbers each; they may be the same.
   void solve(const double* b, double* x);
 
-  /// How often take_matrix() was called.
+  /// How often set_matrix() was called.
   long decompositions() const { return decompositions_; }
 
  private:

@@ -68,7 +68,7 @@ bool RightHandSide::hold(const BoundaryValues& values) {
     network_->drive_of_nodes(values, node_drive_);
     drive_ += node_drive_;
   }
-  bool changed = take_capacities(values.capacity_factor);
+  bool changed = set_capacities(values.capacity_factor);
   if (coupled()) {
     network_->couple(values, coupling_, walls_, drive_);
     changed = changed || held_coolant_W_per_K_ != values.coolant_W_per_K;
@@ -82,7 +82,7 @@ bool RightHandSide::hold(const BoundaryValues& values) {
 }
 
 /// Whether they differ from the ones before.
-bool RightHandSide::take_capacities(const Eigen::VectorXd& capacity_factor) {
+bool RightHandSide::set_capacities(const Eigen::VectorXd& capacity_factor) {
   if (capacity_factor.size() == 0) return std::exchange(scaled_, false);
   if (scaled_ && capacity_factor_ == capacity_factor) return false;
   scaled_ = true;
@@ -151,7 +151,7 @@ void RightHandSide::follow_to(const Eigen::Ref<const Eigen::VectorXd>& x) const 
 }
 
 /// by_value_ = −∂f/∂gⱼ at x:  F̃ⱼ (F̃ⱼᵀx − Fⱼᵀ1 (T_env − T_ref)), less what it does to the liquid that comes and goes on.
-void RightHandSide::take_conductance_slope(const LawTerm& term, const Eigen::Ref<const Eigen::VectorXd>& x) const {
+void RightHandSide::set_conductance_slope(const LawTerm& term, const Eigen::Ref<const Eigen::VectorXd>& x) const {
   auto through = through_.head(term.direction.cols());
   through.noalias() = term.direction.transpose() * x;
   if (term.environment >= 0) {
@@ -216,7 +216,7 @@ void RightHandSide::add_law_slopes(const Eigen::Ref<const Eigen::VectorXd>& stat
       target.noalias() -= term.direction.col(0) * by_state_.transpose();
       continue;
     }
-    take_conductance_slope(term, state);
+    set_conductance_slope(term, state);
     target.noalias() += by_value_ * by_state_.transpose();
     const double moved = now_.conductance_W_per_m2K[term.conductance] - assembled_for_W_per_m2K_[term.conductance];
     for (Eigen::Index column = 0; column < term.direction.cols(); ++column) {

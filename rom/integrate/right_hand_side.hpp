@@ -61,10 +61,10 @@ class RightHandSide {
 
  private:
   void assemble(const Eigen::VectorXd& conductance_W_per_m2K);
-  bool take_capacities(const Eigen::VectorXd& capacity_factor);
+  bool set_capacities(const Eigen::VectorXd& capacity_factor);
   void follow_to(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   void add_law_slopes(const Eigen::Ref<const Eigen::VectorXd>& state, Eigen::Ref<Eigen::MatrixXd> target) const;
-  void take_conductance_slope(const LawTerm& term, const Eigen::Ref<const Eigen::VectorXd>& x) const;
+  void set_conductance_slope(const LawTerm& term, const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
   std::shared_ptr<const NetworkOperator> network_;
   Eigen::VectorXd assembled_for_W_per_m2K_;

@@ -179,7 +179,7 @@ BoundLaw read_physical_law(const PendingLaw& pending, const LawPlaces& places, d
 
 double nominal_value(const TomlTable& table, const BoundLaw& law, const OperatingState& operating) {
   LawDrive drive;
-  take_machine(operating, drive);
+  set_machine(operating, drive);
   const double value = evaluate(law.law, nominal_state(law, drive, operating.environment_K)).value;
   if (!std::isfinite(value) || value < 0.0 || (!is_heat(law.law) && value == 0.0)) {
     std::ostringstream text;

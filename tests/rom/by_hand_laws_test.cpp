@@ -47,7 +47,7 @@ double law_value(const Network& network, const BoundLaw& bound, const Eigen::Vec
 Eigen::VectorXd rate_K_per_s(const Network& network, const Eigen::VectorXd& temperatures_K) {
   const Boundaries& boundaries = network.boundaries;
   LawDrive drive;
-  take_machine(boundaries.operating, drive);
+  set_machine(boundaries.operating, drive);
   const Eigen::VectorXd& environment_K = boundaries.operating.environment_K;
   Eigen::VectorXd heat_W = -network.conduction_W_per_K * temperatures_K;
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {

@@ -55,9 +55,9 @@ TEST(NewtonSolver, solves_as_the_matrix_written_out_for_every_step_length) {
   for (const auto& [nodes, segments] : {std::pair{1, 0}, {2, 0}, {60, 0}, {60, 1}, {60, 9}, {130, 20}}) {
     const Problem problem(nodes, segments, 7);
     NewtonSolver solver(nodes, segments, context);
-    solver.take_matrix(problem.lower, problem.walls);
+    solver.set_matrix(problem.lower, problem.walls);
     for (const double gamma : {1e-6, 1e-3, 0.3, 5.0, 400.0}) {
-      ASSERT_TRUE(solver.take_step(gamma, problem.coupling));
+      ASSERT_TRUE(solver.set_step(gamma, problem.coupling));
       Eigen::VectorXd solution = problem.load;
       solver.solve(solution.data(), solution.data());
       const Eigen::MatrixXd matrix = problem.newton_matrix(gamma);
@@ -75,9 +75,9 @@ TEST(NewtonSolver, solves_with_capacity_factors_as_the_matrix_written_out) {
     const Problem problem(nodes, segments, 11);
     const Eigen::VectorXd inverse_capacity = Eigen::VectorXd::LinSpaced(nodes, 0.3, 3.0);
     NewtonSolver solver(nodes, segments, context);
-    solver.take_matrix(problem.lower, problem.walls, inverse_capacity);
+    solver.set_matrix(problem.lower, problem.walls, inverse_capacity);
     for (const double gamma : {1e-3, 0.3, 400.0}) {
-      ASSERT_TRUE(solver.take_step(gamma, problem.coupling));
+      ASSERT_TRUE(solver.set_step(gamma, problem.coupling));
       Eigen::VectorXd solution(nodes);
       solver.solve(problem.load.data(), solution.data());
       const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(nodes, nodes);
@@ -93,13 +93,13 @@ TEST(NewtonSolver, reads_the_lower_triangle_alone) {
   const Context context;
   const Problem problem(40, 0, 3);
   NewtonSolver whole(40, 0, context), half(40, 0, context);
-  whole.take_matrix(problem.lower, problem.walls);
+  whole.set_matrix(problem.lower, problem.walls);
   Eigen::MatrixXd spoilt = problem.lower;
   spoilt.triangularView<Eigen::StrictlyUpper>().setConstant(std::numeric_limits<double>::quiet_NaN());
-  half.take_matrix(spoilt, problem.walls);
+  half.set_matrix(spoilt, problem.walls);
   Eigen::VectorXd expected = problem.load, is = problem.load;
-  ASSERT_TRUE(whole.take_step(0.1, problem.coupling));
-  ASSERT_TRUE(half.take_step(0.1, problem.coupling));
+  ASSERT_TRUE(whole.set_step(0.1, problem.coupling));
+  ASSERT_TRUE(half.set_step(0.1, problem.coupling));
   whole.solve(expected.data(), expected.data());
   half.solve(is.data(), is.data());
   EXPECT_EQ(is, expected);
@@ -111,9 +111,9 @@ TEST(NewtonSolver, says_that_a_matrix_is_singular) {
   // 1 + γ (k − x p²) = 0 at the first node.
   Eigen::MatrixXd walls = Eigen::MatrixXd::Zero(2, 1);
   walls(0, 0) = 1.0;
-  solver.take_matrix(Eigen::MatrixXd::Identity(2, 2), walls);
-  EXPECT_FALSE(solver.take_step(1.0, Eigen::MatrixXd::Constant(1, 1, 2.0)));
-  EXPECT_TRUE(solver.take_step(1.0, Eigen::MatrixXd::Constant(1, 1, 0.5)));
+  solver.set_matrix(Eigen::MatrixXd::Identity(2, 2), walls);
+  EXPECT_FALSE(solver.set_step(1.0, Eigen::MatrixXd::Constant(1, 1, 2.0)));
+  EXPECT_TRUE(solver.set_step(1.0, Eigen::MatrixXd::Constant(1, 1, 0.5)));
 }
 
 TEST(NewtonSolver, makes_no_heap_call_once_it_is_there) {
@@ -122,8 +122,8 @@ TEST(NewtonSolver, makes_no_heap_call_once_it_is_there) {
   NewtonSolver solver(210, 12, context);
   Eigen::VectorXd solution(210);
   const long before = heap_calls();
-  solver.take_matrix(problem.lower, problem.walls);
-  const bool regular = solver.take_step(0.5, problem.coupling);
+  solver.set_matrix(problem.lower, problem.walls);
+  const bool regular = solver.set_step(0.5, problem.coupling);
   solver.solve(problem.load.data(), solution.data());
   EXPECT_EQ(heap_calls() - before, 0);
   EXPECT_TRUE(regular);

@@ -130,6 +130,14 @@ TEST(ConfigErrors, the_estimators_options_say_what_is_allowed) {
   EXPECT_NE(unknown.find("correction.relaxation: unknown key"), std::string::npos) << unknown;
 }
 
+TEST(ConfigErrors, the_published_laws_options_say_what_is_allowed) {
+  const std::string law = "law = \"paper\"\n", relaxation = "relaxation = 0.5\n";
+  EXPECT_EQ(error_of(with(law + relaxation, law + "joint_exponent = 1.5\n")),
+            "/etc/twin.toml:25: correction.joint_exponent: must be a number from 0 to 1, is 1.5");
+  EXPECT_EQ(error_of(with(law + relaxation, law + "relaxation = 0.0\n")),
+            "/etc/twin.toml:25: correction.relaxation: must be a number from 0 (excluded) to 1, is 0");
+}
+
 TEST(Config, a_probe_stands_at_a_deformation_output) {
   const std::string probe =
       "[[displacement]]\noutput = \"nose\"\nregister = 20\nscale = 0.1\nsd_um = 0.5\ninterval_s = 30.0\n";

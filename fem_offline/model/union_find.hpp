@@ -5,10 +5,10 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Union-find.
-class Groups {
+/// Which of `count` things have been joined, directly or through others (union-find with path halving).
+class UnionFind {
  public:
-  explicit Groups(std::size_t count) : leader_(count) { std::iota(leader_.begin(), leader_.end(), 0); }
+  explicit UnionFind(std::size_t count) : leader_(count) { std::iota(leader_.begin(), leader_.end(), 0); }
   int leader(int member) {
     while (leader_[member] != member) member = leader_[member] = leader_[leader_[member]];
     return member;
