@@ -118,8 +118,8 @@ class Daemon {
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  /// Clients are answered before the cycle runs: a long pause since the checkpoint takes seconds to go through. Gives up
-  /// where end() is called meanwhile, in another thread.
+  /// Clients are answered before the cycle runs: a long pause since the checkpoint takes seconds to go through. Gives
+  /// up where end() is called meanwhile, in another thread.
   void start() {
     const std::optional<Checkpoint> checkpoint = look_for_checkpoint(config_.keep);
     const StandingOrders orders = recall_orders(config_.keep.orders_path, file_.sha256, checkpoint);
@@ -213,8 +213,8 @@ class Daemon {
   std::vector<std::thread> after_cycle_;  ///< until nothing more comes from the cycle
 };
 
-/// Until a signal ends it. The start is in a thread of its own, so that a signal is heard meanwhile. Throws what the start
-/// threw.
+/// Until a signal ends it. The start is in a thread of its own, so that a signal is heard meanwhile. Throws what the
+/// start threw.
 int run_until_signal(Daemon& daemon, const sigset_t& signals) {
   std::exception_ptr failure;
   std::thread starter([&] {

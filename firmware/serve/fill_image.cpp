@@ -38,10 +38,11 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.image[entry_of(Register::heartbeat).address] = static_cast<std::uint16_t>(snapshot.sequence & 0xFFFFU);
   // At 1 ms a cycle 32 bits last for 49.7 days; the last of their numbers says "not present".
   const auto sequence = static_cast<double>(snapshot.sequence % 0xFFFFFFFFU);
-  for (const Register which : {Register::sequence, Register::temperatures_sequence, Register::parts_sequence,
-                               Register::factors_sequence, Register::deviations_sequence, Register::sensors_sequence,
-                               Register::estimator_sequence, Register::health_sequence, Register::motor_sequence,
-                               Register::service_sequence, Register::compensation_sequence, Register::devices_sequence}) {
+  for (const Register which :
+       {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence,
+        Register::deviations_sequence, Register::sensors_sequence, Register::estimator_sequence,
+        Register::health_sequence, Register::motor_sequence, Register::service_sequence,
+        Register::compensation_sequence, Register::devices_sequence}) {
     fill.value(which, sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));

@@ -11,7 +11,7 @@
 namespace spindle_twin::firmware {
 namespace {
 
-constexpr double cycles_missed = 3.0;    // until the watchdog may bite
+constexpr double cycles_missed = 3.0;     // until the watchdog may bite
 constexpr double looks_a_watchdog = 4.0;  // sd_watchdog_enabled(3) asks for two at least
 constexpr double rarest_look_s = 0.5;
 constexpr double start_extension_s = 30.0;
