@@ -9,7 +9,9 @@
 namespace spindle_twin::fem_offline {
 
 inline std::string spindle_file(const std::string& name) {
-  return std::string(SPINDLE_TWIN_SOURCE_DIR) + "/fem_offline/spindles/" + name + ".toml";
+  std::string path = SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/";
+  path.append(name).append(".toml");  // a chain of + is taken for a write beyond the end by GCC 12
+  return path;
 }
 
 /// Everything at the description's operating state.
