@@ -27,7 +27,7 @@ class Notified(RunningDaemon):
         super().setUp()
         self.daemon.terminate()
         self.daemon.wait(20)
-        (self.folder / "twin.checkpoint").unlink()  # or it would predict from the first cycle on
+        (self.folder / "twin.checkpoint").unlink(missing_ok=True)  # or it would predict from the first cycle on
 
     def start_watched(self, watchdog_s=2.0):
         path = self.folder / "notify"

@@ -18,8 +18,12 @@
 namespace spindle_twin::firmware {
 namespace {
 
-/// The tests' own logger comes back.
+/// The tests' own logger comes back. As the program does, they ignore SIGPIPE: a line that waits for a reader is still
+/// written when the test closes its pipe.
 struct KeepLogger {
+  KeepLogger() { std::signal(SIGPIPE, SIG_IGN); }
+  KeepLogger(const KeepLogger&) = delete;
+  KeepLogger& operator=(const KeepLogger&) = delete;
   std::shared_ptr<spdlog::logger> before = spdlog::default_logger();
   ~KeepLogger() { spdlog::set_default_logger(before); }
 };
