@@ -136,7 +136,7 @@ ServePlan read_serve(const TomlTable& table) {
   return serve;
 }
 
-/// A cycle that is three periods late does not run any more.
+/// [http]; /healthz calls a cycle dead that is three periods late, or five seconds where that is longer.
 ShowPlan read_http(const TomlTable& table, const CyclePlan& cycle) {
   ShowPlan show;
   show.enabled = true;

@@ -6,8 +6,9 @@
 namespace spindle_twin::firmware {
 namespace {
 
-/// Without speed and load there is no open loop.
-constexpr std::uint16_t drive_signals = 0b11;
+/// Without speed and load there is no open loop; bits of Snapshot::signals_held.
+constexpr auto drive_signals =
+    static_cast<std::uint16_t>(1U << static_cast<unsigned>(Signal::speed) | 1U << static_cast<unsigned>(Signal::load));
 
 }  // namespace
 
@@ -20,6 +21,14 @@ Rung Compensation::rung_of(std::size_t good, std::size_t configured, const Snaps
   return plan_.on_loss == OnLoss::hold || lost_s_ < plan_.hold_s ? Rung::hold : Rung::decay;
 }
 
+void Compensation::begin_at(const Snapshot& snapshot) {
+  if (!std::isfinite(snapshot.nose_m)) return;
+  last_m_ = plan_.sign * snapshot.nose_m;
+  has_predicted_ = true;
+  value_m_ = enabled() ? std::clamp(last_m_, -plan_.limit_m, plan_.limit_m) : 0.0;
+  published_m_ = plan_.step_m > 0.0 ? plan_.step_m * std::round(value_m_ / plan_.step_m) : value_m_;
+}
+
 void Compensation::follow(double wanted_m, double advance_s) {
   const double most_m = plan_.slew_m_per_s * advance_s;
   value_m_ += std::clamp(wanted_m - value_m_, -most_m, most_m);
@@ -30,7 +39,7 @@ void Compensation::follow(double wanted_m, double advance_s) {
 void Compensation::step(std::size_t good, std::size_t configured, double advance_s, Snapshot& snapshot) {
   CompensationState& told = snapshot.compensation;
   told = {};
-  if (!plan_.configured || snapshot.deformations == 0) return;
+  if (snapshot.deformations == 0) return;
   const Rung rung = rung_of(good, configured, snapshot);
   const bool live = rung == Rung::estimator || rung == Rung::fewer_sensors || rung == Rung::open_loop;
   if (live) {

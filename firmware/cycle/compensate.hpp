@@ -10,7 +10,6 @@ enum class OnLoss { hold, decay };
 
 /// How a deformation becomes the value that the CNC adds to its axis.
 struct CompensationPlan {
-  bool configured = true;
   bool enabled = true;         ///< until the PLC says otherwise
   double sign = 1.0;           ///< -1: the counter movement
   double slew_m_per_s = 5e-7;  ///< model time
@@ -36,6 +35,10 @@ struct CompensationPlan {
 class Compensation {
  public:
   explicit Compensation(const CompensationPlan& plan) : plan_(plan) {}
+
+  /// Before the first step, where a run before is gone on from: the value begins where it is wanted, as the published
+  /// nose does. The control has followed it there, and a way from 0 on would be a step for the machine.
+  void begin_at(const Snapshot& snapshot);
 
   void order(SwitchOrder order) { order_ = order; }
   SwitchOrder ordered() const { return order_; }

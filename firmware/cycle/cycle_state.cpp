@@ -66,7 +66,7 @@ void Cycle::take_orders(const PlcCommand& command) {
   const auto result_of = [&](OrderKind kind) -> OrderResult& { return results_[static_cast<std::size_t>(kind)]; };
   const bool in_vain = command.correction == SwitchOrder::on && !corrector_.corrects;
   result_of(OrderKind::correction) = in_vain ? OrderResult::refused : OrderResult::done;
-  const bool no_such_switch = command.compensation != SwitchOrder::as_configured && !plan_.compensation.configured;
+  const bool no_such_switch = command.compensation != SwitchOrder::as_configured && network_.deformations.empty();
   result_of(OrderKind::compensation) = no_such_switch ? OrderResult::refused : OrderResult::done;
   compensation_.order(command.compensation);
   if (command.displacements != displacements_) result_of(OrderKind::length) = take_length(command);
@@ -141,7 +141,9 @@ void Cycle::stand_by_orders(const StandingOrders& orders) {
     watch_.tare = tare;  // the estimator has no offsets yet
   }
   snapshot_.tare_m = orders.tare_m;
-  if (started_) publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
+  if (!started_) return;
+  publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
+  compensation_.begin_at(snapshot_);
 }
 
 void Cycle::note_troubles(const Troubles& troubles) {

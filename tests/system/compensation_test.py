@@ -74,6 +74,17 @@ class Block(RunningDaemon):
         self.assertLessEqual(self.largest_step(2.0), SLEW_UM_PER_S * 1.01)
         wait_until(lambda: self.block()["um"] < -1.0, "back")
 
+    def test_a_restart_goes_on_from_where_it_was(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        wait_until(lambda: self.block()["um"] < -2.0, "a growth")
+        before = self.block()["um"]
+        self.daemon.terminate()
+        self.daemon.wait(20)
+        self.start_again()
+        after = wait_until(lambda: (lambda um: um if um == um else None)(self.block()["um"]), "a value")
+        self.assertLess(abs(after - before), 1.0)
+
     def test_the_device_gone_it_goes_on_in_the_open_loop_without_a_step(self):
         self.write_signals()
         self.wait_for_state(1)

@@ -104,6 +104,17 @@ TEST(Compensation, held_for_ever_where_the_plan_says_so) {
   EXPECT_NEAR(gone.compensation.value_m, 10.0 * um, 1e-15);
 }
 
+TEST(Compensation, goes_on_after_a_restart_from_where_the_nose_is) {
+  for (const SwitchOrder order : {SwitchOrder::as_configured, SwitchOrder::off}) {
+    Compensation compensation(plan());
+    compensation.order(order);
+    Snapshot snapshot = live(20.0);
+    compensation.begin_at(snapshot);
+    run(compensation, snapshot, 1);
+    EXPECT_NEAR(snapshot.compensation.value_m, order == SwitchOrder::off ? 0.0 : 20.0 * um, 1e-15);
+  }
+}
+
 TEST(Compensation, is_zero_before_the_first_prediction) {
   Compensation compensation(plan());
   Snapshot snapshot = lost(10.0);
