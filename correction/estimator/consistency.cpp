@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rom/units.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
-constexpr double hour_s = 3600.0;
 constexpr double most_nis = 12.0;  // one reading alone does not keep the mean of a minute above 1 for a minute
 
 double weight(double elapsed_s, double memory_s) { return 1.0 - std::exp(-elapsed_s / memory_s); }
@@ -46,7 +47,7 @@ void Consistency::note(Eigen::Index sensor, double innovation_K, double variance
 bool Consistency::conclude(double elapsed_s, double time_s) {
   largest_K_ = noted_K_;
   if (noted_ == 0) return false;
-  nis_of_hour_ += weight(elapsed_s, hour_s) * (noted_nis_ / noted_ - nis_of_hour_);
+  nis_of_hour_ += weight(elapsed_s, rom::seconds_per_hour) * (noted_nis_ / noted_ - nis_of_hour_);
   rejected_share_ +=
       weight(elapsed_s, limits_.rejected_memory_s) * (static_cast<double>(rejected_) / noted_ - rejected_share_);
   noted_K_ = noted_nis_ = 0.0;

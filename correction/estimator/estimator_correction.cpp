@@ -6,14 +6,12 @@
 
 #include "correction/estimator/check_options.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::correction {
 namespace {
 
-constexpr double time_slack_s = 1e-6;
-constexpr double seconds_per_hour = 3600.0;
-/// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
-constexpr double fresh_s = 30.0;
+constexpr double due_slack_s = 1e-6;
 constexpr double disturbance_width_memory_s = 7200.0;
 constexpr double idle_width = 1e-3;
 constexpr double open_width = 2.0;
@@ -192,7 +190,7 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
   }
   const double offset_walk = options_.offset_walk_K_per_root_hour * options_.offset_walk_K_per_root_hour;
   for (std::size_t s = 0; s < channels_.size(); ++s) {
-    growth[offset_at(static_cast<Eigen::Index>(s))] = offset_walk * elapsed_s / seconds_per_hour;
+    growth[offset_at(static_cast<Eigen::Index>(s))] = offset_walk * elapsed_s / rom::seconds_per_hour;
   }
 }
 
@@ -233,7 +231,7 @@ EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
     channels_[s].predict(options_.sensors[s].row.dot(nodes_K_), elapsed_s, lag_s(index));
     if (sample.valid[index]) channels_[s].observe(sample.measured_K[index]);
   }
-  const bool due = sample.time_s >= due_s_ - time_slack_s;
+  const bool due = sample.time_s >= due_s_ - due_slack_s;
   const bool fresh = sample.time_s < fresh_until_s_;
   if (due || fresh || period_.differs(sample.operating)) close_period(sample.time_s);
   if (start_unseen_) look_at_the_start();
@@ -271,7 +269,7 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
   factors_.node_heat_W.setZero();
   factors_.capacity_factor.setOnes();
   bias_K_.setZero();
-  if (time_s >= period_.opened_s() + options_.period_s - time_slack_s || time_s < fresh_until_s_ ||
+  if (time_s >= period_.opened_s() + options_.period_s - due_slack_s || time_s < fresh_until_s_ ||
       period_.differs(operating)) {
     close_period(time_s);
     outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);

@@ -293,6 +293,8 @@ class EstimatorCorrection {
   Eigen::VectorXd bias_K_, rises_K_, nodes_K_, corrected_K_;
   rom::CorrectionFactors factors_;
   Eigen::VectorXd known_flow_kg_per_s_;  ///< that the films were learnt at
+  /// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
+  static constexpr double fresh_s = 30.0;
   double reset_s_ = 0.0, fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
   /// Of a start after a pause: > 0, its parameter forgets; when the start was opened.
   double start_memory_s_ = 0.0, widened_s_ = 0.0;

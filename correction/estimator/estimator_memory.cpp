@@ -11,7 +11,6 @@ namespace {
 constexpr double unseen_share = 0.5;
 constexpr double unseen_shape = 0.2;
 constexpr double unseen_memory_s = 600.0;
-constexpr double fresh_s = 30.0;
 
 constexpr std::size_t per_channel = 2;  // lag slope, floor
 constexpr std::size_t of_start = 3;     // and one per start parameter

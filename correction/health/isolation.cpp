@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "correction/health/surprise.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
 constexpr double never_s = -1e18;
-constexpr double memory_s = 3600.0;  // of evidence, as in leave_one_out
 
 }  // namespace
 
@@ -47,7 +48,7 @@ int Isolation::partner_of(std::size_t channel, const std::vector<HealthUpdate>& 
 
 void Isolation::count_evidence(const std::vector<HealthUpdate>& updates, double time_s, const HealthLimits& limits) {
   const bool settling = time_s - restart_s_ < limits.settle_s;
-  const double fade = std::exp(-(time_s - last_s_) / memory_s);
+  const double fade = std::exp(-(time_s - last_s_) / evidence_memory_s);
   last_s_ = time_s;
   for (std::size_t i = 0; i < updates.size(); ++i) {
     Memory& memory = memories_[i];

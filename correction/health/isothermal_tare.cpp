@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "rom/units.hpp"
+
 namespace spindle_twin::correction {
 namespace {
-
-constexpr double seconds_per_hour = 3600.0;
 
 /// Largest minus smallest of what is noted.
 struct Spread {
@@ -67,7 +67,7 @@ void IsothermalTare::judge(const std::vector<TareSample>& samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!both(i)) continue;
     const double change_K = mean_K(later_, i) - mean_K(earlier_, i);
-    if (std::abs(change_K) > limits_.rate_K_per_h * limits_.block_s / seconds_per_hour) return;
+    if (std::abs(change_K) > limits_.rate_K_per_h * limits_.block_s / rom::seconds_per_hour) return;
     readings.note(0.5 * (mean_K(earlier_, i) + mean_K(later_, i)));
     model.note(samples[i].model_K);
   }

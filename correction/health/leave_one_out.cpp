@@ -3,20 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "correction/health/surprise.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
-constexpr double most_surprise = 9.0;     // three σ: beyond, one update would decide alone
 constexpr double least_memory_s = 120.0;  // twelve updates
-constexpr double memory_s = 3600.0;       // a drift of 0.2 K/h needs about that long to show (measured)
 constexpr double keep_every_s = 300.0;    // three kept filters: the oldest is 10 to 15 minutes old
 constexpr double doubt_from = 4.0;        // evidence: odds of e^2 that the sensor has failed,
 constexpr double doubt_whole = 12.0;      // and of e^6
-
-/// What one innovation adds to J. A comparison with what is no number gives the bound: no evidence is drawn from it.
-double surprise(double innovation, double variance) {
-  return std::fmin(innovation * innovation / variance, most_surprise);
-}
 
 /// J of the estimator's own last update.
 double surprise_of(const EstimatorCorrection& estimator) {
@@ -87,7 +82,8 @@ void LeaveOneOut::update(const EstimatorCorrection& estimator) {
   }
   const double all = surprise_of(estimator);
   age_s_ += estimator.last_update().elapsed_s;
-  const double fade = std::exp(-estimator.last_update().elapsed_s / std::clamp(age_s_, least_memory_s, memory_s));
+  const double fade =
+      std::exp(-estimator.last_update().elapsed_s / std::clamp(age_s_, least_memory_s, evidence_memory_s));
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(filters_.size()); ++s) {
     double& evidence = misfits_[static_cast<std::size_t>(s)].evidence;
     evidence = fade * evidence + all - update_one(estimator, s);

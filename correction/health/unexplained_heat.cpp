@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "correction/health/surprise.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
-constexpr double most_surprise = 9.0;
-constexpr double memory_s = 3600.0;
 /// Healthy spindles reach some 40 within two hours.
 constexpr double enough = 60.0;
-
-double surprise(double innovation, double variance) {
-  return std::fmin(innovation * innovation / variance, most_surprise);
-}
 
 }  // namespace
 
@@ -67,7 +63,7 @@ bool UnexplainedHeat::update(const EstimatorCorrection& estimator) {
   estimator.bound(row_);
   filter_.set_mean(row_);
   if (!std::isfinite(gained)) gained = 0.0;
-  evidence_ = std::exp(-made.elapsed_s / memory_s) * evidence_ + gained;
+  evidence_ = std::exp(-made.elapsed_s / evidence_memory_s) * evidence_ + gained;
   return evidence_ > enough;
 }
 

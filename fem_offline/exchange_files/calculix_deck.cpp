@@ -18,8 +18,6 @@ struct TimeStage {
   double step_s;
 };
 
-double degC(double temperature_K) { return temperature_K - rom::zero_degC_K; }
-
 /// Names of sets: P part, M material, B and A the sides of a pair, G gap, I contact, V air volume.
 std::string name(char letter, std::size_t number) { return std::string(1, letter).append(std::to_string(number)); }
 
@@ -342,7 +340,7 @@ void write_outputs(const Spindle& spindle, const DeckModel& deck, const DeckPlan
   file.close();
 }
 
-void write_readme(const Spindle& spindle, const std::string& directory) {
+void write_calculix_readme(const Spindle& spindle, const std::string& directory) {
   DeckFile file(directory, "README");
   file
       << "CalculiX deck of the spindle '" << spindle.name << "' (SI, degC; axisymmetric, x = r, y = z; CAX8).\n"
@@ -381,7 +379,7 @@ void write_calculix_deck(const Spindle& spindle, const DeckModel& deck, const De
   }
   write_outputs(spindle, deck, plan, air, directory);
   write_calculix_run(deck.nodes.size(), !spindle.deformations.empty(), directory);
-  write_readme(spindle, directory);
+  write_calculix_readme(spindle, directory);
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -9,6 +9,9 @@
 
 namespace spindle_twin::fem_offline {
 
+/// Decks are written in degC.
+inline double degC(double temperature_K) { return temperature_K - rom::zero_degC_K; }
+
 /// Makes the folder. Throws rom::InputError if that is not possible.
 void make_deck_folder(const std::string& directory);
 

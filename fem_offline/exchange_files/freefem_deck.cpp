@@ -12,8 +12,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-double degC(double temperature_K) { return temperature_K - rom::zero_degC_K; }
-
 struct Edge {
   std::size_t a, b, label;
 };
@@ -348,7 +346,7 @@ void write_script(const Deck& deck, const std::string& directory) {
   file.close();
 }
 
-void write_readme(const Spindle& spindle, const std::string& directory) {
+void write_freefem_readme(const Spindle& spindle, const std::string& directory) {
   DeckFile file(directory, "README");
   file
       << "FreeFEM deck of the spindle '" << spindle.name << "' (SI, degC; axisymmetric, x = r, y = z; P2).\n"
@@ -373,7 +371,7 @@ void write_freefem_deck(const Spindle& spindle, const DeckModel& deck, const Dec
     if (spindle.surroundings[i].kind == SurroundingKind::air) all.airs.push_back(i);
   }
   write_script(all, directory);
-  write_readme(spindle, directory);
+  write_freefem_readme(spindle, directory);
 }
 
 }  // namespace spindle_twin::fem_offline

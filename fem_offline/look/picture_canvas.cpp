@@ -13,7 +13,6 @@ namespace {
 
 constexpr double millimetres_per_metre = 1e3;
 constexpr Colour axis_colour{0.25, 0.25, 0.28, 1.0};
-constexpr Colour white{1.0, 1.0, 1.0, 1.0};
 
 }  // namespace
 

@@ -12,6 +12,8 @@ struct Colour {
   double opacity = 1.0;
 };
 
+inline constexpr Colour white{1.0, 1.0, 1.0, 1.0};
+
 /// Oklab lightness (0 black to 1 white), chroma and hue to sRGB, chroma reduced until the colour exists.
 /// Source: B. Ottosson, "A perceptual color space for image processing" (2020).
 Colour from_oklch(double lightness, double chroma, double hue_degrees);

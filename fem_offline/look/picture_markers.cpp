@@ -7,7 +7,6 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr Colour black{0.0, 0.0, 0.0, 1.0};
-constexpr Colour white{1.0, 1.0, 1.0, 1.0};
 constexpr Colour yellow{1.0, 0.85, 0.1, 1.0};
 constexpr Colour probe_colour{0.75, 0.88, 1.0, 1.0};
 const TextStyle label_style{17.0, true, Align::centre, ink, true};

@@ -10,7 +10,6 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr Colour fit_colour{0.85, 0.05, 0.10, 1.0};
-constexpr Colour white{1.0, 1.0, 1.0, 1.0};
 constexpr double fit_line_px = 4.0, white_line_px = 2.8;
 constexpr double grams_per_kg = 1e3;
 

@@ -20,7 +20,7 @@ constexpr std::size_t most_candidates = 400;
 constexpr double good_enough_K = 0.003;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
-constexpr double environment_spread_K = 10.0;
+constexpr double candidate_spread_K = 10.0;
 /// Times after a change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
@@ -68,11 +68,11 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
     };
     const Eigen::VectorXd uniform_K = Eigen::VectorXd::Constant(count, boundaries.reference_temperature_K);
     Eigen::Index column = set * per_set;
-    apply(random_state(boundaries, options.box, environment_spread_K, random));
+    apply(random_state(boundaries, options.box, candidate_spread_K, random));
     Eigen::VectorXd before_K = solve(0.0, uniform_K);
     fields.col(column++) = before_K;
     if (set % 3 == 0) before_K = uniform_K;
-    apply(random_state(boundaries, options.box, environment_spread_K, random));
+    apply(random_state(boundaries, options.box, candidate_spread_K, random));
     fields.col(column++) = solve(0.0, uniform_K);
     for (const double time_s : times_s) fields.col(column++) = solve(1.0 / time_s, before_K);
   });

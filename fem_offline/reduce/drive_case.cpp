@@ -9,9 +9,9 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double rest_share = 0.25;
+constexpr double drive_rest_share = 0.25;
 constexpr double coolant_step_share = 1.0 / 3.0;
-constexpr double environment_spread_K = 5.0;
+constexpr double drive_spread_K = 5.0;
 constexpr double drift_high_K_per_s = 6.0 / 3600.0;
 
 /// Logarithms of the conductances' factors, which run at constant rates and turn round at the walls of the box.
@@ -61,8 +61,7 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
   DriveCase result;
   result.factors = rom::no_correction(boundaries);
   result.factors.conductance = random_conductance_factors(boundaries, box, false, random);
-  result.initial_temperature_K =
-      boundaries.reference_temperature_K + random.uniform(-environment_spread_K, environment_spread_K);
+  result.initial_temperature_K = boundaries.reference_temperature_K + random.uniform(-drive_spread_K, drive_spread_K);
 
   DriftingFactors drifting(boundaries, box, result.factors.conductance,
                            RandomStream(seed, StreamPurpose::drift, index));
@@ -71,7 +70,7 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
   Eigen::VectorXd start_K = base_K;
   Eigen::VectorXd drift_K_per_s = Eigen::VectorXd::Zero(base_K.size());
   for (Eigen::Index i = 0; i < base_K.size(); ++i) {
-    start_K[i] += random.uniform(-environment_spread_K, environment_spread_K);
+    start_K[i] += random.uniform(-drive_spread_K, drive_spread_K);
     const double drift = random.uniform(-drift_high_K_per_s, drift_high_K_per_s);
     if (boundaries.environments[static_cast<std::size_t>(i)].kind == rom::EnvironmentKind::ambient) {
       drift_K_per_s[i] = drift;
@@ -82,13 +81,13 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
   double time_s = 0.0;
   while (time_s < end_s) {
     rom::OperatingState state = boundaries.operating;
-    const bool rest = random.uniform(0.0, 1.0) < rest_share;
+    const bool rest = random.uniform(0.0, 1.0) < drive_rest_share;
     state.speed_rpm = random.uniform(0.0, box.speed_high_rpm);
     state.load = random.uniform(0.0, box.load_high);
     if (rest) state.speed_rpm = state.load = 0.0;
     const bool coolant_step = random.uniform(0.0, 1.0) < coolant_step_share;
     for (Eigen::Index i = 0; i < base_K.size(); ++i) {
-      const double step_K = random.uniform(-environment_spread_K, environment_spread_K);
+      const double step_K = random.uniform(-drive_spread_K, drive_spread_K);
       const bool coolant = boundaries.environments[static_cast<std::size_t>(i)].kind == rom::EnvironmentKind::coolant;
       if (coolant && coolant_step) start_K[i] = base_K[i] + step_K;
     }

@@ -18,7 +18,7 @@ extern "C" void dpstrf_(const char* uplo, const int* n, double* a, const int* ld
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double corner_share = 0.4;
+constexpr double full_corner_share = 0.4;
 constexpr double steady_share = 0.25;
 constexpr double shift_low_per_s = 2e-4;
 constexpr double shift_high_per_s = 3.0;
@@ -160,7 +160,7 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
     auto& worker = workers[static_cast<std::size_t>(index)];
     if (!worker) worker = std::make_unique<Worker>(model);
     RandomStream random(options.seed, StreamPurpose::full_snapshots, static_cast<std::uint32_t>(set));
-    const bool corner = random.uniform(0.0, 1.0) < corner_share;
+    const bool corner = random.uniform(0.0, 1.0) < full_corner_share;
     const bool steady = random.uniform(0.0, 1.0) < steady_share;
     const double shift = random.log_uniform(shift_low_per_s, shift_high_per_s);
     const Eigen::VectorXd conductances = random_conductances(model.boundaries, options.box, corner, random);

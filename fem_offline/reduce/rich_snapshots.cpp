@@ -13,12 +13,12 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 /// Sets at corners of the box: there errors are largest, but a drive cycle is seldom near one in all directions.
-constexpr double corner_share = 0.2;
+constexpr double rich_corner_share = 0.2;
 /// Starts with everything at one temperature; the others start from the steady state of another operating state.
 constexpr double uniform_start_share = 0.3;
 constexpr double uniform_spread_K = 5.0;
-constexpr double environment_spread_K = 8.0;
-constexpr double rest_share = 0.2;
+constexpr double rich_spread_K = 8.0;
+constexpr double rich_rest_share = 0.2;
 constexpr int jumps_per_set = 2;
 /// Implicit steps behind a jump, each up to step_spread times longer or shorter.
 constexpr std::array<double, 6> steps_s = {2.0, 6.0, 20.0, 60.0, 200.0, 600.0};
@@ -61,14 +61,14 @@ RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries
   const DenseModel& model = rich.dense;
   const bool symmetric = segments.count() == 0;
   RandomStream random(options.seed, StreamPurpose::rich_snapshots, set);
-  const bool corner = random.uniform(0.0, 1.0) < corner_share;
+  const bool corner = random.uniform(0.0, 1.0) < rich_corner_share;
   rom::CorrectionFactors factors = rom::no_correction(boundaries);
   factors.conductance = random_conductance_factors(boundaries, options.box, corner, random);
   rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   HeldModel held;
   const auto jump = [&] {
-    rom::OperatingState state = random_state(boundaries, options.box, environment_spread_K, random);
-    if (random.uniform(0.0, 1.0) < rest_share) state.speed_rpm = state.load = 0.0;
+    rom::OperatingState state = random_state(boundaries, options.box, rich_spread_K, random);
+    if (random.uniform(0.0, 1.0) < rich_rest_share) state.speed_rpm = state.load = 0.0;
     rom::evaluate_boundaries(boundaries, state, factors, values);
     hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
   };

@@ -36,7 +36,7 @@ FeTrajectory run_fe_case(const AffineModel& model, const VerifyOptions& options,
                       options.fe_step_s);
 }
 
-double largest(const Eigen::VectorXd& values) { return values.size() > 0 ? values.maxCoeff() : 0.0; }
+double largest_error(const Eigen::VectorXd& values) { return values.size() > 0 ? values.maxCoeff() : 0.0; }
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -56,9 +56,9 @@ VerifyReport summarise(const Eigen::MatrixXd& errors, const AffineModel& model, 
   const OutputLayout layout = output_layout(model);
   VerifyReport report;
   for (const auto& column : errors.colwise()) {
-    report.cases.push_back({largest(column.head(layout.key_points)),
+    report.cases.push_back({largest_error(column.head(layout.key_points)),
                             layout.deformations > 0 ? column[layout.deformations_at()] * rom::um_per_m : 0.0,
-                            largest(column.segment(layout.maxima_at(), layout.parts))});
+                            largest_error(column.segment(layout.maxima_at(), layout.parts))});
   }
   rom::Certificate& certificate = report.certificate;
   certificate.seed = options.seed;

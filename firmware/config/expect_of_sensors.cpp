@@ -12,7 +12,6 @@ namespace spindle_twin::firmware {
 
 std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan) {
   if (!plan.estimator || !plan.estimator_corrects || network.deformations.empty()) return {};
-  constexpr double hour_s = 3600.0;
   using rom::um_per_m;
   const correction::EstimatorOptions& estimator = *plan.estimator;
   correction::IdentifyOptions options;
@@ -32,8 +31,8 @@ std::string expect_of_sensors(const rom::Network& network, const CyclePlan& plan
     options.noise_K = std::max(options.noise_K, plan.sensors[k].noise_K);
     options.offset_deviation_K = std::max(options.offset_deviation_K, plan.sensors[k].offset_deviation_K);
   }
-  const correction::Identification found =
-      correction::identify(network, sensors, rom::constant_schedule(network.boundaries, hour_s), options);
+  const correction::Identification found = correction::identify(
+      network, sensors, rom::constant_schedule(network.boundaries, rom::seconds_per_hour), options);
   std::vector<correction::Parameter> parameters;
   std::vector<correction::ParameterEstimate> estimates;
   for (const correction::IdentifiedParameter& parameter : found.parameters) {

@@ -168,7 +168,7 @@ ConfiguredSensor read_sensor(const TomlTable& table, Config& config) {
 }
 
 ConfiguredProbe read_probe(const TomlTable& table, Config& config) {
-  const rom::Range length_um = rom::between(-1e4, 1e4);
+  const rom::Range limits_um = rom::between(-1e4, 1e4);
   ConfiguredProbe probe;
   probe.output = table.string("output");
   probe.where = table.where("output");
@@ -177,8 +177,8 @@ ConfiguredProbe read_probe(const TomlTable& table, Config& config) {
   ProbePlan& plan = probe.plan;
   plan.configured = true;
   plan.deviation_m = m_per_um * table.number("sd_um", rom::between(1e-3, 1e3));
-  plan.min_m = m_per_um * table.number_or("min_um", plan.min_m / m_per_um, length_um);
-  plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, length_um);
+  plan.min_m = m_per_um * table.number_or("min_um", plan.min_m / m_per_um, limits_um);
+  plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, limits_um);
   if (plan.max_m <= plan.min_m) table.fail("max_um", "must be above min_um");
   plan.interval_s = table.number_or("interval_s", plan.interval_s, rom::between(1.0, 86400.0));
   plan.stale_after_s = table.number_or("stale_after_s", plan.stale_after_s, rom::positive);

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "firmware/keep/sqlite_history.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -55,13 +56,12 @@ void read_files(const TomlTable& root, Config& config) {
   const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
   config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
   if (const auto checkpoint = root.optional_table("checkpoint")) {
-    constexpr double seconds_per_hour = 3600.0;
     KeepPlan& keep = config.keep;
     keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
     if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
     keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
-    keep.max_age_s = seconds_per_hour *
-                     checkpoint->number_or("max_age_h", keep.max_age_s / seconds_per_hour, rom::between(0.0, 8760.0));
+    keep.max_age_s = rom::seconds_per_hour * checkpoint->number_or("max_age_h", keep.max_age_s / rom::seconds_per_hour,
+                                                                   rom::between(0.0, 8760.0));
   }
 }
 

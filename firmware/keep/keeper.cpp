@@ -11,11 +11,10 @@
 #include "firmware/watch/clock.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
-
-constexpr double seconds_per_hour = 3600.0;
 
 /// Empty where it fits.
 std::string objection(const Checkpoint& checkpoint, const KeepPlan& plan, const std::string& network_sha256,
@@ -23,8 +22,8 @@ std::string objection(const Checkpoint& checkpoint, const KeepPlan& plan, const 
   if (checkpoint.network_sha256 != network_sha256) return "it is of another network";
   if (age_s < 0.0) return "it was written later than the clock says now";
   if (age_s > plan.max_age_s) {
-    return fmt::format("it is {:.1f} h old, checkpoint.max_age_h is {:.1f}", age_s / seconds_per_hour,
-                       plan.max_age_s / seconds_per_hour);
+    return fmt::format("it is {:.1f} h old, checkpoint.max_age_h is {:.1f}", age_s / rom::seconds_per_hour,
+                       plan.max_age_s / rom::seconds_per_hour);
   }
   return {};
 }
@@ -98,7 +97,7 @@ void Keeper::keep(bool say) {
     spdlog::info("after {:.0f} s {}", now.model_time_s, heats.empty() ? "the sources explain all heat again" : heats);
     heats_said_ = heats;
   }
-  if (parameters_.empty() || (!say && now.model_time_s - said_at_s_ < seconds_per_hour)) return;
+  if (parameters_.empty() || (!say && now.model_time_s - said_at_s_ < rom::seconds_per_hour)) return;
   spdlog::info("after {:.0f} s {}", now.model_time_s, what_is_determined(parameters_, now.parameters));
   said_at_s_ = now.model_time_s;
 }

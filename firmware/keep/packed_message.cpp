@@ -10,9 +10,9 @@
 namespace spindle_twin::firmware {
 namespace {
 
-std::string first_line(const std::string& format, std::span<const std::uint8_t> payload) {
+std::string first_line(const std::string& kind, std::span<const std::uint8_t> payload) {
   const std::string_view bytes(reinterpret_cast<const char*>(payload.data()), payload.size());
-  return "spindle-twin " + format + " " + rom::sha256_hex(bytes) + "\n";
+  return "spindle-twin " + kind + " " + rom::sha256_hex(bytes) + "\n";
 }
 
 }  // namespace

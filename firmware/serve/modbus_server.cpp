@@ -44,7 +44,6 @@ bool crowds_out_files(int descriptor) {
 /// libmodbus keeps descriptors in an fd_set.
 constexpr int descriptor_limit = 1024;
 
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
 constexpr int talks_cyclically = 3;                       ///< a client that goes on after it told a signal
 

@@ -24,7 +24,6 @@
 namespace spindle_twin::firmware {
 namespace {
 
-constexpr std::int64_t ns_per_s = 1'000'000'000;
 constexpr std::int64_t ask_within_ns = 2 * ns_per_s;
 constexpr std::int64_t take_within_ns = 5 * ns_per_s;
 constexpr std::int64_t leave_within_ns = 1 * ns_per_s;

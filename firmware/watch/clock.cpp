@@ -4,9 +4,6 @@
 #include <ctime>
 
 namespace spindle_twin::firmware {
-namespace {
-constexpr std::int64_t ns_per_s = 1'000'000'000;
-}
 
 double unix_now_s() {
   timespec now{};

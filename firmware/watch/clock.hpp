@@ -4,6 +4,8 @@
 
 namespace spindle_twin::firmware {
 
+inline constexpr std::int64_t ns_per_s = 1'000'000'000;
+
 /// Seconds since 1970 by the clock on the wall, which may be set; for labels and for the age of files.
 double unix_now_s();
 

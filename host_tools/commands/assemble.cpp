@@ -11,12 +11,12 @@
 namespace spindle_twin::host_tools {
 
 void add_assemble(CLI::App& app) {
-  struct Options {
+  struct AssembleOptions {
     std::string network;
     std::string output;
   };
   CLI::App* command = app.add_subcommand("assemble", "Make the network file of a network written by hand");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<AssembleOptions>();
   command->add_option("network", options->network, "nodes, conductances, heats and outputs, TOML")->required();
   command->add_option("-o,--output", options->output, "network file to write, .rom")->required();
   command->callback([options] {

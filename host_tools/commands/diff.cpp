@@ -147,12 +147,12 @@ void print_json(const std::vector<Difference>& found) {
   std::printf("%s\n", nlohmann::ordered_json{{"equal", found.empty()}, {"differences", list}}.dump(1).c_str());
 }
 
-struct Options {
+struct DiffOptions {
   std::string first, second;
   bool json = false;
 };
 
-void run(const Options& options) {
+void run_diff(const DiffOptions& options) {
   std::vector<Difference> found;
   try {
     found = differences(inspect(options.first), inspect(options.second));
@@ -169,11 +169,11 @@ void run(const Options& options) {
 void add_diff(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "diff", "Say what differs between two network files; exit code 0: nothing, 1: something, 2: trouble");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiffOptions>();
   command->add_option("first", options->first, "network file, .rom")->required();
   command->add_option("second", options->second, "network file, .rom")->required();
   command->add_flag("--json", options->json, "as JSON");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_diff(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

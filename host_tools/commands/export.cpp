@@ -11,6 +11,7 @@
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 #ifdef SPINDLE_TWIN_OFFLINE
 #include "host_tools/commands/offline/export_decks.hpp"
 #endif
@@ -20,9 +21,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-constexpr double hour_s = 3600.0;
-
-struct Options {
+struct ExportOptions {
   std::string input;
   std::string netlist;
   std::string schedule;
@@ -35,11 +34,12 @@ struct Options {
   bool of_description() const { return !calculix_directory.empty() || !freefem_directory.empty(); }
 };
 
-void export_network(const Options& options) {
+void export_network(const ExportOptions& options) {
   const rom::Network network = rom::read_network(options.input);
   if (!options.netlist.empty()) {
-    const rom::Schedule schedule = options.schedule.empty() ? rom::constant_schedule(network.boundaries, hour_s)
-                                                            : rom::read_schedule(options.schedule, network.boundaries);
+    const rom::Schedule schedule = options.schedule.empty()
+                                       ? rom::constant_schedule(network.boundaries, rom::seconds_per_hour)
+                                       : rom::read_schedule(options.schedule, network.boundaries);
     const std::string data_file = std::filesystem::path(options.netlist).stem().string() + ".data";
     rom::write_whole_file(options.netlist, spice_netlist(network, schedule, data_file, options.schedule));
     std::printf("ngspice netlist in %s: %zu nodes, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(),
@@ -55,7 +55,7 @@ void export_network(const Options& options) {
   }
 }
 
-void run(const Options& options) {
+void run_export(const ExportOptions& options) {
   const std::string extension = std::filesystem::path(options.input).extension().string();
   if (!options.of_network() && !options.of_description()) {
 #ifdef SPINDLE_TWIN_OFFLINE
@@ -88,7 +88,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportOptions>();
 #ifdef SPINDLE_TWIN_OFFLINE
   CLI::App* command =
       app.add_subcommand("export", "Write a network, or the FE model behind it, for other programs to run");
@@ -109,7 +109,7 @@ void add_export(CLI::App& app) {
   command->add_option("--calculix", options->calculix_directory, "folder for a CalculiX deck");
   command->add_option("--freefem", options->freefem_directory, "folder for a FreeFEM deck");
 #endif
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_export(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

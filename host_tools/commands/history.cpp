@@ -24,7 +24,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-struct Options {
+struct HistoryOptions {
   std::string file;
   std::string csv;
   std::optional<std::int64_t> run;
@@ -56,7 +56,7 @@ void write_rows(const firmware::SqliteHistoryReader& history, std::optional<std:
 
 /// Row by row, as a history may be larger than the memory, into a file beside, which is renamed when it is whole; with
 /// the digits that bring the same numbers back.
-void write_csv(const firmware::SqliteHistoryReader& history, const Options& options) {
+void write_csv(const firmware::SqliteHistoryReader& history, const HistoryOptions& options) {
   rom::check_writable(options.csv, "--csv");
   const std::string unfinished = options.csv + ".unfinished";
   try {
@@ -72,7 +72,7 @@ void write_csv(const firmware::SqliteHistoryReader& history, const Options& opti
   }
 }
 
-void run(const Options& options) {
+void run_history(const HistoryOptions& options) {
   if (!firmware::is_sqlite_file(options.file)) {
     throw rom::InputError({options.file, 0}, "", "is no history in SQLite (a history in CSV is a table already)");
   }
@@ -84,11 +84,11 @@ void run(const Options& options) {
 
 void add_history(CLI::App& app) {
   CLI::App* command = app.add_subcommand("history", "List the runs of a history in SQLite, or write one as CSV");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<HistoryOptions>();
   command->add_option("file", options->file, "history of spindle-twind whose path ends in .sqlite")->required();
   CLI::Option* csv = command->add_option("--csv", options->csv, "CSV to write, as spindle-twind would have written it");
   command->add_option("--run", options->run, "which run is written; else the last")->needs(csv);
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_history(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

@@ -19,7 +19,7 @@ namespace {
 constexpr double millimetres_per_metre = 1e3;
 constexpr std::size_t shown_places = 8;
 
-struct Options {
+struct IdentifyOptions {
   std::string network;
   std::vector<std::string> sensors;
   std::string schedule;
@@ -97,7 +97,7 @@ void print_table(const rom::Network& network, const std::vector<correction::Sens
   }
 }
 
-void run(const Options& options) {
+void run_identify(const IdentifyOptions& options) {
   const rom::Network network = rom::read_network(options.network);
   const rom::Schedule schedule = options.schedule.empty()
                                      ? rom::constant_schedule(network.boundaries, 3600.0 * options.hours)
@@ -117,7 +117,7 @@ void run(const Options& options) {
 void add_identify(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "identify", "What sensors can tell of heats, joints, films and nose, and where the next one helps most");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<IdentifyOptions>();
   correction::IdentifyOptions& identify = options->identify;
   identify.priors = correction::constant_priors();
   const CLI::Validator factor = finite_range(0.0, 2.0, "0 to 2");
@@ -162,7 +162,7 @@ void add_identify(CLI::App& app) {
                    "parts without room for a further sensor, with commas between: what turns")
       ->delimiter(',');
   command->add_flag("--json", options->json, "as JSON");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_identify(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

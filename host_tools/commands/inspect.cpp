@@ -18,7 +18,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-struct Options {
+struct InspectOptions {
   std::string network;
   bool json = false;
   std::string page;
@@ -26,14 +26,14 @@ struct Options {
   std::optional<double> load;
 };
 
-rom::OperatingState chosen_state(const Options& options, const rom::Network& network) {
+rom::OperatingState chosen_state(const InspectOptions& options, const rom::Network& network) {
   rom::OperatingState state = network.boundaries.operating;
   if (options.speed_rpm) state.speed_rpm = *options.speed_rpm;
   if (options.load) state.load = *options.load;
   return state;
 }
 
-void run(const Options& options) {
+void run_inspect(const InspectOptions& options) {
   if (options.page.empty() && !options.json && (options.speed_rpm || options.load)) {
     throw CLI::RequiresError(options.speed_rpm ? "--speed" : "--load", "--html or --json");
   }
@@ -57,7 +57,7 @@ void run(const Options& options) {
 
 void add_inspect(CLI::App& app) {
   CLI::App* command = app.add_subcommand("inspect", "Show what a network file holds and check it");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<InspectOptions>();
   command->add_option("network", options->network, "network file, .rom")->required();
   command->add_flag("--json", options->json, "as JSON");
   command->add_option("--html", options->page,
@@ -66,7 +66,7 @@ void add_inspect(CLI::App& app) {
       ->check(finite_range(0.0, 1e6, "0 to 1e6 rpm"));
   command->add_option("--load", options->load, "of the same, fraction of the rated load")
       ->check(finite_range(0.0, 10.0, "0 to 10"));
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_inspect(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

@@ -9,7 +9,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-struct Options {
+struct RegistersOptions {
   bool markdown = false;
   bool csv = false;
   bool json = false;
@@ -46,7 +46,7 @@ void print_json() {
 
 void add_registers(CLI::App& app) {
   CLI::App* command = app.add_subcommand("registers", "Print the Modbus register map of spindle-twind");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RegistersOptions>();
   CLI::Option* markdown = command->add_flag("--markdown", options->markdown, "as documentation");
   CLI::Option* csv = command->add_flag("--csv", options->csv, "as import list for a PLC, one row per value");
   CLI::Option* json = command->add_flag("--json", options->json, "as JSON");

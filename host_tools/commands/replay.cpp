@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 using firmware::fault_codes;
 using firmware::state_codes;
 
-struct Options {
+struct ReplayCommand {
   ReplayOptions replay;
   std::string log;
   std::optional<std::int64_t> run;
@@ -80,8 +80,8 @@ Json errors_json(const std::vector<OutputErrors>& outputs, const std::string& un
   return list;
 }
 
-void print_json(const Options& options, const rom::Network& network, const firmware::CyclePlan& plan, const Log& log,
-                const Tally& tally, const ReplayErrors& errors) {
+void print_json(const ReplayCommand& options, const rom::Network& network, const firmware::CyclePlan& plan,
+                const Log& log, const Tally& tally, const ReplayErrors& errors) {
   Json json{{"spindle", network.spindle},
             {"log", options.log},
             {"log_is_history", log.cycle_s.has_value()},
@@ -117,8 +117,8 @@ void print_errors(const char* title, const std::vector<OutputErrors>& outputs, d
   }
 }
 
-void print_table(const Options& options, const rom::Network& network, const firmware::CyclePlan& plan, const Log& log,
-                 const Tally& tally, const ReplayErrors& errors) {
+void print_table(const ReplayCommand& options, const rom::Network& network, const firmware::CyclePlan& plan,
+                 const Log& log, const Tally& tally, const ReplayErrors& errors) {
   std::printf("%s, %s: %g s, %zu cycles of %g s, correction %s\n", network.spindle.c_str(), options.log.c_str(),
               log.rows.back().time_s - log.rows.front().time_s, tally.cycles, plan.period_s, law_of(plan));
   std::printf("cycles:");
@@ -134,7 +134,7 @@ void print_table(const Options& options, const rom::Network& network, const firm
   print_errors("deformation, error in um", errors.deformations(), rom::um_per_m);
 }
 
-void run(const Options& options) {
+void run_replay(const ReplayCommand& options) {
   if (!options.output.empty()) rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.replay.network);
   const Log log = read_log(options.log, network, options.replay.longest_gap_s, options.run);
@@ -157,7 +157,7 @@ void run(const Options& options) {
 void add_replay(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "replay", "Run a log through the daemon's own cycle and compare predictions with what was measured");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayCommand>();
   ReplayOptions& replay = options->replay;
   command->add_option("network", replay.network, "network file, .rom")->required();
   command->add_option("log", options->log, "a history of spindle-twind (CSV or SQLite), or any CSV with its columns")
@@ -200,7 +200,7 @@ void add_replay(CLI::App& app) {
       ->check(finite_range(-1e12, 1e12, "-1e12 to 1e12 s"));
   command->add_option("-o,--output", options->output, "CSV to write, a row per cycle");
   command->add_flag("--json", options->json, "as JSON");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_replay(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

@@ -60,11 +60,11 @@ void add_keys(CLI::App& app) {
 }
 
 void add_sign(CLI::App& app) {
-  struct Options {
+  struct SignOptions {
     std::string network, key;
   };
   CLI::App* command = app.add_subcommand("sign", "Sign a network file, in place");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SignOptions>();
   command->add_option("network", options->network, "network file, .rom")->required();
   command->add_option("--key", options->key, "private key, .key")->required();
   command->callback([options] {
@@ -75,12 +75,12 @@ void add_sign(CLI::App& app) {
 }
 
 void add_verify_signature(CLI::App& app) {
-  struct Options {
+  struct SignOptions {
     std::string network;
     std::vector<std::string> keys;
   };
   CLI::App* command = app.add_subcommand("verify-signature", "Say who signed a network file");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SignOptions>();
   command->add_option("network", options->network, "network file, .rom")->required();
   command->add_option("--key", options->keys, "public keys that count, .pub files or 64 hex digits");
   command->callback([options] { verify(options->network, options->keys); });

@@ -21,7 +21,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-struct Options {
+struct SimulateOptions {
   std::string network;
   std::string schedule;
   std::string output;
@@ -72,7 +72,7 @@ void add_row(std::string& table, double time_s, const rom::NetworkOutputs& outpu
   table += '\n';
 }
 
-void simulate(const Options& options) {
+void simulate(const SimulateOptions& options) {
   rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.network);
   const rom::Boundaries& boundaries = network.boundaries;
@@ -125,7 +125,7 @@ void simulate(const Options& options) {
 void add_simulate(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("simulate", "Run a network along a schedule with the integrator of spindle-twind");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SimulateOptions>();
   const CLI::Validator positive = finite_range(1e-3, 1e6, "1e-3 to 1e6 s");
   command->add_option("network", options->network, "network file, .rom")->required();
   command

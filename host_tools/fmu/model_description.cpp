@@ -10,7 +10,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-std::string number(double value) {
+std::string exact(double value) {
   std::array<char, 40> text{};
   std::snprintf(text.data(), text.size(), "%.17g", value);
   return text.data();
@@ -84,7 +84,7 @@ void add_variable(pugi::xml_node list, const FmuVariable& item, std::size_t refe
   if (item.unit == "K") set(real, "displayUnit", "degC");
   if (item.unit == "m") set(real, "displayUnit", "um");
   if (item.unit == "Pa") set(real, "displayUnit", "MPa");
-  if (item.role != FmuRole::output) set(real, "start", number(item.start));
+  if (item.role != FmuRole::output) set(real, "start", exact(item.start));
   if (item.role == FmuRole::tunable_parameter) set(real, "min", "0");
 }
 

@@ -252,16 +252,16 @@ Eigen::VectorXd flat(const std::vector<OutputError>& errors) {
   return numbers;
 }
 
-struct FlatErrors {
+struct ErrorColumns {
   Eigen::VectorXd key_points_K, part_means_K, part_maxima_K, deformations_m, contact_pressures_Pa;
 };
 
-FlatErrors flat(const Certificate& certificate) {
+ErrorColumns flat(const Certificate& certificate) {
   return {flat(certificate.key_points_K), flat(certificate.part_means_K), flat(certificate.part_maxima_K),
           flat(certificate.deformations_m), flat(certificate.contact_pressures_Pa)};
 }
 
-spindle_twin_rom_Certificate certificate_message(const Certificate& certificate, const FlatErrors& errors) {
+spindle_twin_rom_Certificate certificate_message(const Certificate& certificate, const ErrorColumns& errors) {
   spindle_twin_rom_Certificate message = spindle_twin_rom_Certificate_init_zero;
   message.seed = certificate.seed;
   message.cases = certificate.cases;
@@ -325,7 +325,7 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   message.contact_pressures = attach_list<Pressures, encode_contact_pressure>(network.contact_pressures);
   message.outlines = attach_list<std::vector<OutlineRing>, encode_outline>(network.outlines);
   message.has_certificate = true;
-  const FlatErrors errors = flat(network.certificate);
+  const ErrorColumns errors = flat(network.certificate);
   message.certificate = certificate_message(network.certificate, errors);
 
   std::size_t size = 0;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Eigen::Index block_entries = 512;
 
-void require(bool condition, const char* message) {
+void demand(bool condition, const char* message) {
   if (!condition) throw std::invalid_argument(message);
 }
 
@@ -32,14 +32,14 @@ NetworkOperator::NetworkOperator(const Network& network)
   const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
   const Eigen::Index n = capacity.rows();
   const Eigen::Index count = conductances_ = static_cast<Eigen::Index>(network.factors_m.size());
-  require(n > 0 && capacity.cols() == n, "the capacity matrix is not square");
-  require(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
-          "the conduction matrix has not the shape of the capacity matrix");
-  require(network.source_distribution.rows() == n, "the source distribution has not one row per node");
-  require(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
+  demand(n > 0 && capacity.cols() == n, "the capacity matrix is not square");
+  demand(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
+         "the conduction matrix has not the shape of the capacity matrix");
+  demand(network.source_distribution.rows() == n, "the source distribution has not one row per node");
+  demand(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
 
   const Eigen::LLT<Eigen::MatrixXd> cholesky(capacity);
-  require(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
+  demand(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
   capacity_root_ = cholesky.matrixL();
   const auto root = capacity_root_.triangularView<Eigen::Lower>();
   diagonal_capacity_ = capacity == Eigen::MatrixXd(capacity.diagonal().asDiagonal());
@@ -54,7 +54,7 @@ NetworkOperator::NetworkOperator(const Network& network)
   films_.resize(n, count);
   for (Eigen::Index j = 0; j < count; ++j) {
     Eigen::MatrixXd factor = network.factors_m[static_cast<std::size_t>(j)];
-    require(factor.rows() == n, "a conductance factor has not one row per node");
+    demand(factor.rows() == n, "a conductance factor has not one row per node");
     const Eigen::VectorXd column_sums = factor.colwise().sum().transpose();
     root.solveInPlace(factor);
     const Eigen::VectorXd term = packed_lower(factor * factor.transpose());
@@ -64,7 +64,7 @@ NetworkOperator::NetworkOperator(const Network& network)
     }
     const int environment = network.boundaries.conductances[static_cast<std::size_t>(j)].environment;
     if (environment < 0) continue;
-    require(environment < environments_, "a conductance names an environment that does not exist");
+    demand(environment < environments_, "a conductance names an environment that does not exist");
     films_.col(static_cast<Eigen::Index>(film_environment_.size())) = factor * column_sums;
     film_conductance_.push_back(j);
     film_environment_.push_back(environment);

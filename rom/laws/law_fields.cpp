@@ -14,7 +14,7 @@ namespace spindle_twin::rom {
 namespace {
 
 template <class Value>
-double number_of(const Value& value) {
+double as_double(const Value& value) {
   return static_cast<double>(value);
 }
 
@@ -27,7 +27,7 @@ void put(double number, Value& value) {
   }
 }
 
-std::string printed(double value) {
+std::string text_of(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
@@ -39,9 +39,9 @@ std::string fault_of(const LawField& field, double number) {
   const bool low = range.min_excluded ? number > range.min : number >= range.min;
   const bool high = range.max_excluded ? number < range.max : number <= range.max;
   if (std::isfinite(number) && low && high && (field.words.empty() || number == std::floor(number))) return {};
-  if (!field.words.empty()) return std::string(field.name) + ": must be a whole number up to " + printed(range.max);
-  return std::string(field.name) + ": must be a number from " + printed(range.min) +
-         (range.min_excluded ? " (excluded)" : "") + " to " + printed(range.max) +
+  if (!field.words.empty()) return std::string(field.name) + ": must be a whole number up to " + text_of(range.max);
+  return std::string(field.name) + ": must be a number from " + text_of(range.min) +
+         (range.min_excluded ? " (excluded)" : "") + " to " + text_of(range.max) +
          (range.max_excluded ? " (excluded)" : "");
 }
 
@@ -50,7 +50,7 @@ struct Collect {
 
   template <class Value>
   void operator()(const LawField& field, const Value& value) {
-    numbers.push_back({std::string(field.name), number_of(value)});
+    numbers.push_back({std::string(field.name), as_double(value)});
   }
   template <class Item, class Body>
   void optional(std::string_view, const std::optional<Item>& item, const Body& body) {
@@ -63,7 +63,7 @@ struct FindFault {
 
   template <class Value>
   void operator()(const LawField& field, const Value& value) {
-    if (fault.empty()) fault = fault_of(field, number_of(value));
+    if (fault.empty()) fault = fault_of(field, as_double(value));
   }
   template <class Item, class Body>
   void optional(std::string_view, const std::optional<Item>& item, const Body& body) {

@@ -16,10 +16,10 @@
 namespace spindle_twin::rom::tests {
 namespace {
 
-const std::string example = SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle_laws.toml";
+const std::string motor_spindle_laws = SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle_laws.toml";
 
 std::string text_of_example() {
-  std::ifstream file(example);
+  std::ifstream file(motor_spindle_laws);
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
@@ -75,7 +75,7 @@ Eigen::VectorXd rate_K_per_s(const Network& network, const Eigen::VectorXd& temp
 }
 
 TEST(ByHandLaws, example_meets_an_independent_integration) {
-  const Network network = read_by_hand(example);
+  const Network network = read_by_hand(motor_spindle_laws);
   ASSERT_TRUE(has_physics(network.boundaries));
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
   rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
@@ -107,7 +107,7 @@ TEST(ByHandLaws, example_meets_an_independent_integration) {
 }
 
 TEST(ByHandLaws, heats_go_where_physics_lets_them) {
-  const Network network = read_by_hand(example);
+  const Network network = read_by_hand(motor_spindle_laws);
   const NetworkOperator coordinates(network);
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
   const auto at = [&](const OperatingState& state, double degC) {

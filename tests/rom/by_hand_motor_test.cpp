@@ -55,7 +55,7 @@ speed_law = { constant = 0.0, speed_terms = [[1.0, 1.0]] }
 const std::string conduction = "[[conduction]]\nbetween = [\"winding\", \"housing\"]\nconductance_W_per_K = 3.0\n";
 const std::string correctable = conduction + "correctable = true\nname = \"slots\"\n";
 
-std::string refusal(const std::string& text) {
+std::string refusal_of_motor(const std::string& text) {
   try {
     parse_by_hand(text, "motor.toml");
   } catch (const InputError& error) {
@@ -192,7 +192,7 @@ TEST(ByHandMotor, every_mistake_is_one_error_with_line_and_field) {
       {motor(conduction, "measured = 3\n"), "heat.loss.measured: must be"},
   };
   for (const auto& [text, expected] : cases) {
-    EXPECT_NE(refusal(text).find(expected), std::string::npos) << expected << "\n" << refusal(text);
+    EXPECT_NE(refusal_of_motor(text).find(expected), std::string::npos) << expected << "\n" << refusal_of_motor(text);
   }
 }
 

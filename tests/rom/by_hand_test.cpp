@@ -122,11 +122,11 @@ TEST(ByHand, steady_state_and_outputs_by_hand) {
   EXPECT_NEAR(outputs.deformations_m[0], 1e-6 * (1.5 * 45.0 - 0.5 * 30.0), 1e-15);
 }
 
-const std::string example = SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle.toml";
+const std::string motor_spindle = SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle.toml";
 
 /// What is stored plus what has left is what was put in, over an hour of the example at its operating state.
 TEST(ByHand, heat_is_conserved_over_an_hour) {
-  const Network network = read_by_hand(example);
+  const Network network = read_by_hand(motor_spindle);
   const BoundaryValues values = nominal(network);
   const Eigen::Index n = network.capacity_J_per_K.rows();
   const auto channels = std::make_shared<const NetworkOperator>(network);
@@ -161,7 +161,7 @@ TEST(ByHand, heat_is_conserved_over_an_hour) {
 }
 
 TEST(ByHand, the_example_is_a_network_like_any_other) {
-  const Network network = read_by_hand(example);
+  const Network network = read_by_hand(motor_spindle);
   const RomFile file = decode_rom_file(encode_network(network), "x.rom");
   EXPECT_EQ(encode_network(file.network), encode_network(network));
   EXPECT_TRUE(file.network.hand_written);
@@ -283,7 +283,7 @@ TEST(ByHand, every_mistake_is_one_error_with_file_line_and_field) {
 }
 
 TEST(ByHand, a_description_is_told_from_a_hand_written_network) {
-  EXPECT_TRUE(is_by_hand(example));
+  EXPECT_TRUE(is_by_hand(motor_spindle));
   EXPECT_FALSE(is_by_hand(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/reference.toml"));
   EXPECT_FALSE(is_by_hand("/nowhere.toml"));
 }

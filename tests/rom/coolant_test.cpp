@@ -18,7 +18,7 @@
 namespace spindle_twin::rom::tests {
 namespace {
 
-BoundaryValues values_at(const Network& network, const OperatingState& state) {
+BoundaryValues values_in_state(const Network& network, const OperatingState& state) {
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
   rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
   return values;
@@ -130,7 +130,7 @@ TEST(Coolant, network_carries_the_heat_that_the_liquid_takes_away) {
   for (const double flow_kg_per_s : {0.03, -0.03, 0.001}) {
     OperatingState state = network.boundaries.operating;
     state.flow_kg_per_s[0] = flow_kg_per_s;
-    const BoundaryValues values = values_at(network, state);
+    const BoundaryValues values = values_in_state(network, state);
     const auto shared = std::make_shared<const NetworkOperator>(network);
     ExactStepper stepper(shared);
     for (int k = 0; k < 4; ++k) ASSERT_EQ(stepper.advance(1e6, values), StepStatus::ok);
@@ -186,8 +186,8 @@ TEST(Coolant, circuit_at_great_flow_is_a_plain_film) {
   plain.boundaries.operating.flow_kg_per_s.resize(0);
   ExactStepper with(std::make_shared<const NetworkOperator>(network));
   ExactStepper without(std::make_shared<const NetworkOperator>(plain));
-  ASSERT_EQ(with.advance(500.0, values_at(network, network.boundaries.operating)), StepStatus::ok);
-  ASSERT_EQ(without.advance(500.0, values_at(plain, plain.boundaries.operating)), StepStatus::ok);
+  ASSERT_EQ(with.advance(500.0, values_in_state(network, network.boundaries.operating)), StepStatus::ok);
+  ASSERT_EQ(without.advance(500.0, values_in_state(plain, plain.boundaries.operating)), StepStatus::ok);
   EXPECT_LT((with.temperatures_K() - without.temperatures_K()).lpNorm<Eigen::Infinity>(), 1e-6);
 }
 

@@ -9,7 +9,7 @@ namespace spindle_twin::rom {
 namespace {
 
 CsvTable table_of(const std::string& text, LastLine last = LastLine::may_be_cut) {
-  const tests::TemporaryFolder folder;
+  const spindle_twin::tests::TemporaryFolder folder;
   const std::string path = folder.write("table.csv", text);
   try {
     return read_csv_table(path, last);
@@ -18,7 +18,7 @@ CsvTable table_of(const std::string& text, LastLine last = LastLine::may_be_cut)
   }
 }
 
-std::string refusal(const std::string& text) {
+std::string refusal_of_table(const std::string& text) {
   try {
     table_of(text);
   } catch (const std::runtime_error& error) {
@@ -45,13 +45,13 @@ TEST(CsvTable, what_spreadsheets_add_is_of_no_account) {
 }
 
 TEST(CsvTable, bad_table_is_one_error_with_line_and_column) {
-  EXPECT_EQ(refusal("time_s,a\n0,1\n1,one\n"), ":3: a: 'one' is not a finite number with a decimal point");
-  EXPECT_EQ(refusal("time_s,a\n0,inf\n"), ":2: a: 'inf' is not a finite number with a decimal point");
-  EXPECT_EQ(refusal("time_s,a\n0\n"), ":2: 1 values, but the header names 2 columns");
-  EXPECT_EQ(refusal("time_s,a,a\n0,1,1\n"), ":1: a: column given twice");
-  EXPECT_EQ(refusal("time_s\ta\n0\t1\n"), ":1: columns must be separated by commas");
-  EXPECT_EQ(refusal("time_s\n"), ": holds no row");
-  EXPECT_EQ(refusal("\n\n"), ": empty; a header with the names of the columns is needed");
+  EXPECT_EQ(refusal_of_table("time_s,a\n0,1\n1,one\n"), ":3: a: 'one' is not a finite number with a decimal point");
+  EXPECT_EQ(refusal_of_table("time_s,a\n0,inf\n"), ":2: a: 'inf' is not a finite number with a decimal point");
+  EXPECT_EQ(refusal_of_table("time_s,a\n0\n"), ":2: 1 values, but the header names 2 columns");
+  EXPECT_EQ(refusal_of_table("time_s,a,a\n0,1,1\n"), ":1: a: column given twice");
+  EXPECT_EQ(refusal_of_table("time_s\ta\n0\t1\n"), ":1: columns must be separated by commas");
+  EXPECT_EQ(refusal_of_table("time_s\n"), ": holds no row");
+  EXPECT_EQ(refusal_of_table("\n\n"), ": empty; a header with the names of the columns is needed");
   EXPECT_THROW(table_of("time_s\n0\n").column("nose"), InputError);
 }
 

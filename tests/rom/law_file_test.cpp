@@ -9,18 +9,12 @@
 #include "rom/laws/law_fields.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/law_network.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
 
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
+using spindle_twin::tests::refusal_of;
 
 TEST(LawFile, every_law_survives_the_file_bit_for_bit) {
   const Network network = make_network_with_laws();
@@ -128,7 +122,7 @@ TEST(LawFile, laws_in_the_wrong_place_are_refused_with_file_and_field) {
   for (const Case& item : cases) {
     Network network = make_network_with_laws();
     item.spoil(network);
-    const std::string said = refusal([&] { check_network(network, "laws.rom"); });
+    const std::string said = refusal_of([&] { check_network(network, "laws.rom"); });
     EXPECT_NE(said.find("laws.rom: "), std::string::npos) << item.what;
     EXPECT_NE(said.find(item.says), std::string::npos) << item.what << ": " << said;
   }

@@ -30,7 +30,7 @@ CorrectionFactors uneven_factors(const Boundaries& boundaries) {
   return factors;
 }
 
-BoundaryValues values_at(const Network& network, double flow_kg_per_s, double speed_rpm = 5200.0) {
+BoundaryValues values_at_flow(const Network& network, double flow_kg_per_s, double speed_rpm = 5200.0) {
   OperatingState state = network.boundaries.operating;
   state.speed_rpm = speed_rpm;
   state.load = 0.7;
@@ -68,7 +68,7 @@ TEST(LawTerms, jacobian_is_that_of_the_right_hand_side) {
     const Eigen::Index n = shared->nodes();
     Eigen::VectorXd x(n);
     shared->to_internal(Eigen::VectorXd::Constant(n, 303.0), x);
-    rhs.follow(values_at(network, flow_kg_per_s), x.data());  // K̃ of a colder state, as in the middle of a period
+    rhs.follow(values_at_flow(network, flow_kg_per_s), x.data());  // K̃ of a colder state, as in the middle of a period
     ASSERT_TRUE(rhs.following());
     shared->to_internal(warm_temperatures_K(network), x);
     Eigen::MatrixXd held(n, n), analytic(n, n), numeric(n, n);
@@ -80,7 +80,7 @@ TEST(LawTerms, jacobian_is_that_of_the_right_hand_side) {
     for (Eigen::Index k = 0; k < n; ++k) {
       EXPECT_LT((analytic.col(k) - numeric.col(k)).norm(), 1e-7 * analytic.col(k).norm()) << "column " << k;
     }
-    rhs.hold(values_at(network, flow_kg_per_s));
+    rhs.hold(values_at_flow(network, flow_kg_per_s));
     rhs.full(held);
     EXPECT_GT((analytic - held).cwiseAbs().maxCoeff(), 1e-4 * analytic.cwiseAbs().maxCoeff()) << "laws had no effect";
   }
@@ -97,7 +97,7 @@ TEST(LawTerms, values_at_the_nominal_temperatures_are_the_held_ones) {
   for (HeatSource& source : network.boundaries.sources) at_310(source.physics);
   for (Conductance& conductance : network.boundaries.conductances) at_310(conductance.physics);
   const NetworkOperator coordinates(network);
-  const BoundaryValues held = values_at(network, 0.03);
+  const BoundaryValues held = values_at_flow(network, 0.03);
   BoundaryValues now = held;
   coordinates.laws().at_temperatures(Eigen::VectorXd::Constant(coordinates.nodes(), 310.0), now);
   EXPECT_LT((now.heat_W - held.heat_W).cwiseAbs().maxCoeff(), 1e-9 * held.heat_W.maxCoeff());
@@ -113,7 +113,7 @@ TEST(LawTerms, heat_balance_closes) {
   const Network network = make_network_with_laws();
   const auto shared = std::make_shared<const NetworkOperator>(network);
   for (const double flow_kg_per_s : {0.03, -0.02}) {
-    const BoundaryValues values = values_at(network, flow_kg_per_s);
+    const BoundaryValues values = values_at_flow(network, flow_kg_per_s);
     RightHandSide rhs(shared);
     const Eigen::VectorXd temperatures_K = warm_temperatures_K(network);
     Eigen::VectorXd x(shared->nodes()), rate(shared->nodes());
@@ -197,7 +197,7 @@ TEST(LawTerms, cvode_meets_an_independent_integration_and_converges_with_its_tol
     if (conductance.physics && conductance.physics->circuit >= 0) conductance.physics.reset();
   }
   const auto shared = std::make_shared<const NetworkOperator>(network);
-  const BoundaryValues values = values_at(network, 0.0);
+  const BoundaryValues values = values_at_flow(network, 0.0);
   const Eigen::VectorXd start_K = Eigen::VectorXd::Constant(shared->nodes(), 300.15);
   constexpr double end_s = 600.0;
   const Eigen::VectorXd expected_K = independent_K(network, values, start_K, end_s, 9000);
@@ -232,7 +232,7 @@ TEST(LawTerms, cvode_meets_an_independent_integration_and_converges_with_its_tol
 TEST(LawTerms, exact_stepper_is_of_first_order_in_the_period) {
   const Network network = make_network_with_laws();
   const auto shared = std::make_shared<const NetworkOperator>(network);
-  const BoundaryValues values = values_at(network, 0.03);
+  const BoundaryValues values = values_at_flow(network, 0.03);
   const Eigen::VectorXd start_K = Eigen::VectorXd::Constant(shared->nodes(), 300.15);
   CvodeSettings settings;
   settings.tolerance_K = 1e-9;
@@ -253,7 +253,7 @@ TEST(LawTerms, exact_stepper_is_of_first_order_in_the_period) {
 TEST(LawTerms, steady_state_stays_where_it_is) {
   const Network network = make_network_with_laws();
   const auto shared = std::make_shared<const NetworkOperator>(network);
-  const BoundaryValues values = values_at(network, 0.03);
+  const BoundaryValues values = values_at_flow(network, 0.03);
   const Eigen::VectorXd steady_K = steady_temperatures_K(shared, values);
   RightHandSide rhs(shared);
   Eigen::VectorXd x(shared->nodes()), rate(shared->nodes());

@@ -14,6 +14,7 @@
 #include "rom/integrate/right_hand_side.hpp"
 #include "tests/rom/heap_calls.hpp"
 #include "tests/rom/law_network.hpp"
+#include "tests/rom/shared_operator.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
@@ -29,10 +30,6 @@ Network with_diagonal_capacity(Network network) {
 Network with_capacities_times(Network network, const Eigen::VectorXd& factor) {
   network.capacity_J_per_K = network.capacity_J_per_K * factor.asDiagonal();
   return network;
-}
-
-std::shared_ptr<const NetworkOperator> share(const Network& network) {
-  return std::make_shared<const NetworkOperator>(network);
 }
 
 BoundaryValues values_of(const Network& network, const CorrectionFactors& factors) {

@@ -13,7 +13,7 @@
 namespace spindle_twin::rom::tests {
 namespace {
 
-const std::string folder = SPINDLE_TWIN_SOURCE_DIR "/tests/rom/old_files/";
+const std::string old_files = SPINDLE_TWIN_SOURCE_DIR "/tests/rom/old_files/";
 
 /// A file without errors per output: the worst of each kind stands for every output of the kind.
 void expect_old_certificate(const Network& network) {
@@ -29,7 +29,7 @@ void expect_old_certificate(const Network& network) {
 }
 
 TEST(OldFiles, version_1_keeps_its_meaning) {
-  const RomFile file = read_rom_file(folder + "schema_1.rom");
+  const RomFile file = read_rom_file(old_files + "schema_1.rom");
   EXPECT_EQ(file.schema_version, 1u);
   EXPECT_FALSE(file.signed_by);
   const Network& network = file.network;
@@ -52,7 +52,7 @@ TEST(OldFiles, version_1_keeps_its_meaning) {
 }
 
 TEST(OldFiles, version_2_keeps_its_circuit_and_its_certificate) {
-  const RomFile file = read_rom_file(folder + "schema_2.rom");
+  const RomFile file = read_rom_file(old_files + "schema_2.rom");
   EXPECT_EQ(file.schema_version, 2u);
   const Network& network = file.network;
   EXPECT_EQ(network.nodes.size(), 6u);
@@ -66,7 +66,7 @@ TEST(OldFiles, version_2_keeps_its_circuit_and_its_certificate) {
 }
 
 TEST(OldFiles, version_3_keeps_its_errors_per_output_and_has_no_laws) {
-  const RomFile file = read_rom_file(folder + "schema_3.rom");
+  const RomFile file = read_rom_file(old_files + "schema_3.rom");
   EXPECT_EQ(file.schema_version, 3u);
   const Network& network = file.network;
   EXPECT_EQ(network.spindle, "jacket_circuit");
@@ -79,7 +79,7 @@ TEST(OldFiles, version_3_keeps_its_errors_per_output_and_has_no_laws) {
 }
 
 TEST(OldFiles, version_3_by_hand_is_what_the_example_still_says) {
-  const RomFile file = read_rom_file(folder + "schema_3_hand.rom");
+  const RomFile file = read_rom_file(old_files + "schema_3_hand.rom");
   EXPECT_EQ(file.schema_version, 3u);
   EXPECT_TRUE(file.network.hand_written);
   const Network now = read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle.toml");
@@ -87,19 +87,19 @@ TEST(OldFiles, version_3_by_hand_is_what_the_example_still_says) {
 }
 
 TEST(OldFiles, version_4_by_hand_keeps_its_laws_and_measures_no_heat) {
-  const RomFile file = read_rom_file(folder + "schema_4_hand.rom");
+  const RomFile file = read_rom_file(old_files + "schema_4_hand.rom");
   EXPECT_EQ(file.schema_version, 4u);
   EXPECT_TRUE(has_physics(file.network.boundaries));
   EXPECT_TRUE(measured_heats(file.network.boundaries).empty());
   EXPECT_EQ(file.network.boundaries.operating.heat_W.size(), 0);
   const Network now = read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle_laws.toml");
   EXPECT_EQ(encode_network(file.network), encode_network(now));
-  EXPECT_EQ(read_rom_file(folder + "schema_4.rom").network.certificate.cases, 2u);
+  EXPECT_EQ(read_rom_file(old_files + "schema_4.rom").network.certificate.cases, 2u);
 }
 
 /// Bit for bit what the program of that time was given, which this one still holds in its sources.
 TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
-  const RomFile file = read_rom_file(folder + "schema_1_uncertified.rom");
+  const RomFile file = read_rom_file(old_files + "schema_1_uncertified.rom");
   EXPECT_EQ(file.schema_version, 1u);
   EXPECT_EQ(file.network.certificate.cases, 0u);
   EXPECT_TRUE(std::isnan(output_uncertainty(file.network).key_points_K[0]));
@@ -113,7 +113,7 @@ TEST(OldFiles, written_again_they_are_of_this_version) {
   for (const char* name : {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom", "schema_3.rom",
                            "schema_3_hand.rom", "schema_4.rom", "schema_4_hand.rom"}) {
     SCOPED_TRACE(name);
-    const std::vector<std::uint8_t> once = encode_network(read_network(folder + name));
+    const std::vector<std::uint8_t> once = encode_network(read_network(old_files + name));
     const RomFile again = decode_rom_file(once, "again.rom");
     EXPECT_EQ(again.schema_version, 5u);
     EXPECT_EQ(encode_network(again.network), once);

@@ -12,10 +12,13 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
+
+using spindle_twin::tests::refusal_of;
 
 namespace fs = std::filesystem;
 
@@ -24,18 +27,8 @@ constexpr std::size_t hash_at = 20;
 
 Network small_network() { return make_synthetic_network({2, 2, 2, true}, 7); }
 
-/// What `action` throws as InputError; empty if nothing.
-std::string refusal(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
-}
-
 std::string decode_refusal(const std::vector<std::uint8_t>& bytes) {
-  return refusal([&] { decode_network(bytes, "x.rom"); });
+  return refusal_of([&] { decode_network(bytes, "x.rom"); });
 }
 
 void expect_refused(const std::string& message, const std::string& part) {
@@ -236,7 +229,7 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
     Network network = small_network();
     change(network);
     expect_refused(decode_refusal(encode_network(network)), message);
-    EXPECT_NE(refusal([&] { write_network(network, folder.file("bad.rom")); }), "") << message;
+    EXPECT_NE(refusal_of([&] { write_network(network, folder.file("bad.rom")); }), "") << message;
   }
   EXPECT_EQ(folder.files(), 0) << "a refused network left a file";
 }
@@ -244,12 +237,12 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
 TEST(RomFile, a_missing_file_or_folder_is_one_clear_error) {
   const spindle_twin::tests::TemporaryFolder folder;
   const std::string missing = folder.file("x.rom");
-  EXPECT_EQ(refusal([&] { read_network(missing); }),
+  EXPECT_EQ(refusal_of([&] { read_network(missing); }),
             missing + ": cannot be opened for reading: No such file or directory");
   const std::string nowhere = folder.file("no/x.rom");
-  EXPECT_EQ(refusal([&] { write_network(small_network(), nowhere); }),
+  EXPECT_EQ(refusal_of([&] { write_network(small_network(), nowhere); }),
             nowhere + ": cannot be written: No such file or directory");
-  expect_refused(refusal([&] { read_network(fs::path(missing).parent_path().string() + "/../x.rom/"); }), "cannot");
+  expect_refused(refusal_of([&] { read_network(fs::path(missing).parent_path().string() + "/../x.rom/"); }), "cannot");
 }
 
 TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
@@ -259,9 +252,9 @@ TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
   write_whole_file(path, std::string("second"));
   const std::vector<std::uint8_t> bytes = read_whole_file(path, 6);
   EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "second");
-  expect_refused(refusal([&] { read_whole_file(path, 5); }), "6 bytes; at most 5 are allowed");
+  expect_refused(refusal_of([&] { read_whole_file(path, 5); }), "6 bytes; at most 5 are allowed");
   EXPECT_EQ(folder.files(), 1);
-  EXPECT_EQ(refusal([] { write_whole_file("/dev/null", std::string("x")); }),
+  EXPECT_EQ(refusal_of([] { write_whole_file("/dev/null", std::string("x")); }),
             "/dev/null: cannot be written: it exists and is not a regular file");
 }
 

@@ -10,10 +10,13 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
+
+using spindle_twin::tests::refusal_of;
 
 namespace fs = std::filesystem;
 
@@ -21,16 +24,8 @@ class Signature : public ::testing::Test {
  protected:
   std::string file(const std::string& name) const { return folder.file(name); }
 
-  static std::string refusal(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return {};
-  }
   static std::string decode_refusal(const std::vector<std::uint8_t>& bytes) {
-    return refusal([&] { decode_rom_file(bytes, "x.rom"); });
+    return refusal_of([&] { decode_rom_file(bytes, "x.rom"); });
   }
 
   spindle_twin::tests::TemporaryFolder folder;
@@ -107,22 +102,22 @@ TEST_F(Signature, keys_survive_their_files) {
 
 TEST_F(Signature, a_private_key_is_never_overwritten_and_never_shared) {
   write_private_key(key, file("my.key"));
-  EXPECT_EQ(refusal([&] { write_private_key(make_private_key(), file("my.key")); }),
+  EXPECT_EQ(refusal_of([&] { write_private_key(make_private_key(), file("my.key")); }),
             file("my.key") + ": cannot be written: File exists");
   EXPECT_EQ(read_private_key(file("my.key")).secret, key.secret);
   EXPECT_EQ(folder.files(), 1) << "a temporary file is left";
   ASSERT_EQ(::chmod(file("my.key").c_str(), 0640), 0);
-  EXPECT_EQ(refusal([&] { read_private_key(file("my.key")); }),
+  EXPECT_EQ(refusal_of([&] { read_private_key(file("my.key")); }),
             file("my.key") + ": permissions: a private key must be its owner's alone: chmod 600, it has 0640");
 }
 
 TEST_F(Signature, a_key_file_that_is_none_is_one_clear_error) {
   write_public_key(public_key(key), file("my.pub"));
-  EXPECT_EQ(refusal([&] { read_public_key(file("none.pub")); }), file("none.pub") + ": cannot be read as a file");
+  EXPECT_EQ(refusal_of([&] { read_public_key(file("none.pub")); }), file("none.pub") + ": cannot be read as a file");
   ASSERT_EQ(::chmod(file("my.pub").c_str(), 0600), 0);
-  EXPECT_NE(refusal([&] { read_private_key(file("my.pub")); }).find("ed25519_private_seed"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { read_private_key(file("my.pub")); }).find("ed25519_private_seed"), std::string::npos);
   write_whole_file(file("short.pub"), std::string("ed25519_public_key = \"00ff\"\n"));
-  EXPECT_EQ(refusal([&] { read_public_key(file("short.pub")); }),
+  EXPECT_EQ(refusal_of([&] { read_public_key(file("short.pub")); }),
             file("short.pub") + ":1: ed25519_public_key: must be 64 hex digits");
 }
 
@@ -131,7 +126,7 @@ TEST_F(Signature, a_file_is_signed_in_place_or_left_alone) {
   sign_file(file("x.rom"), key);
   EXPECT_EQ(read_whole_file(file("x.rom"), 1u << 20), with_signature);
   write_whole_file(file("text.rom"), std::string("no network"));
-  EXPECT_NE(refusal([&] { sign_file(file("text.rom"), key); }).find("not a .rom file"), std::string::npos);
+  EXPECT_NE(refusal_of([&] { sign_file(file("text.rom"), key); }).find("not a .rom file"), std::string::npos);
   EXPECT_EQ(read_whole_file(file("text.rom"), 100).size(), 10u);
 }
 

@@ -11,22 +11,19 @@
 #include "rom/integrate/exact_stepper.hpp"
 #include "rom/integrate/fallback_stepper.hpp"
 #include "tests/rom/heap_calls.hpp"
+#include "tests/rom/shared_operator.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
 
-BoundaryValues values_at(const Network& network, double speed_rpm, double load) {
+BoundaryValues values_at_speed(const Network& network, double speed_rpm, double load) {
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
   OperatingState state = network.boundaries.operating;
   state.speed_rpm = speed_rpm;
   state.load = load;
   rom::evaluate_boundaries(network.boundaries, state, rom::no_correction(network.boundaries), values);
   return values;
-}
-
-std::shared_ptr<const NetworkOperator> share(const Network& network) {
-  return std::make_shared<const NetworkOperator>(network);
 }
 
 /// Speed and load jump at random, coolant steps, ambient drifts, contacts jump now and then, and everything that
@@ -107,7 +104,7 @@ constexpr double period_s = 1.0;
 
 TEST(Steppers, single_node_follows_its_exponential) {
   const Network network = make_single_node();
-  const BoundaryValues values = values_at(network, 0.0, 1.0);
+  const BoundaryValues values = values_at_speed(network, 0.0, 1.0);
   CvodeStepper cvode(share(network));
   ExactStepper exact(share(network));
   for (int second = 1; second <= 200; ++second) {
@@ -121,7 +118,7 @@ TEST(Steppers, single_node_follows_its_exponential) {
 
 TEST(Steppers, exact_stepper_is_independent_of_the_period) {
   const Network network = make_synthetic_network({}, 3);
-  const BoundaryValues values = values_at(network, 9000.0, 1.0);
+  const BoundaryValues values = values_at_speed(network, 9000.0, 1.0);
   ExactStepper once(share(network)), often(share(network));
   ASSERT_EQ(once.advance(600.0, values), StepStatus::ok);
   for (int i = 0; i < 600; ++i) ASSERT_EQ(often.advance(1.0, values), StepStatus::ok);
@@ -161,7 +158,7 @@ TEST(Steppers, held_inputs_settle_at_one_step_per_cycle_and_keep_their_factor) {
   // With BDF up to order 5 each of these stays at two steps and two factors per cycle.
   for (const Case& held : {Case{{3, 3, 3, true}, 28, 1.0}, Case{{8, 5, 5, true}, 26, 2.0}}) {
     const Network network = make_synthetic_network(held.shape, held.seed);
-    const BoundaryValues values = values_at(network, 9000.0, 1.0);
+    const BoundaryValues values = values_at_speed(network, 9000.0, 1.0);
     CvodeStepper cvode(share(network));
     for (int cycle = 0; cycle < 600; ++cycle) ASSERT_EQ(cvode.advance(held.period_s, values), StepStatus::ok);
     const CvodeCounts before = cvode.counts();
@@ -216,7 +213,7 @@ TEST(Steppers, heat_balance_closes_in_an_insulated_network) {
 
 TEST(Steppers, steady_heat_out_equals_heat_in) {
   const Network network = make_synthetic_network({}, 51);
-  const BoundaryValues values = values_at(network, 6000.0, 1.0);
+  const BoundaryValues values = values_at_speed(network, 6000.0, 1.0);
   ExactStepper exact(share(network));
   ASSERT_EQ(exact.advance(1e7, values), StepStatus::ok);
   double out_W = 0.0;
@@ -236,7 +233,7 @@ TEST(Steppers, steady_heat_out_equals_heat_in) {
 
 TEST(Steppers, equilibrium_stays_at_rest) {
   const Network network = make_synthetic_network({}, 61);
-  BoundaryValues values = values_at(network, 12000.0, 1.0);
+  BoundaryValues values = values_at_speed(network, 12000.0, 1.0);
   values.heat_W.setZero();
   values.environment_K.setConstant(310.0);
   const Eigen::VectorXd uniform_K = Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), 310.0);
@@ -254,7 +251,7 @@ TEST(Steppers, equilibrium_stays_at_rest) {
 
 TEST(Steppers, rises_of_two_heats_add) {
   const Network network = make_synthetic_network({}, 71);
-  const BoundaryValues both = values_at(network, 9000.0, 1.0);
+  const BoundaryValues both = values_at_speed(network, 9000.0, 1.0);
   Eigen::VectorXd sum_K = Eigen::VectorXd::Zero(network.capacity_J_per_K.rows());
   CvodeStepper together(share(network));
   for (int second = 0; second < 900; ++second) ASSERT_EQ(together.advance(period_s, both), StepStatus::ok);
@@ -271,7 +268,7 @@ TEST(Steppers, rises_of_two_heats_add) {
 
 TEST(Steppers, bad_inputs_leave_the_temperatures_and_it_goes_on) {
   const Network network = make_synthetic_network({}, 81);
-  const BoundaryValues good = values_at(network, 9000.0, 1.0);
+  const BoundaryValues good = values_at_speed(network, 9000.0, 1.0);
   CvodeStepper cvode(share(network));
   ExactStepper exact(share(network)), reference(share(network));
   for (Stepper* stepper : {static_cast<Stepper*>(&cvode), static_cast<Stepper*>(&exact)}) {
@@ -298,7 +295,7 @@ TEST(Steppers, bad_inputs_leave_the_temperatures_and_it_goes_on) {
 
 TEST(Steppers, fallback_carries_a_failing_integrator) {
   const Network network = make_synthetic_network({}, 91);
-  const BoundaryValues values = values_at(network, 9000.0, 1.0);
+  const BoundaryValues values = values_at_speed(network, 9000.0, 1.0);
   CvodeSettings starved;
   starved.max_internal_steps = 1;  // the first cycle after a jump needs more: CVODE gives up there
   const auto stepper = make_runtime_stepper(network, starved);

@@ -22,7 +22,7 @@ std::atomic<bool> stop_wanted{false};
 
 void stop(int) { stop_wanted = true; }
 
-struct Options {
+struct PlantOptions {
   std::string spindle;
   std::string address = "127.0.0.1";
   int port = 0;
@@ -46,7 +46,7 @@ std::vector<NamedValue> named(const std::vector<std::string>& texts, const std::
 }
 
 /// Carries the plant along its clock until stopped or done; returns how far it ever fell behind, in model seconds.
-double run_clock(Plant& plant, PlantServer& server, const rom::Boundaries& boundaries, const Options& options,
+double run_clock(Plant& plant, PlantServer& server, const rom::Boundaries& boundaries, const PlantOptions& options,
                  std::ostream* log) {
   using Clock = std::chrono::steady_clock;
   double log_due_s = 0.0;
@@ -78,7 +78,7 @@ double run_clock(Plant& plant, PlantServer& server, const rom::Boundaries& bound
   return furthest_behind_s;
 }
 
-void run(Options options) {
+void run_plant(PlantOptions options) {
   if (!(options.rate > 0.0) || !std::isfinite(options.rate)) throw rom::InputError({}, "--rate", "must be above 0");
   if (!(options.step_s > 0.0)) throw rom::InputError({}, "--step-s", "must be above 0 s");
   if (!(options.element_size_mm > 0.0)) throw rom::InputError({}, "--element-size-mm", "must be above 0 mm");
@@ -136,7 +136,7 @@ void run(Options options) {
 void add_plant(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("plant", "Run a simulated spindle (FE model) as a Modbus/TCP data-acquisition device");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlantOptions>();
   command->add_option("spindle", options->spindle, "spindle description, TOML")->required();
   command->add_option("--port", options->port, "TCP port")->required()->check(CLI::Range(1, 65535));
   command->add_option("--address", options->address, "address to listen on")->capture_default_str();
@@ -158,7 +158,7 @@ void add_plant(CLI::App& app) {
   command->add_flag("--wait-for-client", options->wait_for_client, "hold the model at time 0 until the first request");
   command->add_option("--log", options->log, "CSV of the truth");
   command->add_option("--log-every-s", options->log_every_s, "model time between its lines")->capture_default_str();
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_plant(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

@@ -11,7 +11,7 @@
 namespace spindle_twin::host_tools {
 namespace {
 
-struct Options {
+struct ReportOptions {
   std::string network;
   std::string history;
   std::string plant;
@@ -21,7 +21,7 @@ struct Options {
   bool table = false;
 };
 
-void run(const Options& options) {
+void run_report(const ReportOptions& options) {
   if (options.output.empty() && !options.table) {
     throw rom::InputError({}, "report", "nothing to do: give --output, --table or both");
   }
@@ -39,7 +39,7 @@ void run(const Options& options) {
 void add_report(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("report", "Compare a twin's history with its simulated plant: table and HTML page");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportOptions>();
   command->add_option("network", options->network, "the twin's network, .rom")->required();
   command->add_option("--history", options->history, "CSV that spindle-twind wrote")->required();
   command->add_option("--plant", options->plant, "CSV that spindle-twin plant --log wrote")->required();
@@ -47,7 +47,7 @@ void add_report(CLI::App& app) {
   command->add_flag("--table", options->table, "print the table of the last row");
   command->add_option("--part", options->part, "part whose maximum is shown")->capture_default_str();
   command->add_option("--until-s", options->until_s, "last model time; without: as far as both files reach");
-  command->callback([options] { run(*options); });
+  command->callback([options] { run_report(*options); });
 }
 
 }  // namespace spindle_twin::host_tools

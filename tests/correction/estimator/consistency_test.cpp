@@ -8,15 +8,15 @@
 namespace spindle_twin::correction::test {
 namespace {
 
-constexpr double period_s = 10.0;
+constexpr double update_period_s = 10.0;
 constexpr double sigma_K = 0.05;      // of one reading
 constexpr double counted_as_one = 6;  // readings of a minute, in the variance that the filter expects
 
 /// One update: all sensors alike.
 bool all(Consistency& consistency, double innovation_K, double time_s, bool rejected = false, int sensors = 4) {
   const double variance_K2 = counted_as_one * sigma_K * sigma_K;
-  for (int s = 0; s < sensors; ++s) consistency.note(s, innovation_K, variance_K2, 1e-4, rejected, period_s);
-  return consistency.conclude(period_s, time_s);
+  for (int s = 0; s < sensors; ++s) consistency.note(s, innovation_K, variance_K2, 1e-4, rejected, update_period_s);
+  return consistency.conclude(update_period_s, time_s);
 }
 
 double at_ratio(double nis) { return std::sqrt(nis * counted_as_one) * sigma_K; }
@@ -27,11 +27,12 @@ TEST(Consistency, healthy_innovations_never_contradict_in_a_day) {
     std::normal_distribution<double> normal(0.0, sigma_K);
     Consistency consistency({}, 6);
     double largest = 0.0;
-    for (double time_s = period_s; time_s <= 86400.0; time_s += period_s) {
+    for (double time_s = update_period_s; time_s <= 86400.0; time_s += update_period_s) {
       for (Eigen::Index s = 0; s < 6; ++s) {
-        consistency.note(s, normal(random), counted_as_one * sigma_K * sigma_K, sigma_K * sigma_K, false, period_s);
+        consistency.note(s, normal(random), counted_as_one * sigma_K * sigma_K, sigma_K * sigma_K, false,
+                         update_period_s);
       }
-      EXPECT_FALSE(consistency.conclude(period_s, time_s)) << time_s;
+      EXPECT_FALSE(consistency.conclude(update_period_s, time_s)) << time_s;
       largest = std::max(largest, consistency.largest_nis());
     }
     EXPECT_EQ(consistency.contradictions(), 0);
@@ -47,12 +48,12 @@ TEST(Consistency, a_mean_square_innovation_above_what_is_expected_contradicts_af
   double time_s = 0.0, above_s = 0.0;
   bool found = false;
   while (!found && time_s < 600.0) {
-    time_s += period_s;
+    time_s += update_period_s;
     found = all(consistency, at_ratio(4.0), time_s);
     const double mean = 4.0 * (1.0 - std::exp(-time_s / limits.nis_memory_s));
     if (above_s == 0.0 && mean > limits.nis) above_s = time_s;
   }
-  EXPECT_EQ(time_s, above_s - period_s + 60.0);
+  EXPECT_EQ(time_s, above_s - update_period_s + 60.0);
   EXPECT_TRUE(consistency.in_doubt());
   EXPECT_EQ(consistency.in_doubt_since_s(), time_s);
   EXPECT_EQ(consistency.contradictions(), 1);
@@ -61,7 +62,7 @@ TEST(Consistency, a_mean_square_innovation_above_what_is_expected_contradicts_af
 
 TEST(Consistency, below_what_is_expected_nothing_ever_contradicts) {
   Consistency consistency({}, 4);
-  for (double time_s = period_s; time_s <= 7200.0; time_s += period_s) {
+  for (double time_s = update_period_s; time_s <= 7200.0; time_s += update_period_s) {
     EXPECT_FALSE(all(consistency, at_ratio(0.98), time_s));
   }
   EXPECT_NEAR(consistency.nis(0), 0.98, 1e-9);
@@ -69,9 +70,9 @@ TEST(Consistency, below_what_is_expected_nothing_ever_contradicts) {
 
 TEST(Consistency, one_reading_at_three_deviations_does_not_contradict) {
   Consistency consistency({}, 4);
-  all(consistency, at_ratio(9.0), period_s);
-  EXPECT_NEAR(consistency.nis(0), 9.0 * (1.0 - std::exp(-period_s / 60.0)), 1e-12);
-  for (double time_s = 2.0 * period_s; time_s <= 600.0; time_s += period_s) {
+  all(consistency, at_ratio(9.0), update_period_s);
+  EXPECT_NEAR(consistency.nis(0), 9.0 * (1.0 - std::exp(-update_period_s / 60.0)), 1e-12);
+  for (double time_s = 2.0 * update_period_s; time_s <= 600.0; time_s += update_period_s) {
     EXPECT_FALSE(all(consistency, 0.0, time_s));
   }
 }
@@ -80,15 +81,15 @@ TEST(Consistency, readings_that_are_mostly_rejected_contradict) {
   Consistency consistency({}, 4);
   double time_s = 0.0;
   while (!consistency.in_doubt() && time_s < 3600.0) {
-    time_s += period_s;
+    time_s += update_period_s;
     all(consistency, 0.0, time_s, true);
   }
   // 1 − e^(−t/300) exceeds a half from 208 s on, a minute later it has done so for a minute.
-  EXPECT_NEAR(time_s, 300.0 * std::log(2.0) + 60.0, 1.01 * period_s);
+  EXPECT_NEAR(time_s, 300.0 * std::log(2.0) + 60.0, 1.01 * update_period_s);
   Consistency half({}, 4);
-  for (time_s = period_s; time_s <= 3600.0; time_s += period_s) {
-    for (Eigen::Index s = 0; s < 4; ++s) half.note(s, 0.0, 1.0, 1e-4, s < 2, period_s);
-    EXPECT_FALSE(half.conclude(period_s, time_s));
+  for (time_s = update_period_s; time_s <= 3600.0; time_s += update_period_s) {
+    for (Eigen::Index s = 0; s < 4; ++s) half.note(s, 0.0, 1.0, 1e-4, s < 2, update_period_s);
+    EXPECT_FALSE(half.conclude(update_period_s, time_s));
   }
 }
 
@@ -97,7 +98,7 @@ TEST(Consistency, doubt_ends_after_a_calm_minute_and_not_before) {
   consistency.contradict(100.0);
   EXPECT_TRUE(consistency.in_doubt());
   for (int k = 1; k <= 5; ++k) {
-    all(consistency, 0.0, 100.0 + k * period_s);
+    all(consistency, 0.0, 100.0 + k * update_period_s);
     EXPECT_TRUE(consistency.in_doubt()) << k;
   }
   all(consistency, 0.0, 160.0);
@@ -105,7 +106,7 @@ TEST(Consistency, doubt_ends_after_a_calm_minute_and_not_before) {
   consistency.contradict(200.0);
   for (int k = 1; k <= 100; ++k) {
     // 0.9 (1 − e^(−t/60)) exceeds what is calm from 49 s on: never calm for a whole minute.
-    all(consistency, at_ratio(0.9), 200.0 + k * period_s);
+    all(consistency, at_ratio(0.9), 200.0 + k * update_period_s);
     EXPECT_TRUE(consistency.in_doubt()) << k;
   }
 }
@@ -113,7 +114,7 @@ TEST(Consistency, doubt_ends_after_a_calm_minute_and_not_before) {
 TEST(Consistency, without_a_reading_nothing_is_concluded) {
   Consistency consistency({}, 4);
   consistency.contradict(100.0);
-  for (int k = 1; k <= 100; ++k) EXPECT_FALSE(consistency.conclude(period_s, 100.0 + k * period_s));
+  for (int k = 1; k <= 100; ++k) EXPECT_FALSE(consistency.conclude(update_period_s, 100.0 + k * update_period_s));
   EXPECT_TRUE(consistency.in_doubt());
 }
 
@@ -125,9 +126,9 @@ TEST(Consistency, the_floor_follows_the_rms_of_what_is_not_explained_between_its
     Consistency consistency(limits, 1);
     double mean_K2 = 0.0;
     int count = 0;
-    for (double time_s = period_s; time_s <= 8.0 * 3600.0; time_s += period_s) {
-      consistency.note(0, normal(random), 100.0, 0.02 * 0.02, rejected, period_s);
-      consistency.conclude(period_s, time_s);
+    for (double time_s = update_period_s; time_s <= 8.0 * 3600.0; time_s += update_period_s) {
+      consistency.note(0, normal(random), 100.0, 0.02 * 0.02, rejected, update_period_s);
+      consistency.conclude(update_period_s, time_s);
       if (time_s < 2.0 * 3600.0) continue;
       mean_K2 += std::pow(consistency.floor_K(0), 2);
       ++count;

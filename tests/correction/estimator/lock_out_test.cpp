@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rom/units.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
@@ -15,8 +16,7 @@ namespace spindle_twin::correction::test {
 namespace {
 
 constexpr double settling_s = 1200.0;  // that a filter has learnt before it is made wrong, where it has
-constexpr double hour_s = 3600.0;
-constexpr double judged_s = 120.0;  // at the end of the hour
+constexpr double judged_s = 120.0;     // at the end of the hour
 constexpr double wanted_K = 0.2;
 constexpr double allowed_K = 3.0;
 constexpr double deviations_off = 6.0;
@@ -85,7 +85,7 @@ class Trial {
 
   /// Largest error at a sensor in the last minutes of an hour with a step of speed and load and one back.
   double error_after_an_hour_K() {
-    const double end_s = pair_.time_s + hour_s;
+    const double end_s = pair_.time_s + rom::seconds_per_hour;
     const rom::OperatingState nominal = pair_.operating;
     const double slow_from_s = end_s - 2400.0, slow_until_s = end_s - 1200.0;
     double worst_K = 0.0;

@@ -5,7 +5,7 @@
 namespace spindle_twin::correction::test {
 namespace {
 
-constexpr double end_s = 600.0;
+constexpr double sensitivities_end_s = 600.0;
 constexpr double integration_K = 3e-5;  // that CVODE is exact to, over all nodes
 
 /// Nothing that a model run from given parameters would not show: no forgetting, no unknown start.
@@ -17,7 +17,7 @@ EstimatorOptions plain_options(double period_s) {
   return options;
 }
 
-/// Node temperatures after end_s of a run with a speed step, nothing measured, at these parameters.
+/// Node temperatures after sensitivities_end_s of a run with a speed step, nothing measured, at these parameters.
 Eigen::VectorXd run(const rom::Network& network, const Eigen::VectorXd& theta, double cycle_s, double period_s,
                     Eigen::MatrixXd* sensitivities = nullptr) {
   Pair pair(network, plain_options(period_s));
@@ -26,8 +26,8 @@ Eigen::VectorXd run(const rom::Network& network, const Eigen::VectorXd& theta, d
   pair.estimator.reset(0.0, pair.twin.stepper.temperatures_K(), pair.operating);
   pair.estimator.set_parameters(theta);
   pair.operating.environment_K[0] += 3.0;
-  while (pair.time_s < end_s - 1e-9) {
-    pair.operating.speed_rpm = pair.time_s < 0.5 * end_s ? 9000.0 : 4000.0;
+  while (pair.time_s < sensitivities_end_s - 1e-9) {
+    pair.operating.speed_rpm = pair.time_s < 0.5 * sensitivities_end_s ? 9000.0 : 4000.0;
     pair.estimator.set_parameters(theta);
     pair.cycle();
   }

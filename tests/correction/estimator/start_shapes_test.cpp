@@ -31,10 +31,10 @@ struct Shapes {
   Eigen::MatrixXd exchange_W_per_K;  ///< with the films to the surroundings
 };
 
-Shapes plates_and_air() { return Shapes(rom::tests::make_synthetic_network({3, 2, 2, true}, 5)); }
+Shapes plates_and_their_air() { return Shapes(rom::tests::make_synthetic_network({3, 2, 2, true}, 5)); }
 
 TEST(StartShapes, are_one_kelvin_at_their_largest_and_in_order) {
-  const Shapes shapes = plates_and_air();
+  const Shapes shapes = plates_and_their_air();
   ASSERT_EQ(shapes.list.size(), 7u);  // uniform, running, stopped, three plates, the air
   for (const StartShape& shape : shapes.list) EXPECT_NEAR(shape.rise_K.lpNorm<Eigen::Infinity>(), 1.0, 1e-12);
   EXPECT_EQ(shapes.list[0].name, "uniform");
@@ -47,7 +47,7 @@ TEST(StartShapes, are_one_kelvin_at_their_largest_and_in_order) {
 }
 
 TEST(StartShapes, running_is_the_steady_state_of_the_nominal_heats) {
-  const Shapes shapes = plates_and_air();
+  const Shapes shapes = plates_and_their_air();
   const Eigen::VectorXd lost_W = shapes.exchange_W_per_K * shapes.list[1].rise_K;
   const double largest_K = shapes.heat_W().sum() / lost_W.sum();  // all heat goes out through the films
   EXPECT_GT(largest_K, 1.0);
@@ -55,7 +55,7 @@ TEST(StartShapes, running_is_the_steady_state_of_the_nominal_heats) {
 }
 
 TEST(StartShapes, stopped_is_what_is_left_of_it_after_a_quarter_of_an_hour) {
-  const Shapes shapes = plates_and_air();
+  const Shapes shapes = plates_and_their_air();
   const Eigen::VectorXd& running = shapes.list[1].rise_K;
   // C dT/dt = −K T exactly: T = V e^(−λ t) Vᵀ C T0 with K V = C V λ.
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(shapes.exchange_W_per_K,

@@ -7,13 +7,12 @@
 namespace spindle_twin::correction::test {
 namespace {
 
-constexpr std::uint64_t seed = 20;
 constexpr int moments = 40;  // per fault
 
 /// A random moment and channel of the seed's n-th case.
 struct Case {
-  explicit Case(int number) : drive(seed + static_cast<std::uint64_t>(number)) {
-    std::mt19937_64 random(1000 * seed + static_cast<std::uint64_t>(number));
+  explicit Case(int number) : drive(drive_seed + static_cast<std::uint64_t>(number)) {
+    std::mt19937_64 random(1000 * drive_seed + static_cast<std::uint64_t>(number));
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     channel = static_cast<std::size_t>(6.0 * unit(random));
     from_s = std::floor(600.0 + 1800.0 * unit(random));
@@ -168,7 +167,7 @@ TEST(Channel, without_an_estimator_a_channel_returns_only_to_its_old_course) {
   HealthLimits limits;
   limits.return_within_K = 0.5;
   for (const double stays_off_K : {0.0, 4.0}) {
-    Drive drive(seed, limits);
+    Drive drive(drive_seed, limits);
     drive.steady = true;
     drive.tamper = [&](std::vector<HealthSample>& samples) {
       if (drive.time_s >= 4000.0) samples[2].reading_K += drive.time_s < 4100.0 ? 4.0 : stays_off_K;
@@ -179,7 +178,7 @@ TEST(Channel, without_an_estimator_a_channel_returns_only_to_its_old_course) {
 }
 
 TEST(Channel, the_third_failure_waits_for_the_acknowledgement) {
-  Drive drive(seed);
+  Drive drive(drive_seed);
   drive.tamper = [&](std::vector<HealthSample>& samples) {
     const double phase_s = std::fmod(drive.time_s, 1000.0);
     if (drive.time_s >= 1000.0 && drive.time_s < 4000.0 && phase_s < 10.0) samples[1].reading_K = 31.0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <random>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "correction/health/sensor_health.hpp"
 
 namespace spindle_twin::correction::test {
+
+inline constexpr std::uint64_t drive_seed = 20;
 
 /// The first verdict by evidence is laid to the model; those of the two hours after this one are not. With two channels
 /// there is none.

@@ -9,8 +9,6 @@
 namespace spindle_twin::correction::test {
 namespace {
 
-constexpr std::uint64_t seed = 20;
-
 /// Channels whose estimator began a quarter of an hour ago and more, the first verdict laid to the model.
 SensorHealth settled(std::size_t channels) {
   SensorHealth health(std::vector<HealthChannel>(channels, {true, 253.15, 423.15, 0.01}), {});
@@ -216,7 +214,7 @@ TEST(Isolation, two_that_contradict_the_others_together_are_exchanged_where_each
 
 TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_a_neighbour) {
   for (const double rise_s : {60.0, 600.0}) {
-    Drive drive(seed);
+    Drive drive(drive_seed);
     drive.run_until(1000.0);
     spend_first_verdict(drive.health, 6);
     drive.run_until(1200.0);
@@ -235,7 +233,7 @@ TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_
 }
 
 TEST(Isolation, what_the_estimator_rejects_is_implausible_and_may_return) {
-  Drive drive(seed);
+  Drive drive(drive_seed);
   drive.run_until(1000.0);
   spend_first_verdict(drive.health, 6);
   drive.run_until(1200.0);

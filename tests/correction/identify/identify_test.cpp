@@ -5,12 +5,11 @@
 #include <cmath>
 
 #include "rom/read/input_error.hpp"
+#include "rom/units.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
 
 namespace spindle_twin::correction::test {
 namespace {
-
-constexpr double hour_s = 3600.0;
 
 TEST(Identify, one_node_with_one_unknown_heat_has_the_closed_form) {
   // C dT/dt = -G T + e^θ q: dT/dθ = (q/G)(1 - e^(-t/τ)), and the posterior of one parameter is a sum of squares.
@@ -45,7 +44,7 @@ TEST(Identify, equals_what_the_filter_publishes_on_a_run_without_surprises) {
   options.floor_K = 0.03;
   options.placements = 0;
   const Identification found = identify(network, find_places(network, {"point 0", "point 2"}, "sensors"),
-                                        rom::constant_schedule(network.boundaries, hour_s), options);
+                                        rom::constant_schedule(network.boundaries, rom::seconds_per_hour), options);
   EstimatorOptions filter;
   filter.priors = options.priors;
   filter.offset_walk_K_per_root_hour = 0.0;
@@ -55,7 +54,7 @@ TEST(Identify, equals_what_the_filter_publishes_on_a_run_without_surprises) {
   filter.sensors = {filter.sensors[0], filter.sensors[2]};
   Pair pair(network, filter);
   pair.cycle_s = 10.0;
-  pair.run_until(hour_s + 10.0);
+  pair.run_until(rom::seconds_per_hour + 10.0);
   const double published_m = pair.estimator.deviations().deformations_m[0];
   EXPECT_NEAR(found.posterior_m, published_m, 0.03 * published_m);
   for (Eigen::Index i = 0; i < pair.estimator.parameters().count(); ++i) {
@@ -71,7 +70,7 @@ TEST(Identify, the_next_sensor_is_the_best_of_all_and_its_promise_holds) {
   IdentifyOptions options;
   options.priors = constant_priors();
   options.placements = 2;
-  const rom::Schedule schedule = rom::constant_schedule(network.boundaries, hour_s);
+  const rom::Schedule schedule = rom::constant_schedule(network.boundaries, rom::seconds_per_hour);
   const std::vector<SensorPlace> one = find_places(network, {"point 0"}, "sensors");
   const Identification found = identify(network, one, schedule, options);
   ASSERT_EQ(found.placements.size(), 2u);

@@ -21,8 +21,8 @@ using rom::test::ReferenceRow;
 namespace {
 
 constexpr double excess = 4.95 / 2.29;
-constexpr double tau_s = 375.0;
-constexpr double end_s = 6000.0;
+constexpr double table_tau_s = 375.0;
+constexpr double table_end_s = 6000.0;
 
 struct Outcome {
   double smallest_heat = 1e9;  ///< over the true heat, from the first correction on
@@ -33,14 +33,14 @@ struct Outcome {
 };
 
 Outcome run(const PaperOptions& options, double noise_K = 0.0, unsigned seed = 0) {
-  Loop loop(tau_s, excess, options, 1, 1);
+  Loop loop(table_tau_s, excess, options, 1, 1);
   std::mt19937 engine(seed);
   std::normal_distribution<double> noise(0.0, noise_K);
   Outcome outcome;
   std::vector<double> tail;
-  for (int second = 0; second < static_cast<int>(end_s); ++second) {
+  for (int second = 0; second < static_cast<int>(table_end_s); ++second) {
     const double error_K = loop.twin.temperatures_K()[0] - loop.plant.temperatures_K()[0];
-    outcome.rms_error_K += error_K * error_K / end_s;
+    outcome.rms_error_K += error_K * error_K / table_end_s;
     const bool corrects = second > 0 && second % 80 == 0;
     loop.offset_K[0] = corrects && noise_K > 0.0 ? noise(engine) : 0.0;
     loop.cycle(1.0);
@@ -53,7 +53,7 @@ Outcome run(const PaperOptions& options, double noise_K = 0.0, unsigned seed = 0
       outcome.settled_s = -1.0;
     else if (outcome.settled_s < 0.0)
       outcome.settled_s = second;
-    if (second >= end_s - 2000.0) tail.push_back(heat);
+    if (second >= table_end_s - 2000.0) tail.push_back(heat);
   }
   outcome.rms_error_K = std::sqrt(outcome.rms_error_K);
   double mean = 0.0;
@@ -131,7 +131,7 @@ TEST(FeedbackTable, additive_form_ends_at_no_heat) {
 /// x(k+1) = x(k) − γ (y(k) − n(k)), y(k+1) = a y(k) + (1 − a) x(k+1): the deviation of x that white noise n keeps up,
 /// from the covariance equation of the two, against the law itself over 20000 corrections.
 TEST(FeedbackTable, deviation_under_noise_is_that_of_the_linear_loop) {
-  const double a = std::exp(-80.0 / tau_s), noise_K = 0.003;
+  const double a = std::exp(-80.0 / table_tau_s), noise_K = 0.003;
   for (const double gain : {1.0, 0.3}) {
     Eigen::Matrix2d step;
     step << 1.0, -gain, 1.0 - a, a - (1.0 - a) * gain;
@@ -140,7 +140,7 @@ TEST(FeedbackTable, deviation_under_noise_is_that_of_the_linear_loop) {
     for (int k = 0; k < 2000; ++k) covariance = step * covariance * step.transpose() + input * input.transpose();
     const double expected = noise_K / Loop::true_rise_K * std::sqrt(covariance(0, 0));
 
-    Loop loop(tau_s, 1.0 + 1e-9, relaxed(gain), 1, 1);
+    Loop loop(table_tau_s, 1.0 + 1e-9, relaxed(gain), 1, 1);
     const Eigen::VectorXd steady_K = Eigen::VectorXd::Constant(1, ambient_K + Loop::true_rise_K);
     loop.correction.reset(0.0, Eigen::VectorXd::Constant(1, ambient_K), loop.operating);
     loop.plant.set_temperatures(steady_K);
@@ -159,7 +159,7 @@ TEST(FeedbackTable, deviation_under_noise_is_that_of_the_linear_loop) {
 }
 
 TEST(FeedbackTable, offset_of_a_sensor_stays_in_the_heat_for_ever) {
-  Loop loop(tau_s, excess, state_too(), 1, 1);
+  Loop loop(table_tau_s, excess, state_too(), 1, 1);
   loop.offset_K[0] = 0.15;
   loop.run_until(40000.0, 80.0);
   EXPECT_NEAR(100.0 * (loop.heat_ratio() - 1.0), 6.6, 0.05);

@@ -13,7 +13,7 @@
 namespace spindle_twin::correction::test {
 namespace {
 
-constexpr double period_s = 80.0;
+constexpr double law_period_s = 80.0;
 
 struct Twin {
   Twin() : shared(std::make_shared<const rom::NetworkOperator>(network)), stepper(shared) {
@@ -84,7 +84,7 @@ TEST(LawBase, rise_over_the_base_is_what_the_groups_own_heat_has_done) {
     const Eigen::VectorXd nodes_K = twin.stepper.temperatures_K();
     law.step({static_cast<double>(n), seen_K, valid, seen_K, nodes_K, state}, 1.0);
     ASSERT_EQ(law.factors().heat[copper], 1.0) << "prediction and reading agree";
-    if (n > 0 && n % static_cast<int>(period_s) == 0 && law.freeze(0) == Freeze::deadband) {
+    if (n > 0 && n % static_cast<int>(law_period_s) == 0 && law.freeze(0) == Freeze::deadband) {
       const double own_K = own.key_points_K().mean() - datum_K;
       EXPECT_NEAR(law.base_rise_K(0), own_K, 2e-4 * own_K) << n << " s";
       furthest = std::max(furthest, std::abs(seen_K.mean() - colder.key_points_K().mean() - own_K) / own_K);

@@ -9,9 +9,7 @@
 namespace spindle_twin::correction::test {
 namespace {
 
-constexpr double tau_s = 375.0;
-
-PaperOptions guarded() {
+PaperOptions without_joint_law() {
   PaperOptions options;
   options.window_s = 0.0;
   options.joint_law = false;
@@ -35,7 +33,7 @@ void run_off_until(Loop& loop, double end_s) {
 }
 
 TEST(StandBy, all_factors_go_back_to_one) {
-  Loop loop(tau_s, 2.16, guarded());
+  Loop loop(375.0, 2.16, without_joint_law());
   loop.run_until(1000.0, 1.0);
   ASSERT_LT(loop.correction.factors().heat[0], 0.5);
   cycle_off(loop, 1.0);
@@ -46,7 +44,7 @@ TEST(StandBy, all_factors_go_back_to_one) {
 }
 
 TEST(StandBy, next_step_begins_a_whole_new_period) {
-  Loop loop(tau_s, 2.16, guarded());
+  Loop loop(375.0, 2.16, without_joint_law());
   loop.run_until(1000.0, 1.0);
   run_off_until(loop, 1333.0);
   loop.run_until(1412.0, 1.0);
@@ -56,7 +54,7 @@ TEST(StandBy, next_step_begins_a_whole_new_period) {
 }
 
 TEST(StandBy, heat_after_switching_on_goes_to_the_true_one_from_above) {
-  Loop loop(tau_s, 2.16, guarded());
+  Loop loop(375.0, 2.16, without_joint_law());
   loop.run_until(1000.0, 1.0);
   run_off_until(loop, 1600.0);
   double smallest = 1.0;
@@ -72,19 +70,19 @@ TEST(StandBy, heat_after_switching_on_goes_to_the_true_one_from_above) {
 
 /// Two bodies with one sensor each; only the first one's heat is corrected.
 TEST(StandBy, base_runs_with_the_factors_of_the_model) {
-  PaperOptions options = guarded();
+  PaperOptions options = without_joint_law();
   options.groups = {{"first", {0}, {0}}};
   options.guards.minimum_sensors = 1;
-  Loop loop(tau_s, 2.16, options, 2, 1);
+  Loop loop(375.0, 2.16, options, 2, 1);
   std::vector<const rom::Stepper*> bases;
   PaperCorrection law(loop.network, options, [&] {
-    auto base = std::make_unique<NodeStepper>(tau_s, 2);
+    auto base = std::make_unique<NodeStepper>(375.0, 2);
     bases.push_back(base.get());
     return base;
   });
   ASSERT_EQ(bases.size(), 1U);
-  NodeStepper model(tau_s, 2);
-  NodeStepper second_alone(tau_s, 2);  // the oracle: the first heat off, all other factors 1
+  NodeStepper model(375.0, 2);
+  NodeStepper second_alone(375.0, 2);  // the oracle: the first heat off, all other factors 1
   rom::BoundaryValues values = rom::make_boundary_values(loop.network.boundaries);
   for (int second = 0; second < 500; ++second) {
     law.stand_by(second, model.temperatures_K(), loop.operating, 1.0);

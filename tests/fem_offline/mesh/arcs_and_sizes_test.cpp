@@ -13,7 +13,7 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A disc of radius 10 mm in a ring up to 15 mm, given by centres and by points they run through; `geometry` planar or
 /// axisymmetric.

@@ -11,7 +11,7 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Section section_of(const std::string& text) { return build_section(parse_spindle(text, "s.toml")); }
 

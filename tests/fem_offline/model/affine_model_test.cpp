@@ -15,7 +15,7 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double largest(const SparseMatrix& matrix) { return matrix.coeffs().abs().maxCoeff(); }
 

@@ -24,7 +24,7 @@ ParameterBox moderate() {
   return box;
 }
 
-const rom::Network& network() {
+const rom::Network& coolant_network() {
   static const rom::Network built = [] {
     ReduceOptions options;
     options.nodes = 80;
@@ -43,7 +43,7 @@ TEST(CoolantNetwork, follows_the_fe_model_while_the_flow_changes_stops_and_turns
   options.cases = 4;
   options.seed = 11;
   options.drive.box = moderate();
-  const VerifyReport report = verify_network(network(), jacket(), options);
+  const VerifyReport report = verify_network(coolant_network(), jacket(), options);
   std::cout << "worst of 4 cases, seed 11: key points " << report.certificate.worst.key_points_K << " K, part maxima "
             << report.certificate.worst.part_max_K << " K, length " << report.certificate.worst.nose_um << " um\n";
   EXPECT_LT(report.certificate.worst.key_points_K, 0.1);
@@ -55,10 +55,10 @@ TEST(CoolantNetwork, reaches_the_fe_steady_state) {
   const rom::Boundaries& boundaries = jacket().boundaries;
   rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
-  rom::ExactStepper stepper(std::make_shared<const rom::NetworkOperator>(network()));
+  rom::ExactStepper stepper(std::make_shared<const rom::NetworkOperator>(coolant_network()));
   for (int k = 0; k < 4; ++k) ASSERT_EQ(stepper.advance(1e5, values), rom::StepStatus::ok);
-  rom::NetworkOutputs outputs = rom::make_network_outputs(network());
-  rom::evaluate_outputs(network(), stepper.temperatures_K(), outputs);
+  rom::NetworkOutputs outputs = rom::make_network_outputs(coolant_network());
+  rom::evaluate_outputs(coolant_network(), stepper.temperatures_K(), outputs);
   const Eigen::VectorXd full_K = solve_steady(jacket(), values);
   for (std::size_t k = 0; k < jacket().key_points.size(); ++k) {
     EXPECT_NEAR(outputs.key_points_K[static_cast<Eigen::Index>(k)], jacket().key_points[k].row.dot(full_K), 0.01);

@@ -22,7 +22,7 @@ const AffineModel& model() {
   return built.affine();
 }
 
-const rom::Network& network() {
+const rom::Network& law_network() {
   static const rom::Network built = [] {
     ReduceOptions options;
     options.nodes = 120;
@@ -35,7 +35,7 @@ const rom::Network& network() {
 }
 
 rom::BoundaryValues values_at(const rom::OperatingState& state) {
-  const rom::Boundaries& boundaries = network().boundaries;
+  const rom::Boundaries& boundaries = law_network().boundaries;
   rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::evaluate_boundaries(boundaries, state, rom::no_correction(boundaries), values);
   return values;
@@ -44,10 +44,10 @@ rom::BoundaryValues values_at(const rom::OperatingState& state) {
 /// What the network comes to while its laws follow its temperatures, with the heats that they then give.
 struct Followed {
   explicit Followed(const rom::OperatingState& state) : values(values_at(state)) {
-    const auto shared = std::make_shared<const rom::NetworkOperator>(network());
+    const auto shared = std::make_shared<const rom::NetworkOperator>(law_network());
     const Eigen::VectorXd nodes_K = rom::steady_temperatures_K(shared, values);
-    outputs = rom::make_network_outputs(network());
-    rom::evaluate_outputs(network(), nodes_K, outputs);
+    outputs = rom::make_network_outputs(law_network());
+    rom::evaluate_outputs(law_network(), nodes_K, outputs);
     shared->laws().at_temperatures(nodes_K, values);
   }
   rom::BoundaryValues values;
@@ -55,23 +55,23 @@ struct Followed {
 };
 
 TEST(LawNetwork, steady_state_with_laws_that_follow_is_the_fe_models_with_laws_held_at_their_nominal_inputs) {
-  const rom::BoundaryValues held = values_at(network().boundaries.operating);
+  const rom::BoundaryValues held = values_at(law_network().boundaries.operating);
   const Eigen::VectorXd full_K = solve_steady(model(), held);
   const HeatBalance balance = steady_heat_balance(model(), held, full_K);
   EXPECT_NEAR(balance.heat_out_W, balance.heat_in_W, 1e-9 * balance.heat_in_W);
-  const Followed followed(network().boundaries.operating);
+  const Followed followed(law_network().boundaries.operating);
   EXPECT_NEAR(followed.values.heat_W.sum(), balance.heat_in_W, 0.01 * balance.heat_in_W);
   for (std::size_t p = 0; p < model().parts.size(); ++p) {
     EXPECT_NEAR(followed.outputs.part_mean_K[static_cast<Eigen::Index>(p)], model().parts[p].mean_row.dot(full_K), 0.15)
-        << network().parts[p].name;
+        << law_network().parts[p].name;
   }
-  const Eigen::VectorXd rise_K = full_K.array() - network().boundaries.reference_temperature_K;
+  const Eigen::VectorXd rise_K = full_K.array() - law_network().boundaries.reference_temperature_K;
   EXPECT_NEAR(1e6 * followed.outputs.deformations_m[0], 1e6 * model().deformations[0].row_m_per_K.dot(rise_K), 0.15);
 }
 
 TEST(LawNetwork, nominal_inputs_in_the_description_are_those_of_its_steady_state) {
-  const Followed followed(network().boundaries.operating);
-  const rom::Boundaries& boundaries = network().boundaries;
+  const Followed followed(law_network().boundaries.operating);
+  const rom::Boundaries& boundaries = law_network().boundaries;
   const auto check = [&](const std::string& name, const rom::BoundLaw& law) {
     for (const rom::LawTemperature& read : {law.first, law.second}) {
       if (read.part < 0) continue;
@@ -95,7 +95,7 @@ TEST(LawNetwork, nominal_inputs_in_the_description_are_those_of_its_steady_state
 }
 
 TEST(LawNetwork, heats_and_fits_follow_away_from_the_operating_state) {
-  const rom::Boundaries& boundaries = network().boundaries;
+  const rom::Boundaries& boundaries = law_network().boundaries;
   rom::OperatingState overloaded = boundaries.operating;
   overloaded.load = 2.0;
   const rom::BoundaryValues held = values_at(overloaded);
@@ -130,7 +130,7 @@ TEST(LawNetwork, follows_the_fe_model_through_random_drive_cycles) {
   options.seed = 5;
   options.drive.box = {
       .contact_low = 0.5, .contact_high = 2.0, .film_low = 0.7, .film_high = 1.4, .speed_high_rpm = 9000.0};
-  const rom::Certificate certificate = verify_network(network(), model(), options).certificate;
+  const rom::Certificate certificate = verify_network(law_network(), model(), options).certificate;
   EXPECT_LT(certificate.worst.key_points_K, 0.1);
   EXPECT_LT(certificate.worst.nose_um, 0.1);
 }

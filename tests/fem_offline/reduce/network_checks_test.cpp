@@ -10,7 +10,7 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-ReduceOptions small_options(int nodes) {
+ReduceOptions checked_options(int nodes) {
   ReduceOptions options;
   options.nodes = nodes;
   options.full_sets = 30;
@@ -19,11 +19,11 @@ ReduceOptions small_options(int nodes) {
   return options;
 }
 
-rom::Network grid_network(int nodes) { return reduce_model(make_grid_model(), small_options(nodes)); }
+rom::Network grid_network(int nodes) { return reduce_model(make_grid_model(), checked_options(nodes)); }
 
 rom::Network jacket_network() {
   const FeModel model = build_fe_model(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/jacket_circuit.toml");
-  return reduce_model(model.affine(), small_options(30));
+  return reduce_model(model.affine(), checked_options(30));
 }
 
 std::vector<DriveCase> drives(const rom::Network& network, bool drift) {
@@ -72,7 +72,7 @@ TEST(NetworkChecks, see_a_capacity_that_is_not_positive_definite) {
 
 TEST(SizeChoice, takes_the_smallest_size_that_keeps_the_tolerance) {
   const AffineModel model = make_grid_model();
-  const ReduceOptions options = small_options(2);
+  const ReduceOptions options = checked_options(2);
   const Reduction reduction(model, options);
   const auto nodes_for = [&](const Tolerance& tolerance) {
     const SizeChoice choice = choose_size(model, reduction, tolerance, options, {}, nullptr, 2);
@@ -90,7 +90,7 @@ TEST(SizeChoice, takes_the_smallest_size_that_keeps_the_tolerance) {
 
 TEST(SizeChoice, says_when_no_size_is_enough) {
   const AffineModel model = make_grid_model();
-  ReduceOptions options = small_options(2);
+  ReduceOptions options = checked_options(2);
   options.rich_states = 40;
   const Reduction reduction(model, options);
   const SizeChoice choice = choose_size(model, reduction, {1e-9, 1e-9, 1e-9}, options, {}, nullptr, 1);

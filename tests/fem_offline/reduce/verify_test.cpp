@@ -9,7 +9,7 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-const rom::Network& network() {
+const rom::Network& verified_network() {
   static const rom::Network built = [] {
     ReduceOptions options;
     options.nodes = 60;
@@ -108,7 +108,7 @@ TEST(Verify, network_follows_the_full_model_through_random_drive_cycles) {
   VerifyOptions options;
   options.cases = 3;
   options.seed = 2;
-  const VerifyReport report = verify_network(network(), make_grid_model(), options);
+  const VerifyReport report = verify_network(verified_network(), make_grid_model(), options);
   EXPECT_EQ(report.certificate.cases, 3u);
   EXPECT_EQ(report.cases.size(), 3u);
   EXPECT_GT(report.certificate.worst.key_points_K, 0.0);
@@ -130,13 +130,13 @@ TEST(Verify, network_follows_the_full_model_while_contacts_and_films_drift) {
   options.cases = 1;
   options.seed = 2;
   options.drive.drift = true;
-  const VerifyReport report = verify_network(network(), make_grid_model(), options);
+  const VerifyReport report = verify_network(verified_network(), make_grid_model(), options);
   EXPECT_LT(report.certificate.worst.key_points_K, 0.2);
   EXPECT_LT(report.certificate.worst.part_max_K, 1.0);
 }
 
 TEST(Verify, sees_a_network_with_a_wrong_source) {
-  rom::Network wrong = network();
+  rom::Network wrong = verified_network();
   wrong.source_distribution.col(3) *= 1.1;
   VerifyOptions options;
   options.cases = 1;
@@ -147,16 +147,16 @@ TEST(Verify, figures_do_not_depend_on_the_number_of_threads) {
   VerifyOptions options;
   options.cases = 2;
   options.threads = 1;
-  const VerifyReport one = verify_network(network(), make_grid_model(), options);
+  const VerifyReport one = verify_network(verified_network(), make_grid_model(), options);
   options.threads = 2;
-  const VerifyReport two = verify_network(network(), make_grid_model(), options);
+  const VerifyReport two = verify_network(verified_network(), make_grid_model(), options);
   EXPECT_EQ(one.certificate.worst.key_points_K, two.certificate.worst.key_points_K);
   EXPECT_EQ(one.certificate.worst.nose_um, two.certificate.worst.nose_um);
   EXPECT_EQ(one.certificate.worst.part_max_K, two.certificate.worst.part_max_K);
 }
 
 TEST(Verify, refuses_a_network_of_another_model) {
-  rom::Network other = network();
+  rom::Network other = verified_network();
   other.key_points.pop_back();
   EXPECT_THROW(verify_network(other, make_grid_model(), {}), std::invalid_argument);
 }
