@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,12 @@ struct ChannelSource {
   bool is_counted = false;  ///< whole steps of 1, as of an integer register; else its steps are not known
 };
 
+/// Where somebody waits for connections.
+struct ListenPlace {
+  std::string address;  ///< IPv4; 0.0.0.0: all of this computer
+  int port = 0;         ///< 0: any free one
+};
+
 /// A device as the configuration has it: the keys of its [[device]] table that only its driver knows.
 class DriverPlan {
  public:
@@ -52,6 +59,8 @@ class DriverPlan {
   virtual std::unique_ptr<Driver> make_driver(Clock& clock) const = 0;
   /// As the log names it, "192.168.1.7:502".
   virtual std::string where() const = 0;
+  /// Where nodes connect to it; empty where it connects itself.
+  virtual std::optional<ListenPlace> listens() const { return std::nullopt; }
   /// Whether steps are made each `poll_s`; else one after the other, and the driver waits itself.
   virtual bool polls() const { return true; }
 };

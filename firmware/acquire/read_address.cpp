@@ -13,17 +13,22 @@ std::string read_ipv4(const rom::TomlTable& table, const std::string& otherwise)
   return address;
 }
 
-std::vector<AddressRange> read_allow(const rom::TomlTable& table) {
+std::vector<AddressRange> read_allow_or(const rom::TomlTable& table, const char* key,
+                                        const std::vector<AddressRange>& otherwise) {
+  if (!table.has(key)) return otherwise;
   std::vector<AddressRange> ranges;
-  const std::vector<std::string> allow =
-      table.has("allow") ? table.strings("allow") : std::vector<std::string>{"127.0.0.0/8"};
-  for (const std::string& entry : allow) {
+  for (const std::string& entry : table.strings(key)) {
     const auto range = parse_address_range(entry);
-    if (!range)
-      table.fail("allow", "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
+    if (!range) {
+      table.fail(key, "every entry must be an IPv4 address or range such as 192.168.1.0/24, is \"" + entry + "\"");
+    }
     ranges.push_back(*range);
   }
   return ranges;
+}
+
+std::vector<AddressRange> read_allow(const rom::TomlTable& table) {
+  return read_allow_or(table, "allow", {*parse_address_range("127.0.0.0/8")});
 }
 
 }  // namespace spindle_twin::firmware

@@ -14,4 +14,8 @@ std::string read_ipv4(const rom::TomlTable& table, const std::string& otherwise)
 /// The key `allow`, by default this machine only. Throws rom::InputError.
 std::vector<AddressRange> read_allow(const rom::TomlTable& table);
 
+/// A key of such addresses, which may be an empty list; `otherwise` where it is not there. Throws rom::InputError.
+std::vector<AddressRange> read_allow_or(const rom::TomlTable& table, const char* key,
+                                        const std::vector<AddressRange>& otherwise);
+
 }  // namespace spindle_twin::firmware

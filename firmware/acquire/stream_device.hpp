@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct StreamPlan final : DriverPlan {
   ChannelSource add_channel(const rom::TomlTable& table) override;
   std::unique_ptr<Driver> make_driver(Clock& clock) const override;
   std::string where() const override { return address + ":" + std::to_string(port); }
+  std::optional<ListenPlace> listens() const override { return ListenPlace{address, port}; }
   bool polls() const override { return false; }
 };
 

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "firmware/acquire/read_address.hpp"
+#include "firmware/config/check_ports.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_compensation.hpp"
 #include "firmware/config/read_correction.hpp"
@@ -133,6 +134,7 @@ ServePlan read_serve(const TomlTable& table) {
   serve.idle_s = table.number_or("idle_s", serve.idle_s, rom::between(1.0, 86400.0));
   serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
   serve.allow = read_allow(table);
+  serve.write = read_allow_or(table, "allow_write", serve.allow);
   return serve;
 }
 
@@ -143,6 +145,7 @@ ShowPlan read_http(const TomlTable& table, const CyclePlan& cycle) {
   show.address = read_ipv4(table, show.address);
   show.port = static_cast<int>(table.integer_or("port", show.port, 1, 65535));
   show.allow = read_allow(table);
+  if (table.has("names")) show.names = table.strings("names");
   show.stale_after_s = std::max(show.stale_after_s, 3.0 * cycle.period_s / cycle.clock_rate);
   return show;
 }
@@ -304,6 +307,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   read_compensation(root.optional_table("compensation"), config);
   read_start_temperature(root, config);
   read_files(root, config);
+  check_ports(root, config);
   root.finish();
   return config;
 }

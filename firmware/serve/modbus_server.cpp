@@ -176,6 +176,7 @@ void ModbusServer::accept_all() {
     Connection& connection = connections_.emplace_back();
     connection.socket = std::move(socket);
     connection.host = host;
+    connection.may_write = is_allowed(plan_.write, host);
     connection.asked_ns = now_ns;
   }
 }
@@ -238,7 +239,7 @@ void ModbusServer::look_at(Connection& connection, short events) {
     return;
   }
   const auto received = std::span<const std::uint8_t>(frame).first(static_cast<std::size_t>(peeked));
-  const Gate gate = judge_frame(received, writable_registers());
+  const Gate gate = judge_frame(received, connection.may_write ? writable_registers() : WriteRange{});
   if (gate.verdict == Verdict::wait) {
     if ((events & (POLLRDHUP | POLLHUP)) != 0) connection.open = false;  // the rest will never come
     if (connection.deadline_ns == 0) {

@@ -48,6 +48,7 @@ class ModbusServer {
     std::size_t awaited = 1;       ///< bytes below which poll() stays quiet
     bool open = true;
     std::uint32_t host = 0;      ///< IPv4 address, host byte order
+    bool may_write = false;      ///< the command block; else a write is exception 2, as to any other register
     std::int64_t asked_ns = 0;   ///< last request, or the connection itself
     int requests = 0;            ///< since it first told a signal; saturates
     bool tells_signals = false;  ///< it has written a signal

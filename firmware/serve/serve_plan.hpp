@@ -12,6 +12,7 @@ struct ServePlan {
   std::string address = "127.0.0.1";  ///< IPv4 to listen on
   int port = 502;                     ///< 0 takes a free one (tests)
   std::vector<AddressRange> allow;    ///< clients that are answered
+  std::vector<AddressRange> write;    ///< of these, whose writes are taken
   int connections = 32;               ///< at most at once
   int connections_per_host = 16;      ///< of these, from one address
   double idle_s = 300.0;              ///< a connection without a request for so long is closed

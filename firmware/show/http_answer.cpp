@@ -2,10 +2,14 @@
 // that Debian's library was built with. No Eigen here: <resolv.h>, which httplib.h brings, has macros of Eigen's names.
 #include "firmware/show/http_answer.hpp"
 
+#include <arpa/inet.h>
 #include <httplib.h>
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstring>
 #include <utility>
 
@@ -16,6 +20,7 @@ namespace {
 
 constexpr int not_found = 404;
 constexpr int wrong_method = 405;
+constexpr int wrong_host = 421;
 
 /// A request that is there as a whole, and the answer as it grows.
 class MemoryStream final : public httplib::Stream {
@@ -45,12 +50,34 @@ class MemoryStream final : public httplib::Stream {
   std::size_t at_ = 0;
 };
 
+/// The name that a request's Host says, in small letters, without port and brackets.
+std::string host_of(const httplib::Request& request) {
+  std::string host = request.get_header_value("Host");
+  const std::size_t end = host.starts_with('[') ? host.find(']') : host.find(':');
+  host.resize(std::min(end, host.size()));
+  if (host.starts_with('[')) host.erase(0, 1);
+  std::transform(host.begin(), host.end(), host.begin(), [](unsigned char c) { return std::tolower(c); });
+  return host;
+}
+
+bool is_address(const std::string& host) {
+  in6_addr parsed{};
+  return inet_pton(AF_INET, host.c_str(), &parsed) == 1 || inet_pton(AF_INET6, host.c_str(), &parsed) == 1;
+}
+
+std::string own_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
 std::string reason_of(int status, const std::string& path) {
   switch (status) {
     case not_found:
       return "there is nothing at " + path + "; see /";
     case wrong_method:
       return "only GET and HEAD are allowed: nothing can be changed here";
+    case wrong_host:
+      return "this is not the host that was asked for; its names are in http.names";
     default:
       return "this request is not understood";
   }
@@ -60,7 +87,9 @@ std::string reason_of(int status, const std::string& path) {
 
 class HttpAnswerer::Library final : public httplib::Server {
  public:
-  explicit Library(std::function<Page(const std::string& path)> pages) : pages_(std::move(pages)) {
+  Library(std::function<Page(const std::string& path)> pages, std::vector<std::string> names)
+      : pages_(std::move(pages)), names_(std::move(names)) {
+    names_.insert(names_.end(), {"", "localhost", own_name()});  // "": HTTP/1.0 says none
     // Before the library's own routing, which would read a body first.
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       show(request, response);
@@ -97,6 +126,11 @@ class HttpAnswerer::Library final : public httplib::Server {
       response.set_header("Allow", "GET, HEAD");
       return;
     }
+    const std::string host = host_of(request);
+    if (!is_address(host) && std::find(names_.begin(), names_.end(), host) == names_.end()) {
+      response.status = wrong_host;
+      return;
+    }
     const Page page = pages_(request.path);
     response.status = status_ = page.status;
     if (page.status == not_found) return;
@@ -110,12 +144,13 @@ class HttpAnswerer::Library final : public httplib::Server {
   }
 
   std::function<Page(const std::string& path)> pages_;
+  std::vector<std::string> names_;
   int status_ = 0;
   bool is_stream_ = false;
 };
 
-HttpAnswerer::HttpAnswerer(std::function<Page(const std::string& path)> pages)
-    : library_(std::make_unique<Library>(std::move(pages))) {}
+HttpAnswerer::HttpAnswerer(std::function<Page(const std::string& path)> pages, std::vector<std::string> names)
+    : library_(std::make_unique<Library>(std::move(pages), std::move(names))) {}
 HttpAnswerer::~HttpAnswerer() = default;
 
 HttpAnswer HttpAnswerer::answer(const std::string& request) { return library_->answer(request); }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace spindle_twin::firmware {
 
@@ -22,11 +23,14 @@ struct HttpAnswer {
 
 /// Makes of one whole request (up to its empty line; a body is left alone) the bytes of the answer. No socket, no
 /// thread: cpp-httplib parses and formats, in memory. Only GET and HEAD are answered by `pages`, others by 405; what is
-/// no HTTP by 400. Errors have the body {"error": ...}. Each answer ends its connection. For one thread; allocates.
+/// no HTTP by 400, and 421 what asks for a host that this is not: a page from elsewhere, whose name somebody had
+/// resolve to this computer, would read the registers in its visitor's browser. Addresses, localhost, the computer's
+/// own name and `names` are this one. Errors have the body {"error": ...}. Each answer ends its connection. For one
+/// thread; allocates.
 class HttpAnswerer {
  public:
   /// `pages` gives the page of a path, without the query.
-  explicit HttpAnswerer(std::function<Page(const std::string& path)> pages);
+  explicit HttpAnswerer(std::function<Page(const std::string& path)> pages, std::vector<std::string> names = {});
   ~HttpAnswerer();
   HttpAnswerer(const HttpAnswerer&) = delete;
   HttpAnswerer& operator=(const HttpAnswerer&) = delete;

@@ -47,7 +47,7 @@ HttpServer::HttpServer(const ShowPlan& plan, ShownNames names, Clock& clock)
       clock_(clock),
       listener_(listen_on(plan.address, plan.port)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      answerer_([this](const std::string& path) { return page(path); }) {
+      answerer_([this](const std::string& path) { return page(path); }, plan.names) {
   if (wake_.get() < 0) throw std::bad_alloc();
   connections_.reserve(most_connections);
 }

@@ -19,8 +19,8 @@ using firmware::Snapshot;
 
 /// At rest first, then driven; the PLC gives orders for its sensors, and somebody exchanges two plugs and puts them
 /// back.
-struct Life {
-  explicit Life(const rom::Network& network) : machine(network, 0.0) {
+struct OrderedLife {
+  explicit OrderedLife(const rom::Network& network) : machine(network, 0.0) {
     plan = firmware::estimated();
     for (std::size_t s = 0; s < 4; ++s) plan.signals[s].source = firmware::SignalSource::device;
     plan.tare.rest_s = 900.0;
@@ -70,7 +70,7 @@ struct Life {
 
 TEST(ReplaySensorOrders, a_tare_that_was_taken_and_sensors_that_were_exchanged_come_back_to_the_bit) {
   const rom::Network network = tests::small_network();
-  const Life life(network);
+  const OrderedLife life(network);
   const auto at = [&](int n) -> const Snapshot& { return life.snapshots[static_cast<std::size_t>(n)]; };
   ASSERT_EQ(at(601).sensor_tare_count, 0) << "refused";
   ASSERT_EQ(at(1101).sensor_tare_count, 1) << "taken";

@@ -34,7 +34,7 @@ struct Serving {
   static ServePlan plan() {
     ServePlan plan;
     plan.port = 0;
-    plan.allow = {*parse_address_range("127.0.0.0/8")};
+    plan.allow = plan.write = {*parse_address_range("127.0.0.0/8")};
     plan.frame_deadline_s = 0.3;
     return plan;
   }
@@ -355,6 +355,25 @@ TEST(ModbusServer, a_client_that_is_not_on_the_list_is_turned_away) {
   Serving serving(plan);
   Client client(serving.server.port());
   EXPECT_TRUE(client.closed_by_server());
+}
+
+TEST(ModbusServer, who_may_only_read_gets_exception_2_for_each_way_of_writing_and_nothing_is_taken) {
+  ServePlan plan = Serving::plan();
+  plan.write = {*parse_address_range("127.0.0.2")};
+  Serving serving(plan);
+  Client client(serving.server.port());
+  const Bytes single{6, 3, 232, 0, 1}, several{16, 3, 232, 0, 1, 2, 0, 1}, mask{22, 3, 232, 0, 0, 0, 1};
+  const Bytes and_read{23, 0, 0, 0, 1, 3, 232, 0, 1, 2, 0, 1};
+  for (const Bytes& write : {single, several, mask, and_read}) {
+    const Bytes answer = client.ask(write);
+    ASSERT_EQ(answer.size(), 9U) << int{write[0]};
+    EXPECT_EQ(answer[7], write[0] | 0x80);
+    EXPECT_EQ(answer[8], 2);
+  }
+  PlcSignals told;
+  serving.signals.read(told);
+  EXPECT_EQ(told.alive_ns, 0);
+  EXPECT_EQ(client.ask({3, 0, 0, 0, 1}).size(), 11U) << "reading goes on";
 }
 
 TEST(ModbusServer, a_busy_port_is_one_clear_error) {

@@ -58,13 +58,30 @@ TEST_F(Answers, a_stream_is_a_head_without_length_and_of_head_it_is_none) {
   EXPECT_FALSE(answer("HEAD /events HTTP/1.1\r\n\r\n").is_stream);
 }
 
+TEST_F(Answers, only_who_asks_for_this_host_is_answered) {
+  HttpAnswerer named([](const std::string&) { return Page{200, "text/plain", "hello"}; }, {"twin.example"});
+  const auto status_for = [&](const std::string& host) {
+    return named.answer("GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n").status;
+  };
+  for (const char* host : {"127.0.0.1", "127.0.0.1:9502", "192.168.7.3:80", "[::1]:9502", "localhost", "LocalHost:1",
+                           "twin.example", "Twin.Example:9502"}) {
+    EXPECT_EQ(status_for(host), 200) << host;
+  }
+  for (const char* host : {"elsewhere.example", "127.0.0.1.elsewhere.example", "localhost.example:9502", "a b"}) {
+    EXPECT_EQ(status_for(host), 421) << host;
+  }
+  const HttpAnswer refused = named.answer("GET / HTTP/1.1\r\nHost: elsewhere.example\r\n\r\n");
+  EXPECT_NE(refused.bytes.find("http.names"), std::string::npos) << refused.bytes;
+  EXPECT_EQ(refused.bytes.find("hello"), std::string::npos);
+}
+
 TEST_F(Answers, a_body_is_not_waited_for) {
   EXPECT_EQ(answer("POST / HTTP/1.1\r\nContent-Length: 1000000000\r\n\r\n").status, 405);
   EXPECT_EQ(answer("GET / HTTP/1.1\r\nTransfer-Encoding: chunked\r\nExpect: 100-continue\r\n\r\n").status, 200);
 }
 
 TEST_F(Answers, of_broken_requests_none_is_answered_by_more_than_an_error_or_the_page) {
-  const std::string whole = "GET / HTTP/1.1\r\nHost: a\r\nRange: bytes=0-1\r\nAccept: */*\r\n\r\n";
+  const std::string whole = "GET / HTTP/1.1\r\nHost: ::1\r\nRange: bytes=0-1\r\nAccept: */*\r\n\r\n";
   std::mt19937 random(1);
   for (int n = 0; n < 20000; ++n) {
     std::string broken = whole;
