@@ -7,7 +7,7 @@ find_program(NANOPB_GENERATOR NAMES nanopb_generator nanopb_generator.py REQUIRE
 add_library(spindle_twin_flags INTERFACE)
 target_include_directories(spindle_twin_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(spindle_twin_flags INTERFACE
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wpedantic;$<IF:$<BOOL:$<TARGET_PROPERTY:SPINDLE_TWIN_MAY_SHADOW>>,-Wno-shadow,-Wshadow>;-Wconversion;-Wno-sign-conversion;-Werror>)
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
 if(SPINDLE_TWIN_SANITIZE)
   target_compile_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE})
@@ -18,10 +18,6 @@ endif()
 if(CMAKE_UNITY_BUILD)
   target_compile_options(spindle_twin_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
 endif()
-# Tests name their constants as they like: a local one that hides another test's is seen where each source stands alone.
-function(spindle_twin_batch_of_tests target)
-  set_target_properties(${target} PROPERTIES SPINDLE_TWIN_MAY_SHADOW "${CMAKE_UNITY_BUILD}")
-endfunction()
 
 # Precompiled headers halve the compiler's time. They hide a forgotten include, which the test `includes` finds instead.
 option(SPINDLE_TWIN_PRECOMPILE "Precompiled headers (GCC only)" ON)
@@ -122,7 +118,6 @@ function(spindle_twin_tests name folder)
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE SPINDLE_TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_compile_options(${name} PRIVATE ${spindle_twin_light})
-    spindle_twin_batch_of_tests(${name})
     spindle_twin_precompile(${name} tests)
     list(TRANSFORM TESTS_TOGETHER APPEND ".*" OUTPUT_VARIABLE together)
     list(JOIN together ":" together)

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 
 /// One function per command: it adds its subcommand with options to `app` and sets a callback that runs it.
 /// A command prints results on stdout, progress and errors on stderr, and throws rom::InputError for bad input.

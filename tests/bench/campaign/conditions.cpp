@@ -25,14 +25,14 @@ constexpr std::array<Case, 6> cases{{{"2 h, readings every 10 s", {}, false},
                                      {"speed laws wrong by 0.15", {run_s, sample_s, 0.0, false, wrong_exponent}, false},
                                      {"readings and updates every 1 s", {run_s, 1.0, 0.0, false}, true},
                                      {"24 h", {day_s, sample_s, 0.0, false}, true}}};
-constexpr int sensors = 6;
+constexpr int all_sensors = 6;
 constexpr double least_inside = 0.9;
 
 }  // namespace
 
 int print_conditions(const rom::Network& network, const fem_offline::AffineModel& model,
                      const correction::EstimatorOptions& options, const ConditionRuns& runs) {
-  std::printf("\nOther conditions, %d sensors, the same spindles in each row (A): nose from %g s on\n", sensors,
+  std::printf("\nOther conditions, %d sensors, the same spindles in each row (A): nose from %g s on\n", all_sensors,
               judged_from_s);
   std::printf("%-32s %5s %8s %8s %8s %8s %10s %9s\n", "condition", "runs", "rms um", "open um", "worst/s", "in 2s",
               "keypt K", "rejected");
@@ -45,7 +45,7 @@ int print_conditions(const rom::Network& network, const fem_offline::AffineModel
       const auto at = static_cast<std::size_t>(i);
       const Truth truth = make_truth(model, parameters, runs.first_seed + static_cast<std::uint64_t>(i),
                                      HeatErrors::independent, one.conditions);
-      scores[at] = run_estimator(network, truth, sensors, false, options);
+      scores[at] = run_estimator(network, truth, all_sensors, false, options);
       open[at] = run_open_loop(network, truth);
     });
     Score sum;

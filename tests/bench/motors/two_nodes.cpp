@@ -13,7 +13,7 @@ namespace {
 
 constexpr double fit_s = 4.0 * 3600.0;
 constexpr double sample_s = 60.0;
-constexpr double step_s = 4.0;
+constexpr double fit_step_s = 4.0;
 // The laws as they stand in the network's text below.
 constexpr double still_air_share = 0.6, fan_exponent = 0.8, speed_exponent = 1.4, winding_share = 0.4;
 
@@ -49,10 +49,10 @@ Series simulate(const TwoNodes& nodes, const std::vector<MotorInputs>& inputs, d
               ((1.0 - winding_share) * speed_W + flow_W - film_W_per_K * (at_K[1] - inputs[i].ambient_K)) /
                   housing_J_per_K};
     };
-    for (double time_s = 0.0; time_s < sample_s; time_s += step_s) {
-      const Eigen::Vector2d k1 = rates(now_K), k2 = rates(now_K + 0.5 * step_s * k1);
-      const Eigen::Vector2d k3 = rates(now_K + 0.5 * step_s * k2), k4 = rates(now_K + step_s * k3);
-      now_K += step_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    for (double time_s = 0.0; time_s < sample_s; time_s += fit_step_s) {
+      const Eigen::Vector2d k1 = rates(now_K), k2 = rates(now_K + 0.5 * fit_step_s * k1);
+      const Eigen::Vector2d k3 = rates(now_K + 0.5 * fit_step_s * k2), k4 = rates(now_K + fit_step_s * k3);
+      now_K += fit_step_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
     }
     series.segment<2>(2 * static_cast<Eigen::Index>(i)) = now_K;
   }

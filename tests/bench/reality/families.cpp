@@ -6,8 +6,6 @@
 namespace spindle_twin::bench {
 namespace {
 
-constexpr std::size_t front_seat = 3, winding = 4, jacket = 5;
-
 std::vector<Family> make_families() {
   std::vector<Family> families;
   families.reserve(64);  // references into it are kept below

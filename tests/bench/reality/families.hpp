@@ -7,6 +7,9 @@
 
 namespace spindle_twin::bench {
 
+// Sensors of the reference spindle, by their number.
+inline constexpr std::size_t front_seat = 3, winding = 4, jacket = 5;
+
 enum class Gaps { none, signals_known, signals_held };
 
 /// What a limit of the nose's error is a multiple of.

@@ -11,7 +11,6 @@ constexpr double resolution_K = 0.01;
 constexpr double drift_from_s = 900.0;
 constexpr double touched_every_s = 1800.0;
 constexpr double touch_off_deviation_m = 1e-6;
-constexpr std::size_t front_seat = 3, winding = 4, jacket = 5;
 constexpr double gaps_from_s = 1200.0;
 constexpr double gap_room_s = 1800.0;  // for each gap
 constexpr std::uint32_t sensors_purpose = 21, gaps_purpose = 22, places_purpose = 23;

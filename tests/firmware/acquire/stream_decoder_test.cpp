@@ -35,7 +35,7 @@ struct Stream {
   Bytes bytes;
   Bytes last;
   void frame(float value) {
-    last = tests::frame_of(sender, 1000, {value, 2.0F});
+    last = frames::frame_of(sender, 1000, {value, 2.0F});
     bytes.insert(bytes.end(), last.begin(), last.end());
   }
 };

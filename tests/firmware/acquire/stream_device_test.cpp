@@ -83,14 +83,14 @@ TEST_F(StreamDeviceTest, values_go_to_their_channels_with_the_age_of_clock_trans
   node_add(&sender, 0, 28.5F, 40);
   node_add(&sender, 1, 17.0F, 0);
   node_add(&sender, 999, 1.0F, 0);  // of no channel
-  send_bytes(socket, tests::frame_of(sender, 5000, {}));
+  send_bytes(socket, frames::frame_of(sender, 5000, {}));
   EXPECT_EQ(step().is, Step::Is::fresh);
   EXPECT_EQ(sensor(0).value, 28.5);
   EXPECT_EQ(sensor(0).time_ns, static_cast<std::int64_t>(99.71 * second_ns));
   EXPECT_EQ(sensor(3).value, 17.0);
   EXPECT_EQ(sensor(3).time_ns, static_cast<std::int64_t>(99.75 * second_ns));
   pass(3.0);  // the next frame is held up for two seconds
-  send_bytes(socket, tests::frame_of(sender, 6000, {29.0F}));
+  send_bytes(socket, frames::frame_of(sender, 6000, {29.0F}));
   EXPECT_EQ(sensor(0).value, 29.0);
   EXPECT_EQ(sensor(0).time_ns, static_cast<std::int64_t>(100.75 * second_ns));
   EXPECT_EQ(accepted(), 2U);
@@ -100,13 +100,13 @@ TEST_F(StreamDeviceTest, values_go_to_their_channels_with_the_age_of_clock_trans
 TEST_F(StreamDeviceTest, of_frames_that_come_together_the_last_one_counts_and_none_overtakes_by_more_than_a_second) {
   const int socket = connect_from("127.0.0.1");
   node sender{};
-  auto both = tests::frame_of(sender, 0, {20.0F});
-  const auto second = tests::frame_of(sender, 500, {21.0F});
+  auto both = frames::frame_of(sender, 0, {20.0F});
+  const auto second = frames::frame_of(sender, 500, {21.0F});
   both.insert(both.end(), second.begin(), second.end());
   send_bytes(socket, both);
   EXPECT_EQ(sensor(0).value, 21.0);
   node_add(&sender, 0, 19.0F, 3000);
-  send_bytes(socket, tests::frame_of(sender, 600, {}));
+  send_bytes(socket, frames::frame_of(sender, 600, {}));
   EXPECT_EQ(sensor(0).value, 21.0) << "measured before";
 }
 
@@ -115,7 +115,7 @@ TEST_F(StreamDeviceTest, a_burst_at_1_kHz_becomes_its_mean) {
   node sender{};
   for (int frames = 0; frames < 3; ++frames) {
     for (int i = 0; i < 100; ++i) node_add_fast(&sender, 10, i % 2 == 0 ? 0.5F : 1.5F, 1000);
-    send_bytes(socket, tests::frame_of(sender, static_cast<std::uint32_t>(100 * frames), {}));
+    send_bytes(socket, frames::frame_of(sender, static_cast<std::uint32_t>(100 * frames), {}));
     pass(0.1);
   }
   EXPECT_DOUBLE_EQ(readings_.frame().signals[1].value, 1.0);
@@ -124,16 +124,16 @@ TEST_F(StreamDeviceTest, a_burst_at_1_kHz_becomes_its_mean) {
 TEST_F(StreamDeviceTest, flipped_cut_and_doubled_frames_are_refused_counted_and_change_nothing) {
   const int socket = connect_from("127.0.0.1");
   node sender{};
-  send_bytes(socket, tests::frame_of(sender, 0, {20.0F}));
-  auto flipped = tests::frame_of(sender, 10, {99.0F});
+  send_bytes(socket, frames::frame_of(sender, 0, {20.0F}));
+  auto flipped = frames::frame_of(sender, 10, {99.0F});
   flipped[14] ^= 0x10;
   send_bytes(socket, flipped);
   EXPECT_EQ(refused(), 1U);
-  const auto good = tests::frame_of(sender, 20, {21.0F});
+  const auto good = frames::frame_of(sender, 20, {21.0F});
   send_bytes(socket, good);
   send_bytes(socket, good);
   EXPECT_EQ(refused(), 2U);
-  auto cut = tests::frame_of(sender, 30, {99.0F});
+  auto cut = frames::frame_of(sender, 30, {99.0F});
   cut.resize(cut.size() - 3);
   send_bytes(socket, cut);
   EXPECT_EQ(sensor(0).value, 21.0);
@@ -142,7 +142,7 @@ TEST_F(StreamDeviceTest, flipped_cut_and_doubled_frames_are_refused_counted_and_
   pass(1.0);
   step();
   EXPECT_EQ(refused(), 3U) << "a frame must be whole a second after it began";
-  send_bytes(socket, tests::frame_of(sender, 1600, {22.0F}));
+  send_bytes(socket, frames::frame_of(sender, 1600, {22.0F}));
   EXPECT_EQ(sensor(0).value, 22.0);
   EXPECT_EQ(accepted(), 3U);
 }
@@ -150,7 +150,7 @@ TEST_F(StreamDeviceTest, flipped_cut_and_doubled_frames_are_refused_counted_and_
 TEST_F(StreamDeviceTest, a_silent_node_is_closed_and_may_come_back) {
   int socket = connect_from("127.0.0.1");
   node sender{};
-  send_bytes(socket, tests::frame_of(sender, 0, {20.0F}));
+  send_bytes(socket, frames::frame_of(sender, 0, {20.0F}));
   EXPECT_EQ(step().is, Step::Is::fresh);
   pass(10.5);
   EXPECT_EQ(step().is, Step::Is::waiting);
@@ -159,7 +159,7 @@ TEST_F(StreamDeviceTest, a_silent_node_is_closed_and_may_come_back) {
   EXPECT_EQ(sensor(0).value, 20.0) << "the last reading stays and grows old";
   socket = connect_from("127.0.0.1");
   node_start(&sender);
-  send_bytes(socket, tests::frame_of(sender, 0, {23.0F}));
+  send_bytes(socket, frames::frame_of(sender, 0, {23.0F}));
   EXPECT_EQ(sensor(0).value, 23.0) << "a sequence belongs to its connection";
 }
 
@@ -174,7 +174,7 @@ TEST_F(StreamDeviceTest, strangers_are_closed_and_the_longest_silent_of_too_many
   pass(1.0);
   connect_from("127.0.0.1");
   EXPECT_EQ(recv(silent, &byte, 1, 0), 0);
-  send_bytes(speaking, tests::frame_of(sender, 0, {24.0F}));
+  send_bytes(speaking, frames::frame_of(sender, 0, {24.0F}));
   EXPECT_EQ(sensor(0).value, 24.0);
 }
 
@@ -183,7 +183,7 @@ TEST_F(StreamDeviceTest, a_node_that_floods_noise_is_only_counted) {
   for (int i = 0; i < 50; ++i) send_bytes(socket, std::vector<std::uint8_t>(20000, 'S'));
   EXPECT_GE(refused(), 1U);
   node sender{};
-  send_bytes(socket, tests::frame_of(sender, 0, {25.0F}));
+  send_bytes(socket, frames::frame_of(sender, 0, {25.0F}));
   EXPECT_EQ(sensor(0).value, 25.0);
 }
 

@@ -7,7 +7,7 @@ extern "C" {
 #include "firmware/example_node/node.h"
 }
 
-namespace spindle_twin::firmware::tests {
+namespace spindle_twin::firmware::frames {
 
 /// One frame of the example node with these values on the channels 0, 1...; its sequence is one more than the last.
 inline std::vector<std::uint8_t> frame_of(node& sender, std::uint32_t time_ms, const std::vector<float>& values) {
@@ -17,4 +17,4 @@ inline std::vector<std::uint8_t> frame_of(node& sender, std::uint32_t time_ms, c
   return frame;
 }
 
-}  // namespace spindle_twin::firmware::tests
+}  // namespace spindle_twin::firmware::frames

@@ -1,0 +1,175 @@
+#include <unistd.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "firmware/serve/fill_image.hpp"
+#include "firmware/serve/pack.hpp"
+#include "rom/file/rom_file.hpp"
+#include "tests/firmware/support/daemon_plan.hpp"
+#include "tests/firmware/support/random_machine.hpp"
+#include "tests/rom/heap_calls.hpp"
+
+/// Weeks of the daemon's cycle on a clock of its own: another machine than the network, a random drive cycle, and each
+/// day other troubles of sensors and signals.
+namespace spindle_twin::firmware {
+namespace {
+
+constexpr double day_s = 86400.0;
+constexpr double hour_s = 3600.0;
+constexpr long most_growth_kB = 1024;
+
+struct Options {
+  double days = 30.0;
+  std::uint64_t seed = 1;
+  std::string network;  ///< empty: a random one, written by hand
+  bool is_short = false;
+};
+
+struct Score {
+  long cycles = 0;
+  long missed = 0;       ///< numbers that the sequence left out
+  long heap_calls = 0;   ///< of cycles behind the first hour
+  long not_a_value = 0;  ///< registers with an infinite number
+  long unfit = 0;        ///< cycles whose prediction is no finite number
+  long running = 0;
+  double longest_s = 0.0;
+  long resident_after_hour_kB = 0;
+  long resident_kB = 0;
+};
+
+long resident_kB() {
+  std::ifstream file("/proc/self/statm");
+  long size = 0, resident = 0;
+  file >> size >> resident;
+  return resident * sysconf(_SC_PAGESIZE) / 1024;
+}
+
+/// Registers that say an infinite number; what is not present is none.
+long infinite_registers(const RegisterImage& image) {
+  long count = 0;
+  for (std::size_t which = 0; which < register_entries.size(); ++which) {
+    for (int slot = 0; slot < register_entries[which].slots; ++slot) {
+      count += std::isinf(get(image, static_cast<Register>(which), slot)) ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+/// What the machine does and what goes wrong, a day after the other; the same seed gives the same days.
+class Days {
+ public:
+  Days(const rom::Network& network, std::vector<std::size_t> sensors, std::uint64_t seed)
+      : network_(network), sensors_(std::move(sensors)), random_(seed) {}
+
+  const LogStep& at(double time_s) {
+    if (time_s >= end_s_) begin_day();
+    return at_time(log_, time_s - begin_s_);
+  }
+  TroubledDevice& device() { return *device_; }
+  double since_morning_s(double time_s) const { return time_s - begin_s_; }
+
+ private:
+  void begin_day() {
+    begin_s_ = end_s_;
+    end_s_ += day_s;
+    log_ = random_log(network_, day_s, random_);
+    device_ = std::make_unique<TroubledDevice>(sensors_, random_troubles(sensors_, day_s, random_), random_());
+  }
+
+  const rom::Network& network_;
+  std::vector<std::size_t> sensors_;
+  Random random_;
+  double begin_s_ = 0.0, end_s_ = 0.0;
+  std::vector<LogStep> log_;
+  std::unique_ptr<TroubledDevice> device_;
+};
+
+DaemonLines lines_of(const rom::Network& network, const std::vector<std::size_t>& sensors) {
+  DaemonLines lines;
+  for (const std::size_t k : sensors) lines.sensors.push_back(network.key_points[k].name);
+  lines.offset_K = 0.1;
+  return lines;
+}
+
+Score soak(const Options& options) {
+  Random random(options.seed);
+  const rom::Network network = options.network.empty() ? random_network(random) : rom::read_network(options.network);
+  RandomMachine machine(made_other(network, 0.2, random));
+  std::vector<std::size_t> sensors;
+  for (std::size_t k = 0; k < std::min<std::size_t>(network.key_points.size(), 6); ++k) sensors.push_back(k);
+  Days days(network, sensors, random());
+  machine.start(days.at(0.0).ambient_K);
+  Cycle cycle(network, daemon_plan(network, lines_of(network, sensors)),
+              [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  auto image = std::make_unique<RegisterImage>();
+  std::printf("seed %lu: %zu nodes, %zu sensors, %.1f days of 1 s\n", static_cast<unsigned long>(options.seed),
+              network.nodes.size(), sensors.size(), options.days);
+
+  Score score;
+  std::uint64_t sequence = 0;
+  for (double time_s = 0.0; time_s < options.days * day_s; time_s += 1.0) {
+    const LogStep& step = days.at(time_s);
+    const auto now_ns = static_cast<std::int64_t>(1e9 * (1.0 + time_s));
+    const DeviceFrame& frame = days.device().read(machine.nodes_K(), step, days.since_morning_s(time_s), now_ns);
+    const long heap_before = rom::tests::heap_calls();
+    const auto begin = std::chrono::steady_clock::now();
+    const Snapshot& snapshot = cycle.step(frame, {}, now_ns, 0);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    if (time_s > hour_s) score.heap_calls += rom::tests::heap_calls() - heap_before;
+    score.longest_s = std::max(score.longest_s, took.count());
+    machine.advance(1.0, step);
+    fill_image(snapshot, now_ns, *image);
+
+    ++score.cycles;
+    if (sequence != 0) score.missed += static_cast<long>(snapshot.sequence - sequence) - 1;
+    sequence = snapshot.sequence;
+    score.not_a_value += infinite_registers(*image);
+    score.running += snapshot.state == State::running ? 1 : 0;
+    if (snapshot.state == State::running || snapshot.state == State::degraded) {
+      for (std::size_t k = 0; k < snapshot.key_points; ++k) {
+        if (!std::isfinite(snapshot.predicted_K[k])) ++score.unfit;
+      }
+    }
+    if (time_s == hour_s) score.resident_after_hour_kB = resident_kB();
+  }
+  score.resident_kB = resident_kB();
+  return score;
+}
+
+int report(const Score& score) {
+  std::printf("%ld cycles, %ld missed, %.1f %% running, longest %.1f ms\n", score.cycles, score.missed,
+              100.0 * static_cast<double>(score.running) / static_cast<double>(score.cycles), 1e3 * score.longest_s);
+  std::printf("heap calls in cycles after the first hour: %ld\n", score.heap_calls);
+  std::printf("registers with an infinite number: %ld; predictions that are no number: %ld\n", score.not_a_value,
+              score.unfit);
+  std::printf("resident memory after an hour and at the end: %ld and %ld kB\n", score.resident_after_hour_kB,
+              score.resident_kB);
+  const bool is_good = score.missed == 0 && score.heap_calls == 0 && score.not_a_value == 0 && score.unfit == 0 &&
+                       score.resident_kB - score.resident_after_hour_kB <= most_growth_kB && score.running > 0;
+  std::printf("%s\n", is_good ? "all limits kept" : "MISSED");
+  return is_good ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace spindle_twin::firmware
+
+int main(int argc, char** argv) {
+  using namespace spindle_twin::firmware;
+  Options options;
+  CLI::App app("Weeks of the daemon's cycle on a clock of its own, with troubles each day");
+  app.add_option("--days", options.days, "simulated")->check(CLI::Range(0.1, 3650.0));
+  app.add_option("--seed", options.seed, "of machine, drive cycle and troubles");
+  app.add_option("--network", options.network, "network file; else a random hand-written one");
+  app.add_flag("--short", options.is_short, "two days, for CI");
+  CLI11_PARSE(app, argc, argv);
+  if (options.is_short) options.days = 2.0;
+  return report(soak(options));
+}
