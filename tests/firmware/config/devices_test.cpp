@@ -3,6 +3,7 @@
 #include "firmware/acquire/modbus_device.hpp"
 #include "firmware/config/config.hpp"
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -39,20 +40,10 @@ coolant = { source = "constant", value = 27.0 }
 ambient = { source = "constant", value = 22.0 }
 )";
 
-std::string with(const std::string& from, const std::string& to) {
-  std::string text = devices;
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
+std::string with(const std::string& from, const std::string& to) { return tests::with(devices, from, to); }
 
 std::string error_of(const std::string& text) {
-  try {
-    bind_config(parse_config(text, "/etc/twin.toml"), tests::small_network());
-  } catch (const rom::InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return tests::refusal_of([&] { bind_config(parse_config(text, "/etc/twin.toml"), tests::small_network()); });
 }
 
 TEST(Devices, each_has_its_own_period_delay_and_back_off_and_gives_the_channels_that_name_it) {
