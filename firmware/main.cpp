@@ -134,8 +134,8 @@ class Daemon {
       run([this] { shown_->run(); });
       spdlog::info("http on {}:{}", plan_.show.address, shown_->port());
     }
-    const Resumed resumed = resume_from_checkpoint(config_.keep, checkpoint, file_.sha256, plan_.cycle.clock_rate,
-                                                   unix_now_s(), cycle_, &stop_);
+    const Resumed resumed = resume_from_checkpoint(
+        config_.keep, checkpoint, {file_.sha256, plan_.cycle.clock_rate, unix_now_s()}, cycle_, &stop_);
     if (resumed == Resumed::given_up) return;
     cycle_.stand_by_orders(orders);
     keeper_.emplace(config_.keep, file_.sha256, plan_.cycle.clock_rate, cycle_, &order_keeper_, &troubles_);

@@ -95,7 +95,7 @@ struct Certificate {
 ///   C dT/dt = −(K₀ + Σⱼ gⱼ Fⱼ Fⱼᵀ) T + Σⱼ gⱼ Fⱼ Fⱼᵀ 1 T_env(j) + B q
 /// N states. C, K₀ symmetric; C positive definite; rows of K₀ sum to zero; for an exchange between bodies
 /// (environment < 0) columns of Fⱼ sum to zero. gⱼ in W/m²K, Fⱼ for 1 W/m²K. Columns of B sum to 1.
-struct Network {
+struct Network {                 // NOLINT(public-members): terms of one equation, and its outputs, as in the file
   std::string spindle;           ///< the description's name
   std::string description_hash;  ///< SHA-256, hex, of the description file the network was built from
   bool hand_written = false;     ///< there is no FE model, so no certificate can be measured

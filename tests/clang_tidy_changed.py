@@ -3,7 +3,8 @@
 
 A source is the same when its preprocessed text (with comments and macros, which checks read too), its flags, .clang-tidy and
 the program are: the digests of clean sources are the names of empty files in build/clang-tidy. Needs build/compile_commands.json and the generated headers.
-    tests/clang_tidy_changed.py FILE...
+    tests/clang_tidy_changed.py [--quick] FILE...
+--quick leaves out the static analyzer, which takes most of the time, and keeps marks of its own.
 """
 import concurrent.futures
 import hashlib
@@ -38,7 +39,7 @@ def digest(entry, checks):
     return hashlib.sha256(checks + " ".join(words).encode() + said_by(words, entry["directory"])).hexdigest()
 
 
-def judge(path, entry, checks):
+def judge(path, entry, checks, options):
     """What clang-tidy says against the source; nothing for a clean one. The last: whether it had to be run."""
     try:
         mark = CLEAN / digest(entry, checks)
@@ -46,7 +47,8 @@ def judge(path, entry, checks):
         return error.stderr.decode(), False
     if mark.exists():
         return "", False
-    result = subprocess.run(["clang-tidy", "-p", CLEAN, "--quiet", FOREIGN_FLAGS, path], capture_output=True, text=True)
+    result = subprocess.run(["clang-tidy", "-p", CLEAN, "--quiet", FOREIGN_FLAGS, *options, path], capture_output=True,
+                            text=True)
     if result.returncode == 0:
         mark.touch()
         return "", True
@@ -54,15 +56,18 @@ def judge(path, entry, checks):
 
 
 def main(paths):
+    options = []
+    if paths[:1] == ["--quick"]:
+        options, paths = ["--checks=-clang-analyzer-*"], paths[1:]
     CLEAN.mkdir(exist_ok=True)
-    checks = said_by(["clang-tidy", "--version"]) + pathlib.Path(".clang-tidy").read_bytes()
+    checks = said_by(["clang-tidy", "--version"]) + pathlib.Path(".clang-tidy").read_bytes() + "".join(options).encode()
     commands = PRECOMPILED.sub("", (BUILD / "compile_commands.json").read_text())
     (CLEAN / "compile_commands.json").write_text(commands)
     entries = {entry["file"]: entry for entry in json.loads(commands)}
     wanted = [(path, entries[os.path.abspath(path)]) for path in paths if os.path.abspath(path) in entries]
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         changed = found = 0
-        for text, run in pool.map(lambda source: judge(*source, checks), wanted):
+        for text, run in pool.map(lambda source: judge(*source, checks, options), wanted):
             print(text, end="", flush=True)
             changed += run
             found += bool(text)

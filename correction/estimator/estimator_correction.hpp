@@ -19,7 +19,7 @@
 namespace spindle_twin::correction {
 
 /// Options, not state: what a person may set, which is why it is open. `each` says what each means.
-struct EstimatorOptions {
+struct EstimatorOptions {  // NOLINT(public-members): a table of options, which `each` names one by one
   EstimatorPriors priors;
   double period_s = 10.0;
   double noise_K = 0.03;             ///< of the sensors that are made from key points, as the next two

@@ -43,7 +43,7 @@ struct Parameter {
 
 /// Deviations (1σ) of the priors; of ln factors where no unit stands. Options, not state: what a person may set, which
 /// is why it is open. `each` says what each means.
-struct EstimatorPriors {
+struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `each` names one by one
   double heat = 0.5;
   double heat_common = 0.0;
   double contact = 0.6;

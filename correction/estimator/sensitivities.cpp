@@ -28,31 +28,10 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   const Eigen::Index p = (count_ + 3) / 4 * 4;
   padded_ = Eigen::VectorXd::Zero(p);
   capacity_root_ = Eigen::LLT<Eigen::MatrixXd>(network.capacity_J_per_K).matrixL();
-  const auto root = capacity_root_.triangularView<Eigen::Lower>();
-  Eigen::Index columns = 0;
-  for (const Eigen::MatrixXd& factor : network.factors_m) {
-    first_.push_back(columns);
-    columns += factor.cols();
-  }
-  first_.push_back(columns);
-  factors_.resize(n, columns);
-  column_sums_.resize(columns);
-  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
-    const Eigen::MatrixXd& factor = network.factors_m[j];
-    factors_.middleCols(first_[j], factor.cols()) = factor;
-    column_sums_.segment(first_[j], factor.cols()) = factor.colwise().sum().transpose();
-  }
-  if (columns > 0) root.solveInPlace(factors_);
-  films_ = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(network.factors_m.size()));
-  for (Eigen::Index j = 0; j < films_.cols(); ++j) {
-    const auto index = static_cast<std::size_t>(j);
-    if (network.boundaries.conductances[index].environment < 0) continue;
-    const Eigen::Index begin = first_[index], count = first_[index + 1] - begin;
-    films_.col(j) = factors_.middleCols(begin, count) * column_sums_.segment(begin, count);
-  }
+  set_factors(network);
   sources_ = network.source_distribution;
   source_rows_ = network.source_distribution.transpose();
-  if (sources_.cols() > 0) root.solveInPlace(sources_);
+  if (sources_.cols() > 0) capacity_root_.triangularView<Eigen::Lower>().solveInPlace(sources_);
   transposed_ = stage_ = impulse_ = Eigen::MatrixXd::Zero(p, n);
   drive_ = Eigen::MatrixXd::Zero(n, p);
   lower_ = Eigen::MatrixXd::Zero(n, n);
@@ -80,6 +59,32 @@ Sensitivities::Sensitivities(const rom::Network& network, std::shared_ptr<const 
   law_values_.capacity_factor = Eigen::VectorXd::Ones(n);
   law_inputs_ = Eigen::VectorXd::Zero(operator_->laws().rows().cols());
   law_slopes_ = Eigen::MatrixXd::Zero(operator_->laws().count(), static_cast<Eigen::Index>(rom::law_readings));
+}
+
+/// L⁻¹F_j side by side, their column sums, and what films to an environment give.
+void Sensitivities::set_factors(const rom::Network& network) {
+  const Eigen::Index n = operator_->nodes();
+  Eigen::Index columns = 0;
+  for (const Eigen::MatrixXd& factor : network.factors_m) {
+    first_.push_back(columns);
+    columns += factor.cols();
+  }
+  first_.push_back(columns);
+  factors_.resize(n, columns);
+  column_sums_.resize(columns);
+  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
+    const Eigen::MatrixXd& factor = network.factors_m[j];
+    factors_.middleCols(first_[j], factor.cols()) = factor;
+    column_sums_.segment(first_[j], factor.cols()) = factor.colwise().sum().transpose();
+  }
+  if (columns > 0) capacity_root_.triangularView<Eigen::Lower>().solveInPlace(factors_);
+  films_ = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(network.factors_m.size()));
+  for (Eigen::Index j = 0; j < films_.cols(); ++j) {
+    const auto index = static_cast<std::size_t>(j);
+    if (network.boundaries.conductances[index].environment < 0) continue;
+    const Eigen::Index begin = first_[index], count = first_[index + 1] - begin;
+    films_.col(j) = factors_.middleCols(begin, count) * column_sums_.segment(begin, count);
+  }
 }
 
 void Sensitivities::start(const ParameterModel& parameters) {
@@ -124,6 +129,19 @@ void Sensitivities::drive(const HeldInterval& held, const ParameterModel& parame
   operator_->to_internal(mean_K_, x_);
   source_rises(mean_K_, rises_K_);
   drive_.setZero();
+  drive_by_heats(held, parameters);
+  drive_by_conductances(held, parameters);
+  for (Eigen::Index g = 0; g < group_heats_.cols(); ++g) drive_.col(parameters.disturbance(g)) = group_heats_.col(g);
+  for (Eigen::Index i = 0; i < inertia_.size(); ++i) {
+    const double rate_K_per_s = (held.end_K[i] - held.start_K[i]) / held.period_s;
+    drive_(i, parameters.capacity(i)) = -inertia_[i] * capacity_root_(i, i) * rate_K_per_s;
+  }
+  if (operator_->segments().count() == 0) return;
+  drive_by_coolant(held, parameters);
+  weaken_by_coolant(held, parameters);
+}
+
+void Sensitivities::drive_by_heats(const HeldInterval& held, const ParameterModel& parameters) {
   const double log_x = parameters.log_speed(held.speed_rpm);
   for (Eigen::Index i = 0; i < sources_.cols(); ++i) {
     const double heat_W = held.values.heat_W[i];
@@ -135,6 +153,10 @@ void Sensitivities::drive(const HeldInterval& held, const ParameterModel& parame
     into(parameters.exponent(i), heat_W * log_x);
     if (parameters.is_friction(i)) into(parameters.bearing(), -heat_W * rises_K_[i]);
   }
+}
+
+/// Of conductances and of the environments behind them.
+void Sensitivities::drive_by_conductances(const HeldInterval& held, const ParameterModel& parameters) {
   const double reference_K = operator_->reference_K();
   const rom::Boundaries& boundaries = network_->boundaries;
   for (std::size_t j = 0; j + 1 < first_.size(); ++j) {
@@ -155,14 +177,12 @@ void Sensitivities::drive(const HeldInterval& held, const ParameterModel& parame
       effect -= conductance * (factor.dot(x_) - rise_K * column_sums_[column]) * factor;
     }
   }
-  for (Eigen::Index g = 0; g < group_heats_.cols(); ++g) drive_.col(parameters.disturbance(g)) = group_heats_.col(g);
-  for (Eigen::Index i = 0; i < inertia_.size(); ++i) {
-    const double rate_K_per_s = (held.end_K[i] - held.start_K[i]) / held.period_s;
-    drive_(i, parameters.capacity(i)) = -inertia_[i] * capacity_root_(i, i) * rate_K_per_s;
-  }
-  // What the liquid has taken up before a segment lowers that segment's flow, and d(G/A)/d ln h is below G/A.
+}
+
+/// What the liquid has taken up before a segment lowers that segment's flow.
+void Sensitivities::drive_by_coolant(const HeldInterval& held, const ParameterModel& parameters) {
   const rom::CoolantSegments& segments = operator_->segments();
-  if (segments.count() == 0) return;
+  const double reference_K = operator_->reference_K();
   operator_->couple(held.values, coupling_, wall_rises_K_, unused_drive_);
   wall_rises_K_.noalias() = operator_->walls().transpose() * x_;
   for (Eigen::Index s = 0; s < segments.count(); ++s) {
@@ -176,6 +196,11 @@ void Sensitivities::drive(const HeldInterval& held, const ParameterModel& parame
     const int slot = parameters.conductance(segments.conductance[segment]);
     if (slot >= 0) drive_.col(slot) += fed_W * operator_->walls().col(s);
   }
+}
+
+/// d(G/A)/d ln h of a segment is below G/A: the liquid warms up along it.
+void Sensitivities::weaken_by_coolant(const HeldInterval& held, const ParameterModel& parameters) {
+  const rom::CoolantSegments& segments = operator_->segments();
   for (std::size_t c = 0; c + 1 < segments.first.size(); ++c) {
     const double flow_W_per_K = std::abs(held.values.coolant_W_per_K[static_cast<Eigen::Index>(c)]);
     for (int s = segments.first[c]; s < segments.first[c + 1]; ++s) {

@@ -76,7 +76,12 @@ class Sensitivities {
 
  private:
   void add_law_slopes(const HeldInterval& held);
+  void set_factors(const rom::Network& network);
   void drive(const HeldInterval& held, const ParameterModel& parameters);
+  void drive_by_heats(const HeldInterval& held, const ParameterModel& parameters);
+  void drive_by_conductances(const HeldInterval& held, const ParameterModel& parameters);
+  void drive_by_coolant(const HeldInterval& held, const ParameterModel& parameters);
+  void weaken_by_coolant(const HeldInterval& held, const ParameterModel& parameters);
   void substitute(Eigen::MatrixXd& right_side) const;
 
   std::shared_ptr<const rom::NetworkOperator> operator_;

@@ -10,7 +10,7 @@ namespace spindle_twin::correction {
 /// Limits of all detectors, each with where it comes from; times in model time. Options, not state, which is why it is
 /// open. Valid: all positive, counts at least 1.
 /// "Measured" is tests/bench/fault_campaign.
-struct HealthLimits {
+struct HealthLimits {  // NOLINT(public-members): a table of options, which `each` names one by one
   // Electrical. A PT100 or PT1000 (IEC 60751) reads 850 degC at 3.9 times its nominal resistance: a broken wire leaves
   // the input at the end of its scale; a shorted one has hardly the 60 % of -100 degC. A PT1000 on an input for PT100
   // looks open, a PT100 on one for PT1000 shorted.

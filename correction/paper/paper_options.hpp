@@ -36,7 +36,7 @@ struct HeatGroup {
 std::vector<HeatGroup> common_heat_group(const rom::Network& network);
 
 /// Options, not state: what a person may set, which is why it is open. `each` says what each means.
-struct PaperGuards {
+struct PaperGuards {                    // NOLINT(public-members): a table of options, which `each` names one by one
   double reading_uncertainty_K = 0.03;  ///< u of a window mean against the base
   double minimum_rise_K = 0.3;
   double step_minimum = 0.8;

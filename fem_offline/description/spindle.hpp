@@ -264,7 +264,7 @@ struct MeshSettings {
   bool curved_arcs = true;               ///< sides of elements follow the arcs; else the chords
 };
 
-struct Spindle {
+struct Spindle {  // NOLINT(public-members): the description as read, a member for each of its tables
   std::string name;
   std::string file;
   std::string hash;  ///< SHA-256 of the file, hex

@@ -47,7 +47,7 @@ using DeckRow = std::vector<std::pair<std::size_t, double>>;
 /// What another FE program needs to solve the same spindle on the same mesh: only geometry, material numbers and loads,
 /// none of our matrices. Axisymmetric, eight-node quadrilaterals with straight sides, arcs as chords (`curved_arcs`
 /// false).
-struct DeckModel {
+struct DeckModel {  // NOLINT(public-members): plain data, a member for each block of a deck
   Section section;
   std::vector<Point> nodes;                          ///< corners, then midsides; no node is shared by two parts
   std::vector<std::array<std::size_t, 8>> elements;  ///< corners counter-clockwise, then the midsides of sides 0 to 3

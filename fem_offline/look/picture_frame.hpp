@@ -84,8 +84,14 @@ void draw_legend(Canvas& canvas, double top_px, const std::vector<LegendGroup>& 
 
 /// Unit normal out of the part, on the picture; the part lies to the left from start to end.
 Pixel outward(const BoundaryPiece& piece);
-void draw_piece(Canvas& canvas, const View& view, const BoundaryPiece& piece, double offset_px, double width_px,
-                const Colour& colour, const std::vector<double>& dashes_px = {});
+/// How the line along a piece is drawn: so far outside the part, and in one stroke without dashes.
+struct PieceLine {
+  double offset_px = 0.0;
+  double width_px = 1.0;
+  Colour colour;
+  std::vector<double> dashes_px{};
+};
+void draw_piece(Canvas& canvas, const View& view, const BoundaryPiece& piece, const PieceLine& line);
 
 void draw_surfaces(Canvas& canvas, const View& view, const SectionPicture& picture);
 LegendGroup surfaces_legend(const Spindle& spindle);

@@ -102,7 +102,7 @@ void draw_support(Canvas& canvas, const View& view, const SectionPicture& pictur
       if (piece.part != support.part || !lies_in(piece, support.face)) continue;
       const Pixel from = view.at(piece.start), to = view.at(piece.end), out = outward(piece);
       if (holds(support, Hold::fixed)) draw_ground(canvas, from, to, out);
-      if (holds(support, Hold::plane)) draw_piece(canvas, view, piece, 7.0, 4.0, ink, {14, 4, 3, 4});
+      if (holds(support, Hold::plane)) draw_piece(canvas, view, piece, {7.0, 4.0, ink, {14, 4, 3, 4}});
       board.keep_free({std::min(from.x, to.x) - 12, std::min(from.y, to.y) - 12, std::max(from.x, to.x) + 12,
                        std::max(from.y, to.y) + 12});
       const double length_px = std::hypot(to.x - from.x, to.y - from.y);
@@ -182,7 +182,7 @@ void draw_outputs(Canvas& canvas, const View& view, const SectionPicture& pictur
     if (!output.at) {
       for (const BoundaryPiece& piece : picture.section.pieces) {
         if (piece.part != output.part || !lies_in(piece, output.face)) continue;
-        draw_piece(canvas, view, piece, 0.0, 6.0, black);
+        draw_piece(canvas, view, piece, {0.0, 6.0, black});
       }
     }
     const Pixel anchor = view.at(anchor_of(output));

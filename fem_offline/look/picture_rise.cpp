@@ -26,12 +26,11 @@ std::vector<Extremes> extremes_of(const SectionPicture& picture, const Eigen::Ve
   return extremes;
 }
 
-void draw_isolines(Canvas& canvas, const View& view, const Lattice& lattice,
-                   const std::vector<LatticeTriangle>& triangles, const Eigen::VectorXd& field, const FieldScale& scale,
-                   LabelBoard& board) {
+void draw_isolines(Canvas& canvas, const View& view, const SectionPicture& picture,
+                   const std::vector<LatticeTriangle>& triangles, const FieldScale& scale, LabelBoard& board) {
   constexpr double apart_px = 330.0;
   for (const double level : scale.levels()) {
-    const std::vector<IsolinePiece> pieces = isoline(lattice, triangles, field, level);
+    const std::vector<IsolinePiece> pieces = isoline(picture.lattice, triangles, picture.rises_K, level);
     for (const IsolinePiece& piece : pieces) {
       const Pixel from = view.at(piece.start), to = view.at(piece.end);
       cairo_move_to(canvas.pen(), from.x, from.y);
@@ -145,7 +144,7 @@ void draw_rise_picture(const SectionPicture& picture, const std::string& path) {
   LabelBoard board(canvas, {view.frame.x0, 95, view.frame.x1, view.frame.y1});
   draw_key_points(canvas, view, picture.spindle, board);
   mark_hottest(canvas, view, picture, extremes, board);
-  draw_isolines(canvas, view, picture.lattice, triangles, picture.rises_K, scale, board);
+  draw_isolines(canvas, view, picture, triangles, scale, board);
   board.draw();
   const std::string datum = fixed(picture.state.datum_K - rom::zero_degC_K, 2);
   draw_colour_bar(canvas, bar_box(view), scale, "rise in K above " + datum + " °C");

@@ -71,9 +71,9 @@ void draw_condition(Canvas& canvas, const View& view, const Spindle& spindle, co
   const FaceMark& mark = face_condition(spindle, kind, index).mark;
   const Colour colour = kind == PieceKind::film ? film_colour(spindle, index) : own_colour(mark).value_or(ink);
   const std::vector<double> dashes = dashes_px(mark);
-  draw_piece(canvas, view, piece, mark.offset_px, mark.width_px, colour,
-             mark.white_dashes ? std::vector<double>{} : dashes);
-  if (mark.white_dashes) draw_piece(canvas, view, piece, mark.offset_px, white_line_px, white, dashes);
+  draw_piece(canvas, view, piece,
+             {mark.offset_px, mark.width_px, colour, mark.white_dashes ? std::vector<double>{} : dashes});
+  if (mark.white_dashes) draw_piece(canvas, view, piece, {mark.offset_px, white_line_px, white, dashes});
 }
 
 void hatch(Canvas& canvas, const PixelBox& box, const Colour& colour) {
@@ -142,12 +142,12 @@ Pixel outward(const BoundaryPiece& piece) {
   return {-dr / length_m, -dz / length_m};
 }
 
-void draw_piece(Canvas& canvas, const View& view, const BoundaryPiece& piece, double offset_px, double width_px,
-                const Colour& colour, const std::vector<double>& dashes_px) {
+void draw_piece(Canvas& canvas, const View& view, const BoundaryPiece& piece, const PieceLine& line) {
   const Pixel normal = outward(piece), from = view.at(piece.start), to = view.at(piece.end);
-  cairo_set_line_cap(canvas.pen(), dashes_px.empty() ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
-  canvas.line({from.x + offset_px * normal.x, from.y + offset_px * normal.y},
-              {to.x + offset_px * normal.x, to.y + offset_px * normal.y}, width_px, colour, dashes_px);
+  cairo_set_line_cap(canvas.pen(), line.dashes_px.empty() ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
+  canvas.line({from.x + line.offset_px * normal.x, from.y + line.offset_px * normal.y},
+              {to.x + line.offset_px * normal.x, to.y + line.offset_px * normal.y}, line.width_px, line.colour,
+              line.dashes_px);
   cairo_set_line_cap(canvas.pen(), CAIRO_LINE_CAP_BUTT);
 }
 
@@ -165,7 +165,7 @@ void draw_surfaces(Canvas& canvas, const View& view, const SectionPicture& pictu
     if (piece.kind == PieceKind::gap) draw_own(piece);
     if (piece.kind != PieceKind::contact || piece.side != 0) continue;
     if (spindle.contacts[piece.index].fit) {
-      draw_piece(canvas, view, piece, 0.0, fit_line_px, fit_colour);
+      draw_piece(canvas, view, piece, {0.0, fit_line_px, fit_colour});
     } else {
       draw_own(piece);
     }
@@ -276,7 +276,7 @@ void draw_heats(Canvas& canvas, const View& view, const SectionPicture& picture)
       }
       for (const BoundaryPiece& piece : picture.section.pieces) {
         if (!carries(picture.spindle, piece, share)) continue;
-        draw_piece(canvas, view, piece, heat_mark.offset_px, heat_mark.width_px, heat_colour, dashes_px(heat_mark));
+        draw_piece(canvas, view, piece, {heat_mark.offset_px, heat_mark.width_px, heat_colour, dashes_px(heat_mark)});
       }
     }
   }

@@ -48,7 +48,7 @@ struct FeContactPressure {
 /// n unknowns; C [J/K], K₀ [W/K], Kⱼ [m²] (for 1 W/m²K), B [1] with columns that sum to 1. All symmetric. Rows of K₀
 /// and of every Kⱼ between bodies sum to zero. Order of conductances, environments and
 /// circuits: description/model_places.
-struct AffineModel {
+struct AffineModel {  // NOLINT(public-members): the terms of one equation, and what each unknown means
   std::string spindle;
   std::string description_hash;
   rom::Boundaries boundaries;

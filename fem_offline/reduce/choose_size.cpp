@@ -43,9 +43,8 @@ int next_step(const std::optional<TriedStep>& last, int too_small, int enough, b
 
 }  // namespace
 
-SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const Tolerance& tolerance,
-                       const ReduceOptions& options, const Progress& progress, ReduceReport* report,
-                       std::uint32_t cases) {
+SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const SizeSearch& search,
+                       const ReduceOptions& options, const Progress& progress, ReduceReport* report) {
   const auto show = [&](const std::string& stage, double fraction) {
     if (progress) progress(stage, fraction);
   };
@@ -57,7 +56,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     started = now;
   };
   VerifyOptions drives;
-  drives.cases = cases;
+  drives.cases = search.cases;
   drives.seed = options.seed;
   drives.threads = options.threads;
   drives.drive.box = options.box;
@@ -85,7 +84,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     const Tolerance reached = worst_of(case_errors(network, trajectories, options.threads), layout);
     show(stage, 1.0);
     choice.tried.push_back({nodes, reached});
-    last = TriedStep{step, std::log(excess(reached, tolerance))};
+    last = TriedStep{step, std::log(excess(reached, search.tolerance))};
     (last->logarithm <= 0.0 ? enough : too_small) = step;
   }
   choice.reached = enough <= last_step;

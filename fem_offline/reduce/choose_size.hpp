@@ -34,12 +34,16 @@ inline constexpr double share_of_tolerance = 0.6;
 inline constexpr int size_step = 10;
 inline constexpr int largest_size = 320;
 
-/// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of `tolerance` in the FE cases of the
+struct SizeSearch {
+  Tolerance tolerance{};
+  std::uint32_t cases = size_choice_cases;
+};
+
+/// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of the tolerance in the FE cases of the
 /// search: up at the usual rate of errors over the nested basis until one is enough, then by halves. While it searches,
 /// all sizes have the points of part extremes of the first; the chosen one gets its own. `report` gets the stages of
 /// search and network.
-SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const Tolerance& tolerance,
-                       const ReduceOptions& options, const Progress& progress = {}, ReduceReport* report = nullptr,
-                       std::uint32_t cases = size_choice_cases);
+SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const SizeSearch& search,
+                       const ReduceOptions& options, const Progress& progress = {}, ReduceReport* report = nullptr);
 
 }  // namespace spindle_twin::fem_offline

@@ -5,10 +5,17 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Carries `stepper` from from_s to until_s along the schedule in steps no longer than max_step_s. Inputs are held over
+/// A stretch of a schedule, and how long a step in it may be.
+struct ScheduleSpan {
+  double from_s = 0.0;
+  double until_s = 0.0;
+  double max_step_s = 1.0;
+};
+
+/// Carries `stepper` over the span along the schedule. Inputs are held over
 /// a step at their value in its middle, and jump only between steps. `values` (sized for `boundaries`) is left at the
 /// inputs of the last step. Past its end the schedule's last state holds.
-void follow_schedule(const rom::Boundaries& boundaries, const rom::Schedule& schedule, double from_s, double until_s,
-                     double max_step_s, FeStepper& stepper, rom::BoundaryValues& values);
+void follow_schedule(const rom::Boundaries& boundaries, const rom::Schedule& schedule, const ScheduleSpan& span,
+                     FeStepper& stepper, rom::BoundaryValues& values);
 
 }  // namespace spindle_twin::fem_offline

@@ -100,7 +100,7 @@ std::map<double, Instant> along_schedule(const AffineModel& model, const Verific
   double time_s = 0.0;
   for (auto& [until_s, instant] : instants) {
     instant.values = rom::make_boundary_values(model.boundaries);
-    follow_schedule(model.boundaries, schedule, time_s, until_s, verification.max_step_s, stepper, instant.values);
+    follow_schedule(model.boundaries, schedule, {time_s, until_s, verification.max_step_s}, stepper, instant.values);
     instant.temperatures_K = stepper.temperatures_K();
     time_s = until_s;
   }

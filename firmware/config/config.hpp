@@ -105,7 +105,7 @@ struct ConfiguredCompensation {
 };
 
 /// The configuration file as it stands, checked as far as that goes without the network.
-struct Config {
+struct Config {  // NOLINT(public-members): the configuration as read, a member for each of its tables
   std::string path;
   ConfiguredNetwork network;
   std::string log_level = "info";

@@ -20,32 +20,30 @@ void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector
     if (!sensor.configured) continue;
     const rom::KeyPoint& point = network.key_points[k];
     options.sensors.push_back({point.name, point.row, sensor.noise_K, sensor.offset_deviation_K, sensor.lag_s});
-    corrector.channels.push_back(k);
-    corrector.interval_s.push_back(sensor.interval_s);
+    corrector.channels.push_back({k, sensor.interval_s, 0});
   }
   if (options.sensors.empty() && network.key_points.empty()) return;  // nowhere to look at
   corrector.estimator.emplace(network, std::move(options));
-  corrector.taken_ns.assign(corrector.channels.size(), 0);
 }
 
 /// A reading that was taken before, or is a repeat of one, would count twice.
-bool is_new(const Corrector& corrector, std::size_t channel, const Sensed& reading) {
-  const std::int64_t taken_ns = corrector.taken_ns[channel];
-  if (reading.time_ns == taken_ns) return false;
-  if (taken_ns == 0) return true;
-  return 1e-9 * static_cast<double>(reading.time_ns - taken_ns) * corrector.clock_rate >=
-         corrector.interval_s[channel] - reading_slack_s;
+bool is_new(const CorrectorChannel& channel, double clock_rate, const Sensed& reading) {
+  if (reading.time_ns == channel.taken_ns) return false;
+  if (channel.taken_ns == 0) return true;
+  return 1e-9 * static_cast<double>(reading.time_ns - channel.taken_ns) * clock_rate >=
+         channel.interval_s - reading_slack_s;
 }
 
 void take_readings(const SensedInputs& sensed, const Judgement& judgement, Corrector& corrector) {
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    const std::size_t k = corrector.channels[c];
-    const Sensed& reading = sensed.sensors[k];
-    const bool take = judgement.sensors[k] == SensorQuality::good && is_new(corrector, c, reading);
-    const auto channel = static_cast<Eigen::Index>(c);
-    corrector.valid[channel] = take;
-    corrector.measured_K[channel] = reading.value;
-    if (take) corrector.taken_ns[c] = reading.time_ns;
+    CorrectorChannel& channel = corrector.channels[c];
+    const Sensed& reading = sensed.sensors[channel.key_point];
+    const bool take =
+        judgement.sensors[channel.key_point] == SensorQuality::good && is_new(channel, corrector.clock_rate, reading);
+    const auto row = static_cast<Eigen::Index>(c);
+    corrector.measured.valid[row] = take;
+    corrector.measured.value_K[row] = reading.value;
+    if (take) channel.taken_ns = reading.time_ns;
   }
 }
 
@@ -58,18 +56,20 @@ CorrectionFreeze freeze_of(const correction::EstimatorCorrection& estimator, std
 }
 
 CorrectedInputs run_estimator(const SensedInputs& sensed, const Judgement& judgement,
-                              const rom::OperatingState& operating, double time_s, double advance_s, Model& model,
+                              const rom::OperatingState& operating, const Period& period, Model& model,
                               Corrector& corrector) {
   correction::EstimatorCorrection& estimator = *corrector.estimator;
   if (!corrector.enabled) {
-    estimator.stand_by(time_s, model.stepper->temperatures_K(), operating, advance_s);
+    estimator.stand_by(period.start_s, model.stepper->temperatures_K(), operating, period.advance_s);
     corrector.freeze = bits(CorrectionFreeze::waiting);
     return {estimator.factors(), operating};
   }
   take_readings(sensed, judgement, corrector);
   const long updates = estimator.updates();
-  const correction::EstimatorStep step = estimator.step(
-      {time_s, corrector.measured_K, corrector.valid, model.stepper->temperatures_K(), operating}, advance_s);
+  const correction::EstimatorStep step =
+      estimator.step({period.start_s, corrector.measured.value_K, corrector.measured.valid,
+                      model.stepper->temperatures_K(), operating},
+                     period.advance_s);
   if (step.corrected) ++corrector.corrections;
   if (step.state_corrected) model.stepper->set_temperatures(estimator.corrected_nodes_K());
   if (estimator.updates() != updates) corrector.freeze = bits(freeze_of(estimator, corrector.channels.size()));
@@ -77,21 +77,21 @@ CorrectedInputs run_estimator(const SensedInputs& sensed, const Judgement& judge
 }
 
 CorrectedInputs run_paper(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
-                          double time_s, double advance_s, Model& model, Corrector& corrector) {
+                          const Period& period, Model& model, Corrector& corrector) {
   if (!corrector.enabled) {
-    corrector.paper->stand_by(time_s, model.stepper->temperatures_K(), operating, advance_s);
+    corrector.paper->stand_by(period.start_s, model.stepper->temperatures_K(), operating, period.advance_s);
     corrector.freeze = bits(CorrectionFreeze::waiting);
     return {corrector.paper->factors(), operating};
   }
-  for (Eigen::Index k = 0; k < corrector.measured_K.size(); ++k) {
+  for (Eigen::Index k = 0; k < corrector.measured.value_K.size(); ++k) {
     const auto sensor = static_cast<std::size_t>(k);
-    corrector.measured_K[k] = sensed.sensors[sensor].value;
-    corrector.valid[k] = judgement.sensors[sensor] == SensorQuality::good;
+    corrector.measured.value_K[k] = sensed.sensors[sensor].value;
+    corrector.measured.valid[k] = judgement.sensors[sensor] == SensorQuality::good;
   }
   const correction::PaperStep step =
-      corrector.paper->step({time_s, corrector.measured_K, corrector.valid, model.outputs.key_points_K,
-                             model.stepper->temperatures_K(), operating},
-                            advance_s);
+      corrector.paper->step({period.start_s, corrector.measured.value_K, corrector.measured.valid,
+                             model.outputs.key_points_K, model.stepper->temperatures_K(), operating},
+                            period.advance_s);
   if (step.corrected) ++corrector.corrections;
   if (step.state_rescaled) model.stepper->set_temperatures(corrector.paper->rescaled_nodes_K());
   corrector.freeze = static_cast<std::uint16_t>(corrector.paper->freeze(0));
@@ -115,17 +115,17 @@ Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, con
     if (corrector.estimator) corrector.none = corrector.estimator->parameters().make_factors(network);
     if (corrector.estimator) readings = static_cast<Eigen::Index>(corrector.estimator->sensors().size());
   }
-  corrector.measured_K = Eigen::VectorXd::Constant(readings, not_a_value);
-  corrector.valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(readings, false);
+  corrector.measured.value_K = Eigen::VectorXd::Constant(readings, not_a_value);
+  corrector.measured.valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(readings, false);
   corrector.corrects = corrector.paper || (corrector.estimator && plan.estimator_corrects);
   corrector.enabled = corrector.corrects && plan.correction_enabled;
   return corrector;
 }
 
 CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
-                        double time_s, double advance_s, Model& model, Corrector& corrector) {
-  if (corrector.paper) return run_paper(sensed, judgement, operating, time_s, advance_s, model, corrector);
-  if (corrector.estimator) return run_estimator(sensed, judgement, operating, time_s, advance_s, model, corrector);
+                        const Period& period, Model& model, Corrector& corrector) {
+  if (corrector.paper) return run_paper(sensed, judgement, operating, period, model, corrector);
+  if (corrector.estimator) return run_estimator(sensed, judgement, operating, period, model, corrector);
   return {corrector.none, operating};
 }
 
@@ -140,8 +140,8 @@ bool take_displacement(int index, double value_m, double deviation_m, Corrector&
   const bool exists = index >= 0 && index < corrector.estimator->deviations().deformations_m.size();
   if (!exists || !std::isfinite(value_m) || !(deviation_m > 0.0)) return false;
   corrector.estimator->note_displacement(index, value_m, deviation_m);
-  ++corrector.displacements;
-  corrector.displacement_due = corrector.estimator->updates() + 1;
+  ++corrector.displacements.count;
+  corrector.displacements.due = corrector.estimator->updates() + 1;
   return true;
 }
 
@@ -150,8 +150,8 @@ void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_
   for (std::size_t d = 0; d < plan.probes.size(); ++d) {
     const ProbePlan& probe = plan.probes[d];
     const Sensed& reading = sensed.displacements[d];
-    std::int64_t& probed_ns = corrector.probed_ns[d];
-    if (!probe.configured || corrector.estimator->updates() < corrector.displacement_due) continue;
+    std::int64_t& probed_ns = corrector.displacements.probed_ns[d];
+    if (!probe.configured || corrector.estimator->updates() < corrector.displacements.due) continue;
     const double since_s = 1e-9 * static_cast<double>(reading.time_ns - probed_ns) * plan.clock_rate;
     const bool due = probed_ns == 0 || since_s >= probe.interval_s - reading_slack_s;
     const bool good = reading.value >= probe.min_m && reading.value <= probe.max_m &&

@@ -12,6 +12,32 @@
 
 namespace spindle_twin::firmware {
 
+/// The period that begins, model time.
+struct Period {
+  double start_s = 0.0;
+  double advance_s = 0.0;
+};
+
+/// What one channel of the estimator takes its readings from.
+struct CorrectorChannel {
+  std::size_t key_point = 0;
+  double interval_s = 0.0;
+  std::int64_t taken_ns = 0;  ///< time of the reading that it took last; 0: none yet
+};
+
+/// Measured lengths that went to the estimator.
+struct DisplacementsTaken {
+  std::uint16_t count = 0;
+  long due = 0;  ///< one that was noted goes into the update after so many
+  std::array<std::int64_t, slots::deformations> probed_ns{};
+};
+
+/// What the law is told of its sensors: per key point, or per channel of the estimator.
+struct MeasuredTemperatures {
+  Eigen::VectorXd value_K;
+  Eigen::Array<bool, Eigen::Dynamic, 1> valid;
+};
+
 /// The correction law and what the cycle tells of it. At most one of the two laws is there.
 struct Corrector {
   std::optional<correction::PaperCorrection> paper;
@@ -19,19 +45,14 @@ struct Corrector {
   bool corrects = false;  ///< there is a law that may be switched on
   bool enabled = false;
   std::uint16_t corrections = 0;
-  std::uint16_t displacements = 0;
-  long displacement_due = 0;  ///< a length that was noted goes into the update after so many
-  std::uint16_t freeze = 0;   ///< CorrectionFreeze
+  std::uint16_t freeze = 0;  ///< CorrectionFreeze
 
-  std::vector<std::size_t> channels;  ///< key point of each channel of the estimator
-  std::vector<double> interval_s;     ///< of each channel
-  std::array<std::int64_t, slots::deformations> probed_ns{};
-  std::vector<std::int64_t> taken_ns;  ///< time of the reading that each channel took last
+  std::vector<CorrectorChannel> channels;  ///< of the estimator
+  DisplacementsTaken displacements;
   double clock_rate = 1.0;
   rom::CorrectionFactors none;    ///< all 1
   rom::OperatingState operating;  ///< with what the estimator adds to the environments
-  Eigen::VectorXd measured_K;     ///< per key point, or per channel of the estimator
-  Eigen::Array<bool, Eigen::Dynamic, 1> valid;
+  MeasuredTemperatures measured;
 };
 
 /// What the model runs with for the coming period.
@@ -44,12 +65,12 @@ struct CorrectedInputs {
 Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
 
 /// Gives the law what was measured and what the model says of this instant; sets the model's state when the law
-/// corrects it, and returns the inputs for the coming advance_s: the law's, and those as read with all factors 1 while
+/// corrects it, and returns the inputs for the coming period: the law's, and those as read with all factors 1 while
 /// the correction is off. Neither switching moves a temperature. Off, the law stands by with the inputs that the model
 /// runs with; on, it starts from these, and corrects first after a whole period. The estimator takes each reading once.
 /// Runs in the cycle, no allocation.
 CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, const rom::OperatingState& operating,
-                        double time_s, double advance_s, Model& model, Corrector& corrector);
+                        const Period& period, Model& model, Corrector& corrector);
 
 /// The operating state with what the estimator adds to the environments. Runs in the cycle.
 const rom::OperatingState& with_biases(const rom::OperatingState& operating, Corrector& corrector);

@@ -20,8 +20,8 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   judge(plan_, sensed_, judgement_);
   set_operating(network_, judgement_, operating_);
   if (started_) {
-    watch_sensors(network_, plan_, sensed_, model_, uncorrected_, snapshot_.model_time_s, advance_s, watch_, corrector_,
-                  judgement_);
+    const Period period{snapshot_.model_time_s, advance_s};
+    watch_sensors({network_, plan_, sensed_, model_, uncorrected_, period}, watch_, corrector_, judgement_);
   }
   publish_inputs(sensed_, judgement_, snapshot_);
   snapshot_.quality = judgement_.quality;
@@ -29,7 +29,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   if (started_ || ready_to_start()) {
     take_probes(plan_, sensed_, snapshot_.tare_m, corrector_);
     const CorrectedInputs inputs =
-        correct(sensed_, judgement_, operating_, snapshot_.model_time_s, advance_s, model_, corrector_);
+        correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, advance_s}, model_, corrector_);
     watch_update(network_, operating_, model_, watch_, corrector_);
     note(integrate(network_, inputs.operating, inputs.factors, advance_s, model_));
     predict(network_, model_);

@@ -49,7 +49,7 @@ struct SignalPlan {
 };
 
 /// What a cycle needs besides the network; made once from the configuration.
-struct CyclePlan {
+struct CyclePlan {          // NOLINT(public-members): the configuration of the cycle, made once, then constant
   double period_s = 1.0;    ///< model time
   double clock_rate = 1.0;  ///< model seconds per second of the clock
   bool compare_uncorrected = true;

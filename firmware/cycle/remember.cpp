@@ -128,7 +128,7 @@ std::optional<Eigen::VectorXd> Cycle::stand_still(double gap_s, const std::atomi
     if (stop != nullptr && stop->load(std::memory_order_relaxed)) return std::nullopt;
     const double advance_s = gap_s / steps;
     const CorrectedInputs inputs =
-        correct({}, judgement_, operating_, -gap_s + step * advance_s, advance_s, model_, corrector_);
+        correct({}, judgement_, operating_, {-gap_s + step * advance_s, advance_s}, model_, corrector_);
     no_heat.conductance = described_heat.conductance = inputs.factors.conductance;
     operating.environment_K = inputs.operating.environment_K;
     integrate(network_, operating, described_heat, advance_s, running);

@@ -140,7 +140,7 @@ struct CompensationState {
 
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
 /// Entries beyond the counts, and values that do not exist, are NaN. Room as in states.toml.
-struct Snapshot {
+struct Snapshot {  // NOLINT(public-members): one page of plain data, copied whole; registers show it member by member
   std::int64_t time_ns = 0;    ///< monotonic, end of the cycle
   std::int64_t clock_ns = 0;   ///< monotonic, when this cycle began, from the first one on
   std::uint64_t sequence = 0;  ///< number of the cycle

@@ -12,7 +12,7 @@ static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::im
 /// The channel of the estimator at a key point, -1 without one.
 Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point) {
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    if (corrector.channels[c] == key_point) return static_cast<Eigen::Index>(c);
+    if (corrector.channels[c].key_point == key_point) return static_cast<Eigen::Index>(c);
   }
   return -1;
 }
@@ -26,24 +26,67 @@ double known_offset_K(const SensorWatch& watch, const Corrector& corrector, std:
 }
 
 void note_corrected(const rom::Network& network, const Model& model, SensorWatch& watch) {
-  for (std::size_t k = 0; k < watch.corrected_K.size(); ++k) {
-    watch.corrected_K[k] = network.key_points[k].row.dot(model.stepper->temperatures_K());
+  for (std::size_t k = 0; k < watch.samples.corrected_K.size(); ++k) {
+    watch.samples.corrected_K[k] = network.key_points[k].row.dot(model.stepper->temperatures_K());
   }
 }
 
-void rest(const CyclePlan& plan, const SensedInputs& sensed, const Judgement& judgement, const Model& model,
-          double advance_s, SensorWatch& watch) {
+/// Each reading beside what the model says of it.
+void sample(const WatchInputs& inputs, const Corrector& corrector, const Judgement& judgement, SensorWatch& watch) {
+  const bool has_run = inputs.period.start_s > 0.0;
+  for (std::size_t k = 0; k < watch.samples.health.size(); ++k) {
+    const Sensed& reading = inputs.sensed.sensors[k];
+    const auto row = static_cast<Eigen::Index>(k);
+    const double predicted_K = inputs.model.outputs.key_points_K[row];
+    // A reading out of range is the health's business too: it tells a broken wire from a hot place.
+    const bool readable =
+        judgement.sensors[k] == SensorQuality::good || judgement.sensors[k] == SensorQuality::out_of_range;
+    // As read: a tare, which moves what is used of all sensors at once, is no jump.
+    watch.samples.health[k] = {
+        readable && reading.time_ns != watch.seen.time_ns[k],
+        inputs.sensed.raw_K[k],
+        predicted_K,
+        has_run ? predicted_K - watch.samples.corrected_K[k] : 0.0,
+        inputs.plan.compare_uncorrected ? inputs.uncorrected.outputs.key_points_K[row] : not_a_value,
+        known_offset_K(watch, corrector, k)};
+  }
+}
+
+/// A sensor that is not believed loses its quality `good`, until a new reading is.
+void withhold(std::size_t k, const SensedInputs& sensed, SensorWatch& watch, Judgement& judgement) {
+  const correction::HealthRecord& record = watch.health->record(k);
+  if (watch.samples.health[k].present) {
+    watch.seen.time_ns[k] = sensed.sensors[k].time_ns;
+    watch.seen.believed[k] = record.usable;
+  }
+  const bool failed = record.state == correction::HealthState::failed;
+  if (judgement.sensors[k] != SensorQuality::good || (watch.seen.believed[k] && !failed)) return;
+  judgement.sensors[k] = SensorQuality::withheld;
+  --judgement.good;
+}
+
+/// A sensor that has just returned may come back with another offset.
+void widen_returned(std::size_t k, SensorWatch& watch, Corrector& corrector) {
+  const correction::HealthRecord& record = watch.health->record(k);
+  const Eigen::Index channel = record.returned && watch.others ? channel_at(corrector, k) : -1;
+  if (channel < 0) return;
+  corrector.estimator->widen_offset(channel, record.return_offset_deviation_K);
+  watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
+  if (watch.heat) watch.heat->follow(*corrector.estimator);
+}
+
+void rest(const WatchInputs& inputs, const Judgement& judgement, SensorWatch& watch) {
   constexpr double turning_rpm = 1.0;
   constexpr double loaded = 0.01;
-  for (std::size_t k = 0; k < watch.tare_samples.size(); ++k) {
-    const bool good = plan.sensors[k].configured && judgement.sensors[k] == SensorQuality::good;
+  for (std::size_t k = 0; k < watch.samples.tare.size(); ++k) {
+    const bool good = inputs.plan.sensors[k].configured && judgement.sensors[k] == SensorQuality::good;
     const double offset_K = k < watch.tare.offset_K.size() ? watch.tare.offset_K[k] : 0.0;
-    watch.tare_samples[k] = {good, sensed.sensors[k].value + offset_K,
-                             model.outputs.key_points_K[static_cast<Eigen::Index>(k)]};
+    watch.samples.tare[k] = {good, inputs.sensed.sensors[k].value + offset_K,
+                             inputs.model.outputs.key_points_K[static_cast<Eigen::Index>(k)]};
   }
   const bool heated = std::abs(judgement.signals[static_cast<std::size_t>(Signal::speed)]) > turning_rpm ||
                       std::abs(judgement.signals[static_cast<std::size_t>(Signal::load)]) > loaded;
-  watch.resting->step(watch.tare_samples, heated, advance_s);
+  watch.resting->step(watch.samples.tare, heated, inputs.period.advance_s);
 }
 
 /// Whether the readings are better explained by a heat that no source explains, to which the estimator then goes over.
@@ -52,11 +95,11 @@ bool explained_by_heat(const rom::OperatingState& operating, Model& model, Senso
   if (!watch.heat) return false;
   const bool open = estimator.heats_are_open();
   if (open) {
-    watch.heats_were_open = true;
+    watch.seen.heats_were_open = true;
     return false;
   }
-  if (watch.heats_were_open) watch.heat->follow(estimator);
-  watch.heats_were_open = false;
+  if (watch.seen.heats_were_open) watch.heat->follow(estimator);
+  watch.seen.heats_were_open = false;
   if (!watch.heat->update(estimator)) return false;
   estimator.open_heats(watch.heat->filter(), operating);
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
@@ -84,7 +127,7 @@ void tell_estimator(const std::array<double, slots::key_points>& before_K, const
                     Corrector& corrector) {
   if (!corrector.estimator) return;
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    const std::size_t k = corrector.channels[c];
+    const std::size_t k = corrector.channels[c].key_point;
     const auto channel = static_cast<Eigen::Index>(c);
     const double shift_K = watch.tare.offset_K[k] - before_K[k];
     // Without a tare the offset is as open as the configuration says.
@@ -108,10 +151,10 @@ SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const
   watch.tare_to_ambient = plan.tare_to_ambient;
   const std::size_t count = network.key_points.size();
   watch.resting.emplace(count, plan.tare);
-  watch.tare_samples.resize(count);
+  watch.samples.tare.resize(count);
   watch.tare.offset_K.assign(count, 0.0);
   watch.tare.deviation_K.assign(count, 0.0);
-  watch.corrected_K.assign(count, 0.0);
+  watch.samples.corrected_K.assign(count, 0.0);
   if (!plan.health) return watch;
   std::vector<correction::HealthChannel> channels;
   for (std::size_t k = 0; k < count; ++k) {
@@ -130,9 +173,9 @@ SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const
     limits.return_within_K = plan.return_within_K;
   }
   watch.health.emplace(std::move(channels), limits);
-  watch.samples.resize(count);
-  watch.updates.resize(count);
-  watch.believed.fill(true);
+  watch.samples.health.resize(count);
+  watch.samples.updates.resize(count);
+  watch.seen.believed.fill(true);
   return watch;
 }
 
@@ -141,46 +184,18 @@ void subtract_tare(const SensorWatch& watch, SensedInputs& sensed) {
   for (std::size_t k = 0; k < watch.tare.offset_K.size(); ++k) sensed.sensors[k].value -= watch.tare.offset_K[k];
 }
 
-void watch_sensors(const rom::Network& network, const CyclePlan& plan, const SensedInputs& sensed, const Model& model,
-                   const Model& uncorrected, double time_s, double advance_s, SensorWatch& watch, Corrector& corrector,
-                   Judgement& judgement) {
+void watch_sensors(const WatchInputs& inputs, SensorWatch& watch, Corrector& corrector, Judgement& judgement) {
+  const Period& period = inputs.period;
   if (watch.health) {
-    for (std::size_t k = 0; k < watch.samples.size(); ++k) {
-      const Sensed& reading = sensed.sensors[k];
-      const auto row = static_cast<Eigen::Index>(k);
-      const double predicted_K = model.outputs.key_points_K[row];
-      // A reading out of range is the health's business too: it tells a broken wire from a hot place.
-      const bool readable =
-          judgement.sensors[k] == SensorQuality::good || judgement.sensors[k] == SensorQuality::out_of_range;
-      // As read: a tare, which moves what is used of all sensors at once, is no jump.
-      watch.samples[k] = {readable && reading.time_ns != watch.seen_ns[k],
-                          sensed.raw_K[k],
-                          predicted_K,
-                          time_s > 0.0 ? predicted_K - watch.corrected_K[k] : 0.0,
-                          plan.compare_uncorrected ? uncorrected.outputs.key_points_K[row] : not_a_value,
-                          known_offset_K(watch, corrector, k)};
-    }
-    watch.health->step(watch.samples, time_s, time_s > 0.0 ? advance_s : 0.0);
-    for (std::size_t k = 0; k < watch.samples.size(); ++k) {
-      const correction::HealthRecord& record = watch.health->record(k);
-      if (watch.samples[k].present) {
-        watch.seen_ns[k] = sensed.sensors[k].time_ns;
-        watch.believed[k] = record.usable;
-      }
-      const bool failed = record.state == correction::HealthState::failed;
-      if (judgement.sensors[k] == SensorQuality::good && (!watch.believed[k] || failed)) {
-        judgement.sensors[k] = SensorQuality::withheld;
-        --judgement.good;
-      }
-      const Eigen::Index channel = record.returned && watch.others ? channel_at(corrector, k) : -1;
-      if (channel < 0) continue;
-      corrector.estimator->widen_offset(channel, record.return_offset_deviation_K);
-      watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
-      if (watch.heat) watch.heat->follow(*corrector.estimator);
+    sample(inputs, corrector, judgement, watch);
+    watch.health->step(watch.samples.health, period.start_s, period.start_s > 0.0 ? period.advance_s : 0.0);
+    for (std::size_t k = 0; k < watch.samples.health.size(); ++k) {
+      withhold(k, inputs.sensed, watch, judgement);
+      widen_returned(k, watch, corrector);
     }
   }
-  rest(plan, sensed, judgement, model, advance_s, watch);
-  note_corrected(network, model, watch);
+  rest(inputs, judgement, watch);
+  note_corrected(inputs.network, inputs.model, watch);
 }
 
 void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
@@ -188,14 +203,14 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
   note_corrected(network, model, watch);
   if (!watch.others) return;
   correction::EstimatorCorrection& estimator = *corrector.estimator;
-  if (corrector.enabled && !watch.was_enabled) follow_estimator(estimator, watch);
-  if (corrector.enabled != watch.was_enabled) watch.health->note_restart();
-  watch.was_enabled = corrector.enabled;
-  if (!corrector.enabled || estimator.updates() == watch.seen_updates) return;
-  watch.seen_updates = estimator.updates();
-  if (estimator.loosened() != watch.seen_loosened) {
+  if (corrector.enabled && !watch.seen.was_enabled) follow_estimator(estimator, watch);
+  if (corrector.enabled != watch.seen.was_enabled) watch.health->note_restart();
+  watch.seen.was_enabled = corrector.enabled;
+  if (!corrector.enabled || estimator.updates() == watch.seen.updates) return;
+  watch.seen.updates = estimator.updates();
+  if (estimator.loosened() != watch.seen.loosened) {
     // What the filters without a sensor were sure of goes with what the estimator was sure of.
-    watch.seen_loosened = estimator.loosened();
+    watch.seen.loosened = estimator.loosened();
     follow_estimator(estimator, watch);
     const bool swapped = watch.health->note_contradiction().partner >= 0;
     watch.health->note_restart();
@@ -207,20 +222,20 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
     note_corrected(network, model, watch);
     return;
   }
-  std::fill(watch.updates.begin(), watch.updates.end(), correction::HealthUpdate{});
+  std::fill(watch.samples.updates.begin(), watch.samples.updates.end(), correction::HealthUpdate{});
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     const auto channel = static_cast<Eigen::Index>(c);
     const correction::SensorRecord& record = estimator.record(channel);
     const correction::Misfit& misfit = watch.others->misfit(channel);
-    watch.updates[corrector.channels[c]] = {record.fused || record.rejected,
-                                            misfit.evidence,
-                                            record.rejected_in_a_row,
-                                            record.observation_K,
-                                            misfit.misfit_K,
-                                            misfit.deviation_K};
+    watch.samples.updates[corrector.channels[c].key_point] = {record.fused || record.rejected,
+                                                              misfit.evidence,
+                                                              record.rejected_in_a_row,
+                                                              record.observation_K,
+                                                              misfit.misfit_K,
+                                                              misfit.deviation_K};
   }
   const correction::HealthVerdict verdict = watch.health->note_update(
-      watch.updates, {estimator.consistency().in_doubt(), estimator.consistency().in_doubt_since_s()});
+      watch.samples.updates, {estimator.consistency().in_doubt(), estimator.consistency().in_doubt_since_s()});
   estimator.set_alternatives(watch.others->alternatives(estimator));
   if (verdict.loosen) estimator.note_contradiction();
   if (verdict.failed < 0) return;
@@ -276,7 +291,7 @@ void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapsh
   if (!watch.health) return;
   snapshot.health_watched = true;
   snapshot.model_in_doubt = watch.health->model_in_doubt();
-  for (std::size_t k = 0; k < watch.samples.size(); ++k) {
+  for (std::size_t k = 0; k < watch.samples.health.size(); ++k) {
     if (snapshot.sensor_quality[k] == SensorQuality::not_configured) continue;
     const correction::HealthRecord& record = watch.health->record(k);
     SensorHealthState& to = snapshot.sensor_health[k];

@@ -13,6 +13,24 @@
 
 namespace spindle_twin::firmware {
 
+/// What was seen when the sensors were judged last.
+struct SensorsSeen {
+  std::array<std::int64_t, slots::key_points> time_ns{};  ///< of the reading
+  std::array<bool, slots::key_points> believed{};         ///< what was made of it
+  long updates = 0;                                       ///< of the estimator
+  long loosened = 0;
+  bool heats_were_open = false;
+  bool was_enabled = false;
+};
+
+/// Filled anew in each cycle; kept so that no cycle allocates. One entry per key point.
+struct SensorSamples {
+  std::vector<correction::HealthSample> health;
+  std::vector<correction::HealthUpdate> updates;
+  std::vector<correction::TareSample> tare;
+  std::vector<double> corrected_K;  ///< of the model, after the last correction
+};
+
 /// Health of the sensors at the key points, and their tare.
 struct SensorWatch {
   std::optional<correction::SensorHealth> health;   ///< empty: not asked for
@@ -21,17 +39,19 @@ struct SensorWatch {
   std::optional<correction::IsothermalTare> resting;
   correction::SensorTare tare;
   bool tare_to_ambient = false;
-  std::vector<correction::HealthSample> samples;
-  std::vector<correction::HealthUpdate> updates;
-  std::vector<correction::TareSample> tare_samples;
-  std::vector<double> corrected_K;                        ///< of the model, after the last correction
-  std::array<std::int64_t, slots::key_points> seen_ns{};  ///< time of the reading judged last
-  std::array<bool, slots::key_points> believed{};         ///< what was made of it
-  long seen_updates = 0;
-  long seen_loosened = 0;
-  bool heats_were_open = false;
-  bool was_enabled = false;
+  SensorSamples samples;
+  SensorsSeen seen;
   std::uint32_t orders = 0;
+};
+
+/// What readings are judged by.
+struct WatchInputs {
+  const rom::Network& network;
+  const CyclePlan& plan;
+  const SensedInputs& sensed;
+  const Model& model;
+  const Model& uncorrected;
+  const Period& period;
 };
 
 /// Allocates. Throws rom::InputError for a limit out of range.
@@ -45,9 +65,7 @@ void subtract_tare(const SensorWatch& watch, SensedInputs& sensed);
 
 /// Each new reading against its own course and the model, before it corrects anything: a sensor that is not believed
 /// loses its quality `good`. A repeat of a reading is as good as that was. Runs in the cycle, once the model runs.
-void watch_sensors(const rom::Network& network, const CyclePlan& plan, const SensedInputs& sensed, const Model& model,
-                   const Model& uncorrected, double time_s, double advance_s, SensorWatch& watch, Corrector& corrector,
-                   Judgement& judgement);
+void watch_sensors(const WatchInputs& inputs, SensorWatch& watch, Corrector& corrector, Judgement& judgement);
 
 /// After correct(): what the update said of each sensor. The estimator goes over to the filter without a sensor that
 /// failed by it, which changes the model's state. Runs in the cycle.

@@ -44,14 +44,13 @@ std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan) {
 }
 
 Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
-                               const std::string& network_sha256, double clock_rate, double now_unix_s, Cycle& cycle,
-                               const std::atomic<bool>* stop) {
+                               const StartingPoint& start, Cycle& cycle, const std::atomic<bool>* stop) {
   if (!checkpoint) return Resumed::nothing;
   const std::string& path = plan.checkpoint_path;
-  const double age_s = now_unix_s - checkpoint->saved_unix_s;
-  std::string reason = objection(*checkpoint, plan, network_sha256, age_s);
+  const double age_s = start.now_unix_s - checkpoint->saved_unix_s;
+  std::string reason = objection(*checkpoint, plan, start.network_sha256, age_s);
   const Resumed resumed =
-      reason.empty() ? cycle.resume(checkpoint->remembered, age_s * clock_rate, stop) : Resumed::nothing;
+      reason.empty() ? cycle.resume(checkpoint->remembered, age_s * start.clock_rate, stop) : Resumed::nothing;
   if (resumed == Resumed::given_up) return resumed;
   if (reason.empty() && resumed == Resumed::nothing) reason = "its sizes do not fit";
   if (resumed == Resumed::implausible) reason = "it has temperatures or tares that no spindle has";

@@ -15,12 +15,18 @@ namespace spindle_twin::firmware {
 /// The checkpoint as it stands; empty without one, and where it cannot be used, which the log then says.
 std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan);
 
+/// Where and when the daemon starts.
+struct StartingPoint {
+  const std::string& network_sha256;
+  double clock_rate = 1.0;  ///< model seconds per second of the clock
+  double now_unix_s = 0.0;  ///< by the clock that the checkpoint's time was taken from
+};
+
 /// Before the cycle's first step: goes on from the checkpoint where there is one that fits, and says in the log what
-/// became of it. Of another network, too old, from the future, damaged: the start is as without one. now_unix_s: now by
-/// the clock that the checkpoint's time was taken from. `stop` as in Cycle::resume().
+/// became of it. Of another network, too old, from the future, damaged: the start is as without one. `stop` as in
+/// Cycle::resume().
 Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
-                               const std::string& network_sha256, double clock_rate, double now_unix_s, Cycle& cycle,
-                               const std::atomic<bool>* stop = nullptr);
+                               const StartingPoint& start, Cycle& cycle, const std::atomic<bool>* stop = nullptr);
 
 /// Writes the checkpoint and the table of parameters each interval, and once an hour says in the log what the sensors
 /// determine, in the thread that calls run(); the cycle thread only copies what it is asked for.

@@ -73,6 +73,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean, std::size_t
   return guarded(component, [](Slave&) {});  // only errors are logged, and those always
 }
 
+// NOLINTNEXTLINE(readability-function-size): the standard's own
 fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2String guid, fmi2String resource_location,
                               const fmi2CallbackFunctions* callbacks, fmi2Boolean, fmi2Boolean) {
   if (callbacks == nullptr) return nullptr;
@@ -216,6 +217,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
   });
 }
 
+// NOLINTNEXTLINE(readability-function-size): the standard's own
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference[], std::size_t,
                                         const fmi2ValueReference[], std::size_t, const fmi2Real[], fmi2Real[]) {
   return guarded(component, [](Slave&) { refuse("directional derivative", "is not offered by this FMU"); });

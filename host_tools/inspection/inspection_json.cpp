@@ -50,20 +50,8 @@ nlohmann::json boundaries_json(const Inspection& result) {
   return json;
 }
 
-}  // namespace
-
-void print_json(const Inspection& result, const nlohmann::json& steady_state) {
-  const rom::Network& network = result.network;
-  nlohmann::json json = boundaries_json(result);
-  json["spindle"] = network.spindle;
-  json["description_sha256"] = network.description_hash;
-  json["hand_written"] = network.hand_written;
-  json["file"] = {{"sha256", result.sha256}, {"schema_version", result.schema_version}};
-  json["file"]["signed_by"] = result.signed_by.empty() ? nlohmann::json() : nlohmann::json(result.signed_by);
-  json["capacity_J_per_K"] = network.capacity_J_per_K.sum();
-  for (const rom::Node& node : network.nodes) {
-    json["nodes"].push_back({{"name", node.name}, {"part", node.part}, {"r_m", node.r_m}, {"z_m", node.z_m}});
-  }
+/// Adds key points, parts, deformations and contact pressures.
+void add_outputs(const rom::Network& network, nlohmann::json& json) {
   json["key_points"] = json["parts"] = json["deformations"] = nlohmann::json::array();
   for (const rom::KeyPoint& point : network.key_points) {
     json["key_points"].push_back({{"name", point.name}, {"part", point.part}, {"r_m", point.r_m}, {"z_m", point.z_m}});
@@ -80,7 +68,11 @@ void print_json(const Inspection& result, const nlohmann::json& steady_state) {
                                          {"assembly_MPa", megapascal_per_pascal * output.assembly_pressure_Pa},
                                          {"MPa_per_K", megapascal_per_pascal * output.row_Pa_per_K.sum()}});
   }
-  const rom::Boundaries& boundaries = network.boundaries;
+}
+
+/// Adds the coolant circuits, where there are any.
+void add_coolant(const Inspection& result, nlohmann::json& json) {
+  const rom::Boundaries& boundaries = result.network.boundaries;
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     const auto index = static_cast<Eigen::Index>(c);
     nlohmann::json segments = nlohmann::json::array();
@@ -94,28 +86,52 @@ void print_json(const Inspection& result, const nlohmann::json& steady_state) {
         {"outlet_degC", result.coolant.outlet_K[index] - rom::zero_degC_K},
         {"heat_W", result.coolant.heat_W[index]}};
   }
-  json["steady_state"] = steady_state;
-  json["certificate"] = {{"cases", network.certificate.cases},
-                         {"seed", network.certificate.seed},
-                         {"worst", errors_json(network.certificate.worst)},
-                         {"median", errors_json(network.certificate.median)}};
-  const rom::CertificateBox& box = network.certificate.box;
-  json["certificate"]["box"] = {{"contact_low", box.contact_low},
-                                {"contact_high", box.contact_high},
-                                {"film_low", box.film_low},
-                                {"film_high", box.film_high},
-                                {"speed_high_rpm", box.speed_high_rpm}};
-  json["certificate"]["mesh_size_m"] = network.certificate.mesh_size_m;
-  json["certificate"]["fe_unknowns"] = network.certificate.fe_unknowns;
-  json["certificate"]["outputs"] = nlohmann::json::array();
+}
+
+nlohmann::json certificate_json(const rom::Network& network) {
+  const rom::Certificate& certificate = network.certificate;
+  nlohmann::json json{{"cases", certificate.cases},
+                      {"seed", certificate.seed},
+                      {"worst", errors_json(certificate.worst)},
+                      {"median", errors_json(certificate.median)}};
+  const rom::CertificateBox& box = certificate.box;
+  json["box"] = {{"contact_low", box.contact_low},
+                 {"contact_high", box.contact_high},
+                 {"film_low", box.film_low},
+                 {"film_high", box.film_high},
+                 {"speed_high_rpm", box.speed_high_rpm}};
+  json["mesh_size_m"] = certificate.mesh_size_m;
+  json["fe_unknowns"] = certificate.fe_unknowns;
+  json["outputs"] = nlohmann::json::array();
   for (const CertifiedOutput& output : certified_outputs(network)) {
-    json["certificate"]["outputs"].push_back({{"kind", output.kind},
-                                              {"name", output.name},
-                                              {"unit", output.unit},
-                                              {"worst", output.error.worst},
-                                              {"median", output.error.median},
-                                              {"mesh", output.error.mesh}});
+    json["outputs"].push_back({{"kind", output.kind},
+                               {"name", output.name},
+                               {"unit", output.unit},
+                               {"worst", output.error.worst},
+                               {"median", output.error.median},
+                               {"mesh", output.error.mesh}});
   }
+  return json;
+}
+
+}  // namespace
+
+void print_json(const Inspection& result, const nlohmann::json& steady_state) {
+  const rom::Network& network = result.network;
+  nlohmann::json json = boundaries_json(result);
+  json["spindle"] = network.spindle;
+  json["description_sha256"] = network.description_hash;
+  json["hand_written"] = network.hand_written;
+  json["file"] = {{"sha256", result.sha256}, {"schema_version", result.schema_version}};
+  json["file"]["signed_by"] = result.signed_by.empty() ? nlohmann::json() : nlohmann::json(result.signed_by);
+  json["capacity_J_per_K"] = network.capacity_J_per_K.sum();
+  for (const rom::Node& node : network.nodes) {
+    json["nodes"].push_back({{"name", node.name}, {"part", node.part}, {"r_m", node.r_m}, {"z_m", node.z_m}});
+  }
+  add_outputs(network, json);
+  add_coolant(result, json);
+  json["steady_state"] = steady_state;
+  json["certificate"] = certificate_json(network);
   json["time_constants_s"] = nlohmann::json::array();
   for (const double constant_s : result.time_constants_s) json["time_constants_s"].push_back(constant_s);
   json["checks"] = {{"capacity_asymmetry", result.checks.capacity_asymmetry},

@@ -13,7 +13,7 @@
 namespace spindle_twin::host_tools {
 
 /// What was known at one instant, in SI; NaN: nothing new.
-struct LogRow {
+struct LogRow {  // NOLINT(public-members): one for each column of a log
   double time_s = 0.0;
   rom::SourceLine where;
   std::array<double, firmware::signal_count> signals{};

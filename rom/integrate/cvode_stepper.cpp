@@ -66,6 +66,7 @@ bool jumped_from(const Eigen::VectorXd& before, const Eigen::VectorXd& now, doub
 }
 
 /// I − γ ∂f/∂x. Its K̃ may be one of some cycles ago.
+// NOLINTNEXTLINE(readability-function-size): what CVODE calls
 int newton_matrix(realtype, N_Vector x, N_Vector, SUNMatrix, booleantype serves, booleantype* fresh, realtype gamma,
                   void* user_data, N_Vector, N_Vector, N_Vector) {
   Problem& problem = *static_cast<Problem*>(user_data);
@@ -119,7 +120,7 @@ Owned<_SUNContext> make_context() {
 
 }  // namespace
 
-struct CvodeStepper::Impl {
+struct CvodeStepper::Impl {  // NOLINT(public-members): private to this file; its order frees what CVODE holds
   Impl(std::shared_ptr<const NetworkOperator> network, const CvodeSettings& chosen);
   void check(int flag, const char* what) const {
     if (flag < 0) throw std::runtime_error(std::string("CVODE refuses ") + what);

@@ -23,33 +23,50 @@ Eigen::VectorXd packed_lower(const Eigen::MatrixXd& symmetric) {
   return packed;
 }
 
+void require_shapes(const Network& network) {
+  const Eigen::Index n = network.capacity_J_per_K.rows();
+  demand(n > 0 && network.capacity_J_per_K.cols() == n, "the capacity matrix is not square");
+  demand(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
+         "the conduction matrix has not the shape of the capacity matrix");
+  demand(network.source_distribution.rows() == n, "the source distribution has not one row per node");
+  demand(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
+}
+
 }  // namespace
 
 NetworkOperator::NetworkOperator(const Network& network)
     : segments_(coolant_segments(network.boundaries)),
       environments_(static_cast<Eigen::Index>(network.boundaries.environments.size())),
       reference_K_(network.boundaries.reference_temperature_K) {
-  const Eigen::MatrixXd& capacity = network.capacity_J_per_K;
-  const Eigen::Index n = capacity.rows();
-  const Eigen::Index count = conductances_ = static_cast<Eigen::Index>(network.factors_m.size());
-  demand(n > 0 && capacity.cols() == n, "the capacity matrix is not square");
-  demand(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
-         "the conduction matrix has not the shape of the capacity matrix");
-  demand(network.source_distribution.rows() == n, "the source distribution has not one row per node");
-  demand(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
-
-  const Eigen::LLT<Eigen::MatrixXd> cholesky(capacity);
-  demand(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
-  capacity_root_ = cholesky.matrixL();
+  require_shapes(network);
+  set_capacity(network.capacity_J_per_K);
   const auto root = capacity_root_.triangularView<Eigen::Lower>();
-  diagonal_capacity_ = capacity == Eigen::MatrixXd(capacity.diagonal().asDiagonal());
-  internal_per_kelvin_ = std::sqrt(capacity.sum() / static_cast<double>(n));
-
   Eigen::MatrixXd conduction = network.conduction_W_per_K;
   root.solveInPlace(conduction);
   capacity_root_.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(conduction);
   packed_conduction_ = packed_lower(0.5 * (conduction + conduction.transpose()));
+  set_conductances(network);
+  set_walls(network);
+  sources_ = network.source_distribution;
+  if (sources_.cols() > 0) root.solveInPlace(sources_);
+  laws_ = LawTerms(network, capacity_root_, segments_);
+  if (!laws_.empty()) set_feedback_columns();
+}
 
+/// L, and what follows from the capacities alone.
+void NetworkOperator::set_capacity(const Eigen::MatrixXd& capacity) {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(capacity);
+  demand(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
+  capacity_root_ = cholesky.matrixL();
+  diagonal_capacity_ = capacity == Eigen::MatrixXd(capacity.diagonal().asDiagonal());
+  internal_per_kelvin_ = std::sqrt(capacity.sum() / static_cast<double>(capacity.rows()));
+}
+
+/// All K̃ⱼ in blocks, and the columns of those that have an environment.
+void NetworkOperator::set_conductances(const Network& network) {
+  const auto root = capacity_root_.triangularView<Eigen::Lower>();
+  const Eigen::Index n = nodes();
+  const Eigen::Index count = conductances_ = static_cast<Eigen::Index>(network.factors_m.size());
   conductance_terms_.resize(packed_conduction_.size() * count);
   films_.resize(n, count);
   for (Eigen::Index j = 0; j < count; ++j) {
@@ -70,23 +87,26 @@ NetworkOperator::NetworkOperator(const Network& network)
     film_environment_.push_back(environment);
   }
   films_.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(film_environment_.size()));
+}
 
-  walls_.resize(n, segments_.count());
+/// P of the coolant's segments, and their areas.
+void NetworkOperator::set_walls(const Network& network) {
+  walls_.resize(nodes(), segments_.count());
   for (Eigen::Index s = 0; s < segments_.count(); ++s) {
     const auto j = static_cast<std::size_t>(segments_.conductance[static_cast<std::size_t>(s)]);
     const Eigen::VectorXd column_sums = network.factors_m[j].colwise().sum().transpose();
     segments_.area_m2[s] = column_sums.squaredNorm();
     walls_.col(s) = network.factors_m[j] * column_sums;
   }
-  if (walls_.cols() > 0) root.solveInPlace(walls_);  // Eigen takes the address of a right-hand side that may be empty
+  // Eigen takes the address of a right-hand side that may be empty.
+  if (walls_.cols() > 0) capacity_root_.triangularView<Eigen::Lower>().solveInPlace(walls_);
+}
 
-  sources_ = network.source_distribution;
-  if (sources_.cols() > 0) root.solveInPlace(sources_);
-  laws_ = LawTerms(network, capacity_root_, segments_);
-  if (laws_.empty()) return;
+/// W; after walls and laws.
+void NetworkOperator::set_feedback_columns() {
   feedback_columns_ = walls_;
   const auto append = [&](const Eigen::MatrixXd& columns) {
-    feedback_columns_.conservativeResize(n, feedback_columns_.cols() + columns.cols());
+    feedback_columns_.conservativeResize(Eigen::NoChange, feedback_columns_.cols() + columns.cols());
     feedback_columns_.rightCols(columns.cols()) = columns;
   };
   for (const LawTerm& term : laws_.list()) {

@@ -70,6 +70,10 @@ class NetworkOperator {
               Eigen::VectorXd& u) const;
 
  private:
+  void set_capacity(const Eigen::MatrixXd& capacity);
+  void set_conductances(const Network& network);
+  void set_walls(const Network& network);
+  void set_feedback_columns();
   template <typename Weights>
   void add_terms(const Eigen::MatrixBase<Weights>& weights, Eigen::VectorXd& packed) const;
   void add_sources(const BoundaryValues& values, Eigen::VectorXd& u) const;

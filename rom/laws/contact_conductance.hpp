@@ -122,7 +122,7 @@ struct ContactLaw {
     visit({"gas_jump_m", {0.0, 1.0, false, false}, false, um, {}}, law.surfaces.gas_jump_m);
     visit({"paper_constant", law_ranges::above_0, false, si, {}}, law.surfaces.paper_constant);
     visit({"assembly_K", law_ranges::kelvin, false, degC, {}}, law.assembly_K);
-    visit.optional("fit", law.fit, [&](auto& fit) { InterferenceFit::each(fit, visit); });
+    visit.optional("fit", law.fit, [&](auto& given) { InterferenceFit::each(given, visit); });
   }
   bool reads_pressure() const { return !fit; }
   std::string_view fault() const {

@@ -175,9 +175,8 @@ LawValue<Scalar> still_cylinder_W_per_m2K(double radius_m, const Scalar& air_K, 
 
 inline constexpr std::array<std::string_view, 3> rotation_formulas = {"standard", "dropkin_carmi", "jungnickel"};
 
-/// [W/m²K]: first = surface, second = air around it.
-struct CylinderLaw {
-  static constexpr LawTraits traits{"rotating_cylinder", LawRole::conductance, {"surface", "air"}};
+/// What the laws of a cylinder and of a disc have in common.
+struct RotatingLaw {
   RotatingSurface surface;
 
   template <class Law, class Visit>
@@ -185,6 +184,12 @@ struct CylinderLaw {
     visit({"radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.surface.radius_m);
     visit({"formula", {0.0, 2.0, false, false}, false, WrittenUnit::si, rotation_formulas}, law.surface.formula);
   }
+};
+
+/// [W/m²K]: first = surface, second = air around it.
+struct CylinderLaw : RotatingLaw {
+  static constexpr LawTraits traits{"rotating_cylinder", LawRole::conductance, {"surface", "air"}};
+
   template <class Number>
   LawValue<Number> value(const LawInputs<Number>& in) const {
     return rotating_cylinder_W_per_m2K(in.mode, surface, in.speed_rpm, in.mean_K(), Number(in.first_K - in.second_K));
@@ -193,15 +198,9 @@ struct CylinderLaw {
 };
 
 /// Likewise.
-struct DiscLaw {
+struct DiscLaw : RotatingLaw {
   static constexpr LawTraits traits{"rotating_disc", LawRole::conductance, {"surface", "air"}};
-  RotatingSurface surface;
 
-  template <class Law, class Visit>
-  static void each(Law& law, Visit&& visit) {
-    visit({"radius_m", law_ranges::length_m, true, WrittenUnit::mm, {}}, law.surface.radius_m);
-    visit({"formula", {0.0, 2.0, false, false}, false, WrittenUnit::si, rotation_formulas}, law.surface.formula);
-  }
   template <class Number>
   LawValue<Number> value(const LawInputs<Number>& in) const {
     return rotating_disc_W_per_m2K(in.mode, surface, in.speed_rpm, in.mean_K(), Number(in.first_K - in.second_K));

@@ -11,7 +11,9 @@
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/read/input_error.hpp"
+#include "tests/rom/by_hand_texts.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
@@ -20,15 +22,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A winding in a housing in a room of 20 degC, whatever is between the two nodes.
 std::string motor(const std::string& between, const std::string& of_heat = "measured = true\n") {
-  return R"(name = "motor"
-[operating]
-speed_rpm = 1000.0
-reference_temperature_degC = 20.0
-temperatures_degC = { room = 20.0 }
-[[surrounding]]
-name = "room"
-kind = "ambient"
-[[node]]
+  return in_a_room("motor", R"([[node]]
 name = "winding"
 part = "winding"
 capacity_J_per_K = 200.0
@@ -37,7 +31,7 @@ name = "housing"
 part = "housing"
 capacity_J_per_K = 900.0
 )" + between +
-         R"([[film]]
+                                R"([[film]]
 name = "air"
 surrounding = "room"
 node = "housing"
@@ -48,20 +42,14 @@ name = "loss"
 heat_W = 30.0
 node = "winding"
 speed_law = { constant = 0.0, speed_terms = [[1.0, 1.0]] }
-)" + of_heat +
-         "[[key_point]]\nname = \"winding\"\nnode = \"winding\"\n";
+)" + of_heat + "[[key_point]]\nname = \"winding\"\nnode = \"winding\"\n");
 }
 
 const std::string conduction = "[[conduction]]\nbetween = [\"winding\", \"housing\"]\nconductance_W_per_K = 3.0\n";
 const std::string correctable = conduction + "correctable = true\nname = \"slots\"\n";
 
 std::string refusal_of_motor(const std::string& text) {
-  try {
-    parse_by_hand(text, "motor.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return spindle_twin::tests::refusal_of([&] { parse_by_hand(text, "motor.toml"); });
 }
 
 BoundaryValues values_of(const Network& network, const OperatingState& state, double conductance_factor = 1.0) {

@@ -12,21 +12,16 @@
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/integrate/exact_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
-#include "rom/read/input_error.hpp"
+#include "tests/rom/by_hand_texts.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
 
+using spindle_twin::tests::refusal_of;
+
 /// Two nodes a and b, an exchange of 2 W/K between them, 1 W/K from b to a room of 20 degC, 30 W into a.
-const std::string two_nodes = R"(name = "two"
-[operating]
-speed_rpm = 1000.0
-reference_temperature_degC = 20.0
-temperatures_degC = { room = 20.0 }
-[[surrounding]]
-name = "room"
-kind = "ambient"
-[[node]]
+const std::string two_nodes = in_a_room("two", R"([[node]]
 name = "a"
 part = "body"
 capacity_J_per_K = 100.0
@@ -55,22 +50,14 @@ weights = { a = 0.25, b = 0.75 }
 [[deformation]]
 name = "nose"
 um_per_K = { a = 1.5, b = -0.5 }
-)";
+)");
 
 std::string with(const std::string& what, const std::string& instead) {
-  std::string text = two_nodes;
-  const std::size_t at = text.find(what);
-  if (at == std::string::npos) throw std::logic_error("not in the sample: " + what);
-  return text.replace(at, what.size(), instead);
+  return spindle_twin::tests::with(two_nodes, what, instead);
 }
 
 std::string error_of(const std::string& text) {
-  try {
-    parse_by_hand(text, "net.toml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return refusal_of([&] { parse_by_hand(text, "net.toml"); });
 }
 
 BoundaryValues nominal(const Network& network) {

@@ -3,21 +3,14 @@
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"
+#include "tests/rom/by_hand_texts.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
 
 /// One warm node in a room, with a heat of this kind.
 std::string one_node(const std::string& of_heat) {
-  return R"(name = "one"
-[operating]
-speed_rpm = 1000.0
-reference_temperature_degC = 20.0
-temperatures_degC = { room = 20.0 }
-[[surrounding]]
-name = "room"
-kind = "ambient"
-[[node]]
+  return in_a_room("one", R"([[node]]
 name = "body"
 part = "body"
 capacity_J_per_K = 200.0
@@ -33,7 +26,7 @@ node = "body"
 [[heat]]
 name = "loss"
 node = "body"
-)" + of_heat;
+)" + of_heat);
 }
 
 bool is_friction(const std::string& of_heat) {

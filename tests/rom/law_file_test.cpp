@@ -9,7 +9,7 @@
 #include "rom/laws/law_fields.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/law_network.hpp"
-#include "tests/support/refusal.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {

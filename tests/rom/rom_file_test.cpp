@@ -12,8 +12,8 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
-#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
@@ -107,7 +107,7 @@ TEST(RomFile, round_trip_is_bit_exact) {
 
 TEST(RomFile, every_truncation_is_refused) {
   const std::vector<std::uint8_t> bytes = encode_network(small_network());
-  ASSERT_EQ(decode_refusal(bytes), "");
+  ASSERT_EQ(decode_refusal(bytes), "accepted");
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     const std::vector<std::uint8_t> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
     expect_refused(decode_refusal(cut), length == 0 ? "not a .rom file" : "truncated");
@@ -122,7 +122,7 @@ TEST(RomFile, every_flipped_bit_is_refused) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     for (int bit = 0; bit < 8; ++bit) {
       bytes[at] ^= static_cast<std::uint8_t>(1u << bit);
-      ASSERT_NE(decode_refusal(bytes), "") << "byte " << at << " bit " << bit;
+      ASSERT_NE(decode_refusal(bytes), "accepted") << "byte " << at << " bit " << bit;
       bytes[at] ^= static_cast<std::uint8_t>(1u << bit);
     }
   }
@@ -229,7 +229,7 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
     Network network = small_network();
     change(network);
     expect_refused(decode_refusal(encode_network(network)), message);
-    EXPECT_NE(refusal_of([&] { write_network(network, folder.file("bad.rom")); }), "") << message;
+    EXPECT_NE(refusal_of([&] { write_network(network, folder.file("bad.rom")); }), "accepted") << message;
   }
   EXPECT_EQ(folder.files(), 0) << "a refused network left a file";
 }

@@ -10,8 +10,8 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
-#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace {
@@ -55,7 +55,7 @@ TEST_F(Signature, every_truncation_is_refused) {
   for (std::size_t length = 0; length < with_signature.size(); ++length) {
     const std::vector<std::uint8_t> cut(with_signature.begin(),
                                         with_signature.begin() + static_cast<std::ptrdiff_t>(length));
-    ASSERT_NE(decode_refusal(cut), "") << length;
+    ASSERT_NE(decode_refusal(cut), "accepted") << length;
   }
   std::vector<std::uint8_t> longer = with_signature;
   longer.push_back(0);
@@ -70,7 +70,7 @@ TEST_F(Signature, every_flipped_bit_is_refused) {
   for (std::size_t at = 0; at < with_signature.size(); ++at) {
     for (int bit = 0; bit < 8; ++bit) {
       with_signature[at] ^= static_cast<std::uint8_t>(1u << bit);
-      ASSERT_NE(decode_refusal(with_signature), "") << "byte " << at << " bit " << bit;
+      ASSERT_NE(decode_refusal(with_signature), "accepted") << "byte " << at << " bit " << bit;
       with_signature[at] ^= static_cast<std::uint8_t>(1u << bit);
     }
   }

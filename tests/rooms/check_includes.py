@@ -8,13 +8,10 @@ here that it is needed for; a source that uses one must include a header that gi
 tree (libraries' headers do not count: what they include is their affair). Comments and texts in quotes are not read.
 Generated headers stand in --generated, by default build/generated.
 """
-import argparse
-import pathlib
 import re
-import sys
-import tomllib
 
-SOURCES = (".cpp", ".hpp", ".h")
+import checker
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
 NO_CODE = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-zA-Z_])\'(?:\\.|[^\'\\\n])*\'', re.DOTALL)
 
@@ -125,30 +122,12 @@ def complaints(root, generated):
     """Lines "file:line: what is missing", and how many sources were read."""
     unlisted = precompiled(root) - set(NEEDED) - {"gtest/gtest.h"}
     found = [f"check_includes.py: NEEDED has no line for <{name}>, which is precompiled" for name in sorted(unlisted)]
-    with open(root / "rooms.toml", "rb") as file:
-        folders = sorted({room["path"].split("/")[0] for room in tomllib.load(file)["room"]})
     tree, count = Tree(root, generated), 0
-    for folder in folders:
-        for path in sorted((root / folder).rglob("*")):
-            if path.suffix in SOURCES and path.is_file():
-                count += 1
-                found += complaints_of(path.relative_to(root).as_posix(), tree)
+    for path in checker.sources_of(root, checker.room_folders(root)):
+        count += 1
+        found += complaints_of(path.relative_to(root).as_posix(), tree)
     return found, count
 
 
-def main():
-    here = pathlib.Path(__file__).resolve().parents[2]
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--root", type=pathlib.Path, default=here)
-    parser.add_argument("--generated", type=pathlib.Path)
-    options = parser.parse_args()
-    found, count = complaints(options.root, options.generated or options.root / "build" / "generated")
-    if found:
-        sys.exit("\n".join(found))
-    if count == 0:
-        sys.exit(f"check_includes: no source found below {options.root}")
-    print(f"{count} sources include what they use")
-
-
 if __name__ == "__main__":
-    main()
+    checker.main("check_includes", __doc__, complaints, "{count} sources include what they use")

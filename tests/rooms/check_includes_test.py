@@ -67,7 +67,7 @@ class Includes(unittest.TestCase):
                          ["check_includes.py: NEEDED has no line for <deque>, which is precompiled"])
 
     def test_nothing_read_is_no_success(self):
-        self.assertIn("no source found", self.check().stderr)
+        self.assertIn("nothing found", self.check().stderr)
 
 
 class ThisTree(unittest.TestCase):

@@ -8,18 +8,12 @@ stand before it in rooms.toml, but none that its room lists under `never`. Gener
 they are made in, by default build/generated) belong to the room of their path, and their own includes count too.
 Includes in angle brackets are libraries and do not count.
 """
-import argparse
-import pathlib
 import re
-import sys
 import tomllib
 
-SOURCES = (".cpp", ".hpp", ".h")
+import checker
+
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"')
-
-
-class RoomError(Exception):
-    pass
 
 
 class Rooms:
@@ -31,12 +25,12 @@ class Rooms:
         for place, room in enumerate(rooms):
             for key in ("path", "why"):
                 if not room.get(key):
-                    raise RoomError(f"{path}: room {place + 1} has no {key}")
+                    raise checker.CannotCheck(f"{path}: room {place + 1} has no {key}")
             if room["path"] in self.order:
-                raise RoomError(f"{path}: {room['path']} stands twice")
+                raise checker.CannotCheck(f"{path}: {room['path']} stands twice")
             self.order[room["path"]] = place
             self.never[room["path"]] = room.get("never", [])
-        self.folders = sorted({name.split("/")[0] for name in self.order})
+        self.folders = checker.room_folders(path.parent)
 
     def of(self, source):
         """The room of a source's path; None: it has none."""
@@ -56,19 +50,12 @@ class Rooms:
         return None
 
 
-def sources_of(root, folders):
-    for folder in folders:
-        for path in sorted((root / folder).rglob("*")):
-            if path.suffix in SOURCES and path.is_file():
-                yield path
-
-
 def complaints(root, generated):
     """Lines "file:line: what is wrong" and how many includes were read."""
     rooms = Rooms(root / "rooms.toml")
     found, count = [], 0
     for base in (root, generated):
-        for path in sources_of(base, rooms.folders) if base.is_dir() else ():
+        for path in checker.sources_of(base, rooms.folders) if base.is_dir() else ():
             source = path.relative_to(base).as_posix()
             if rooms.of(source) is None:
                 found.append(f"{source}: its folder is no room; declare it in rooms.toml, with the reason")
@@ -84,22 +71,5 @@ def complaints(root, generated):
     return found, count
 
 
-def main():
-    here = pathlib.Path(__file__).resolve().parents[2]
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--root", type=pathlib.Path, default=here)
-    parser.add_argument("--generated", type=pathlib.Path)
-    options = parser.parse_args()
-    try:
-        found, count = complaints(options.root, options.generated or options.root / "build" / "generated")
-    except (RoomError, KeyError, tomllib.TOMLDecodeError) as error:
-        sys.exit(f"check_rooms: {error}")
-    if found:
-        sys.exit("\n".join(found))
-    if count == 0:
-        sys.exit(f"check_rooms: no include found below {options.root}")
-    print(f"{count} includes, none runs back")
-
-
 if __name__ == "__main__":
-    main()
+    checker.main("check_rooms", __doc__, complaints, "{count} includes, none runs back")

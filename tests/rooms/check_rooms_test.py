@@ -96,7 +96,7 @@ class Rooms(unittest.TestCase):
         self.assertIn("room 1 has no why", self.complaint('[[room]]\npath = "low"\n'))
 
     def test_nothing_read_is_no_success(self):
-        self.assertIn("no include found", self.complaint())
+        self.assertIn("nothing found", self.complaint())
 
 
 class ThisHouse(unittest.TestCase):

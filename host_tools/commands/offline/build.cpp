@@ -77,7 +77,7 @@ rom::Network reduce(const BuildArguments& arguments, const fem_offline::AffineMo
   fem_offline::ReduceOptions any_size = options;
   any_size.nodes = std::min(fem_offline::largest_size, static_cast<int>(model.capacity_J_per_K.rows()));
   const fem_offline::Reduction reduction(model, any_size, progress, &report);
-  fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, tolerance, any_size, progress, &report);
+  fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, {tolerance}, any_size, progress, &report);
   if (choice.reached) return std::move(choice.network);
   const fem_offline::TriedSize& last = choice.tried.back();
   char reached[160];

@@ -22,7 +22,7 @@ std::atomic<bool> stop_wanted{false};
 
 void stop(int) { stop_wanted = true; }
 
-struct PlantOptions {
+struct PlantOptions {  // NOLINT(public-members): one for each option of the command line
   std::string spindle;
   std::string address = "127.0.0.1";
   int port = 0;

@@ -105,7 +105,7 @@ void run_schedule(const FeModel& model, const SolveOptions& options) {
   double time_s = 0.0;
   for (long next_output = 1; time_s < schedule.end_s; ++next_output) {
     const double until_s = std::min(schedule.end_s, static_cast<double>(next_output) * options.output_period_s);
-    fem_offline::follow_schedule(affine.boundaries, schedule, time_s, until_s, options.max_step_s, stepper, values);
+    fem_offline::follow_schedule(affine.boundaries, schedule, {time_s, until_s, options.max_step_s}, stepper, values);
     time_s = until_s;
     series.add(time_s, field());
   }

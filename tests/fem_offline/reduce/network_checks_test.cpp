@@ -75,7 +75,7 @@ TEST(SizeChoice, takes_the_smallest_size_that_keeps_the_tolerance) {
   const ReduceOptions options = checked_options(2);
   const Reduction reduction(model, options);
   const auto nodes_for = [&](const Tolerance& tolerance) {
-    const SizeChoice choice = choose_size(model, reduction, tolerance, options, {}, nullptr, 2);
+    const SizeChoice choice = choose_size(model, reduction, {tolerance, 2}, options);
     EXPECT_TRUE(choice.reached);
     for (const TriedSize& tried : choice.tried) {
       const bool kept = tried.reached.key_points_K <= share_of_tolerance * tolerance.key_points_K &&
@@ -93,7 +93,7 @@ TEST(SizeChoice, says_when_no_size_is_enough) {
   ReduceOptions options = checked_options(2);
   options.rich_states = 40;
   const Reduction reduction(model, options);
-  const SizeChoice choice = choose_size(model, reduction, {1e-9, 1e-9, 1e-9}, options, {}, nullptr, 1);
+  const SizeChoice choice = choose_size(model, reduction, {{1e-9, 1e-9, 1e-9}, 1}, options);
   EXPECT_FALSE(choice.reached);
   EXPECT_EQ(choice.network.nodes.size(), 40u);
 }

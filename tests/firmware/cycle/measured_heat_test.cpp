@@ -12,6 +12,7 @@
 #include "firmware/serve/pack.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -43,12 +44,7 @@ CyclePlan plan_with(const std::string& signals, const std::string& start = "temp
 }
 
 std::string error_of(const std::string& text, const rom::Network& network) {
-  try {
-    bind_config(parse_config(text, "twin.toml"), network);
-  } catch (const rom::InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return tests::refusal_of([&] { bind_config(parse_config(text, "twin.toml"), network); });
 }
 
 struct Twin {

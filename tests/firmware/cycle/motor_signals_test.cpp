@@ -14,6 +14,7 @@
 #include "firmware/serve/pack.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -61,12 +62,7 @@ CyclePlan plan_with(const std::string& signals, const rom::Network& network) {
 }
 
 std::string error_of(const std::string& signals, const rom::Network& network) {
-  try {
-    bind_config(parse_config(config_with(signals), "twin.toml"), network);
-  } catch (const rom::InputError& error) {
-    return error.what();
-  }
-  return "no error";
+  return tests::refusal_of([&] { bind_config(parse_config(config_with(signals), "twin.toml"), network); });
 }
 
 struct Twin {

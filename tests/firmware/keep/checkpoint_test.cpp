@@ -263,7 +263,7 @@ TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
   const InFolder folder;
   const auto resumed = [&](const std::string& hash, double now_s) {
     Cycle cycle(network, estimated(), runtime);
-    return resume_from_checkpoint(folder.plan, look_for_checkpoint(folder.plan), hash, 1.0, now_s, cycle);
+    return resume_from_checkpoint(folder.plan, look_for_checkpoint(folder.plan), {hash, 1.0, now_s}, cycle);
   };
   EXPECT_EQ(resumed(sha256, saved_unix_s), Resumed::nothing) << "there is none yet";
   write_checkpoint(ran.checkpoint, folder.plan.checkpoint_path);

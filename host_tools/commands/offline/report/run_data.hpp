@@ -28,7 +28,7 @@ struct PartRises {
   std::vector<double> rises_K;
 };
 
-struct RunData {
+struct RunData {  // NOLINT(public-members): plain data, the columns of one run
   std::string spindle;
   double speed_rpm = 0.0;  ///< at the end
   double ambient_degC = 0.0;
