@@ -229,6 +229,26 @@ TEST(Estimator, a_spindle_that_was_warmer_at_the_start_is_found_at_the_first_rea
   for (Eigen::Index s = 0; s < 4; ++s) EXPECT_TRUE(pair.estimator.record(s).fused) << s;
 }
 
+TEST(Estimator, first_readings_far_off_open_the_start_as_far_as_they_are_off_and_steady_rises_twice_as_far) {
+  const rom::Network network = plates();
+  for (const double warmer_K : {0.05, 5.0}) {  // within 3 deviations of a reading, and beyond
+    Pair pair(network, {});
+    const Eigen::Index nodes = pair.twin.stepper.temperatures_K().size();
+    pair.plant.stepper.set_temperatures(
+        Eigen::VectorXd::Constant(nodes, network.boundaries.reference_temperature_K + warmer_K));
+    pair.cycle();
+    const ParameterModel& parameters = pair.estimator.parameters();
+    ASSERT_EQ(parameters.starts(), 3 + static_cast<Eigen::Index>(parameters.groups().size()));
+    for (Eigen::Index i = parameters.start(); i < parameters.count(); ++i) {
+      const bool steady = i == parameters.start() + 1 || i == parameters.start() + 2;
+      const double prior_K = i == parameters.start() ? 0.2 : 0.05;
+      const double expected_K = warmer_K < 1.0 ? prior_K : (steady ? 2.0 : 1.0) * warmer_K;
+      EXPECT_NEAR(pair.estimator.estimate(i).deviation, expected_K, 1e-6 * expected_K)
+          << parameters.list()[static_cast<std::size_t>(i)].name;
+    }
+  }
+}
+
 TEST(Estimator, switching_off_and_on_moves_no_temperature) {
   const rom::Network network = plates();
   Pair pair(network, {});

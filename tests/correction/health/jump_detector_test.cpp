@@ -28,6 +28,19 @@ TEST(JumpDetector, what_goes_on_in_the_same_direction_is_the_place) {
   }
 }
 
+TEST(JumpDetector, only_differences_count_so_that_a_jump_is_the_same_at_every_temperature) {
+  for (const double level_K : {0.0, -40.0, 300.0}) {
+    for (const double last_K : {2.9, 3.2}) {
+      JumpDetector detector;
+      detector.note_outlier(level_K + 2.0, level_K, {});
+      detector.note_outlier(level_K + 2.5, level_K, {});
+      EXPECT_EQ(detector.note_outlier(level_K + last_K, level_K, {}),
+                last_K > 3.0 ? Meaning::place_moves : Meaning::jump)
+          << "first off by 2 K at " << level_K << " K, then at " << last_K << " K";
+    }
+  }
+}
+
 TEST(JumpDetector, a_row_that_ends_was_a_spike_and_counts_no_more) {
   JumpDetector detector;
   EXPECT_FALSE(detector.end_row());

@@ -48,6 +48,27 @@ TEST(Health, swapped_channels_fail_together_and_name_each_other) {
   }
 }
 
+TEST(Health, a_channel_is_exchanged_with_one_other_only) {
+  // 1 and 2 stand at one temperature, and take the course of 0 together, as 0 takes theirs.
+  const std::vector<double> before_K{300.0, 305.0, 305.0, 310.0, 315.0, 320.0, 325.0};
+  const std::vector<double> after_K{305.0, 300.0, 300.0, 310.0, 315.0, 320.0, 325.0};
+  SensorHealth health(std::vector<HealthChannel>(before_K.size(), {true, 253.15, 423.15}), {});
+  std::vector<HealthSample> samples(before_K.size());
+  for (int second = 0; second < 110; ++second) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const double wobble_K = second % 2 == 0 ? 0.02 : -0.02;  // no channel is silent
+      samples[i] = {true, wobble_K + (second < 100 ? before_K : after_K)[i], before_K[i]};
+    }
+    health.step(samples, second, second == 0 ? 0.0 : 1.0);
+  }
+  EXPECT_EQ(health.record(0).fault, HealthFault::swapped);
+  EXPECT_EQ(health.record(0).partner, 1);
+  EXPECT_EQ(health.record(1).partner, 0);
+  EXPECT_EQ(health.record(2).fault, HealthFault::jump);
+  EXPECT_EQ(health.record(2).partner, -1);
+  for (const std::size_t i : {0, 1, 2}) EXPECT_EQ(health.record(i).failures, 1) << i;
+}
+
 TEST(Health, when_most_channels_leave_their_course_at_once_it_is_not_the_channels) {
   Drive drive(drive_seed);
   drive.run_until(1000.0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace spindle_twin::correction::test {
@@ -20,6 +21,31 @@ TEST(StuckDetector, equal_readings_are_stuck_once_the_model_has_moved_far_enough
     // 0.1 K, and a quarter of the window; buckets begin every 10 s.
     EXPECT_GE(found_s, std::max(30.0, 0.1 / rate_K_per_s));
     EXPECT_LE(found_s, std::max(30.0, 0.1 / rate_K_per_s) + 10.0);
+  }
+}
+
+TEST(StuckDetector, a_model_that_takes_longer_than_two_minutes_for_a_tenth_of_a_kelvin_shows_nothing) {
+  for (const double movement_s : {100.0, 125.0, 200.0}) {
+    StuckDetector detector;
+    bool found = false;
+    for (int t = 0; t < 3600; ++t) {
+      const double model_K = 0.1 / movement_s * t;
+      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, resolution_K, {});
+    }
+    EXPECT_EQ(found, movement_s < 120.0) << movement_s;
+  }
+}
+
+TEST(StuckDetector, a_coarse_channel_needs_eight_steps_of_its_resolution) {
+  constexpr double coarse_K = 0.05;
+  for (const double moved_K : {0.36, 0.44}) {
+    StuckDetector detector;
+    bool found = false;
+    for (int t = 0; t < 300; ++t) {
+      const double model_K = moved_K * std::min(1.0, t / 60.0);
+      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, coarse_K, {});
+    }
+    EXPECT_EQ(found, moved_K > 8.0 * coarse_K) << moved_K;
   }
 }
 

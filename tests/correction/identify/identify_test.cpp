@@ -7,6 +7,7 @@
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::correction::test {
 namespace {
@@ -84,6 +85,22 @@ TEST(Identify, the_next_sensor_is_the_best_of_all_and_its_promise_holds) {
   options.placements = 0;
   const double with_it_m = identify(network, two, schedule, options).posterior_m;
   EXPECT_NEAR(with_it_m, found.placements[0].deformation_m, 1e-6 * with_it_m);
+}
+
+TEST(Identify, a_yardstick_knows_heats_joints_and_films_only_and_nothing_of_it_wanders) {
+  rom::Network by_hand = spindle_twin::tests::small_network();
+  by_hand.hand_written = true;
+  for (const rom::Network& network : {plates(), by_hand}) {
+    const ParameterModel parameters(network, constant_priors());
+    ASSERT_GT(parameters.count(), 1);
+    for (const Parameter& parameter : parameters.list()) {
+      const bool factor = parameter.kind == ParameterKind::heat || parameter.kind == ParameterKind::contact ||
+                          parameter.kind == ParameterKind::film;
+      EXPECT_TRUE(factor || parameter.kind == ParameterKind::capacity) << parameter.name;
+      EXPECT_EQ(parameter.walk_per_root_s, 0.0) << parameter.name;
+      EXPECT_EQ(parameter.mean, 0.0) << parameter.name << ": as described";
+    }
+  }
 }
 
 TEST(Identify, unknown_places_are_refused_with_the_known_ones) {

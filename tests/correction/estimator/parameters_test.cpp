@@ -1,0 +1,176 @@
+#include "correction/estimator/parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/firmware/support/small_network.hpp"
+
+namespace spindle_twin::correction::test {
+namespace {
+
+rom::Network by_hand() {
+  rom::Network network = spindle_twin::tests::small_network();
+  network.hand_written = true;
+  return network;
+}
+
+/// What README.md of the estimator states of each kind.
+struct Stated {
+  double mean, deviation, minimum, maximum, walk_per_root_min, memory_s;
+};
+Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_written) {
+  const double ten = std::log(10.0), five = std::log(5.0);
+  switch (kind) {
+    case ParameterKind::heat:
+      return {0.5 * 0.5 * 0.5, 0.5, -five, five, 0.003, 0.0};
+    case ParameterKind::contact:
+      return {-0.5 * 0.6 * 0.6, 0.6, -ten, ten, 0.005, 0.0};
+    case ParameterKind::film:
+      return {-0.5 * 0.3 * 0.3, 0.3, -five, five, 0.003, 0.0};
+    case ParameterKind::environment:
+      return {0.0, 0.1, -0.4, 0.4, 0.0, 1800.0};
+    case ParameterKind::bearing_temperature:
+      return {0.010, 0.005, 0.0, 0.030, 0.0, 0.0};
+    case ParameterKind::speed_exponent:
+      return {0.0, 0.15, -0.6, 0.6, 0.0, 0.0};
+    case ParameterKind::capacity:
+      return {0.0, 0.3, -five, five, 0.0, 0.0};
+    case ParameterKind::disturbance:
+      return {0.0, (hand_written ? 0.1 : 0.01) * heats_W, -heats_W, heats_W, 0.0, 3600.0};
+    case ParameterKind::start:
+      return {0.0, uniform ? 0.2 : 0.05, -500.0, 500.0, 0.0, 0.0};
+  }
+  return {};
+}
+
+TEST(Parameters, of_a_network_have_the_priors_that_are_stated) {
+  for (const rom::Network& network : {plates(), by_hand()}) {
+    const ParameterModel model(network, EstimatorPriors{});
+    double heats_W = 0.0;
+    for (const rom::HeatSource& source : network.boundaries.sources) heats_W += source.nominal_W;
+    for (Eigen::Index i = 0; i < model.count(); ++i) {
+      const Parameter& parameter = model.list()[static_cast<std::size_t>(i)];
+      SCOPED_TRACE(parameter.name);
+      const Stated expected = stated(parameter.kind, i == model.start(), heats_W, network.hand_written);
+      EXPECT_DOUBLE_EQ(parameter.mean, expected.mean);
+      EXPECT_EQ(model.mean()[i], parameter.mean);
+      EXPECT_DOUBLE_EQ(parameter.deviation, expected.deviation);
+      EXPECT_DOUBLE_EQ(parameter.minimum, expected.minimum);
+      EXPECT_DOUBLE_EQ(parameter.maximum, expected.maximum);
+      EXPECT_DOUBLE_EQ(std::sqrt(60.0) * parameter.walk_per_root_s, expected.walk_per_root_min);
+      EXPECT_EQ(parameter.memory_s, expected.memory_s);
+    }
+  }
+}
+
+TEST(Parameters, share_what_all_heats_have_in_common_and_nothing_else) {
+  const rom::Network network = plates();
+  EstimatorPriors priors;
+  priors.heat = 0.3;
+  priors.heat_common = 0.4;
+  const ParameterModel model(network, priors);
+  const Eigen::MatrixXd covariance = model.covariance();
+  const auto is_heat = [&](Eigen::Index i) {
+    return model.list()[static_cast<std::size_t>(i)].kind == ParameterKind::heat;
+  };
+  for (Eigen::Index i = 0; i < model.count(); ++i) {
+    const double own = model.list()[static_cast<std::size_t>(i)].deviation;
+    for (Eigen::Index j = 0; j < model.count(); ++j) {
+      const double shared = is_heat(i) && is_heat(j) ? 0.4 * 0.4 : 0.0;
+      EXPECT_NEAR(covariance(i, j), i == j ? own * own : shared, 1e-12 * own * own);
+    }
+    if (is_heat(i)) {
+      EXPECT_NEAR(own, std::hypot(0.3, 0.4), 1e-15);
+    }
+  }
+}
+
+TEST(Parameters, multiply_heats_by_the_law_of_the_readme_and_leave_them_at_zero) {
+  const rom::Network network = plates();
+  const ParameterModel model(network, EstimatorPriors{});
+  rom::CorrectionFactors factors = model.make_factors(network);
+  Eigen::VectorXd bias_K = Eigen::VectorXd::Zero(network.boundaries.operating.environment_K.size());
+  const Eigen::VectorXd rise_K = Eigen::VectorXd::Constant(factors.heat.size(), 12.0);
+  const double half_rpm = 0.5 * network.boundaries.reference_speed_rpm;
+  model.apply(model.neutral(), half_rpm, rise_K, factors, bias_K);
+  EXPECT_EQ(factors.heat, Eigen::VectorXd::Ones(factors.heat.size()));
+  EXPECT_EQ(factors.conductance, Eigen::VectorXd::Ones(factors.conductance.size()));
+  EXPECT_TRUE(factors.node_heat_W.isZero(0.0));
+
+  Eigen::VectorXd theta = model.neutral();
+  theta[model.bearing()] = 0.02;
+  for (Eigen::Index i = 0; i < factors.heat.size(); ++i) {
+    theta[model.heat(i)] = 0.3;
+    if (model.exponent(i) >= 0) theta[model.exponent(i)] = 0.2;
+  }
+  theta[model.environment(0)] = 0.07;
+  theta[model.conductance(1)] = -0.4;
+  for (const double sign : {-1.0, 1.0}) {
+    model.apply(theta, sign * half_rpm, rise_K, factors, bias_K);
+    for (Eigen::Index i = 0; i < factors.heat.size(); ++i) {
+      const double exponent = model.exponent(i) < 0 ? 0.0 : 0.2;
+      const double fallen = model.is_friction(i) ? std::exp(-0.02 * 12.0) : 1.0;
+      EXPECT_NEAR(factors.heat[i], std::exp(0.3) * std::pow(0.5, exponent) * fallen, 1e-12);
+    }
+    EXPECT_EQ(bias_K[0], 0.07);
+    EXPECT_NEAR(factors.conductance[1], std::exp(-0.4), 1e-15);
+    EXPECT_EQ(factors.conductance[0], 1.0);
+  }
+  EXPECT_TRUE(model.is_friction(0));
+  EXPECT_FALSE(model.is_friction(1));
+}
+
+TEST(Parameters, of_speed_end_at_a_twentieth_of_the_reference) {
+  const rom::Network network = plates();
+  const ParameterModel model(network, EstimatorPriors{});
+  const double reference_rpm = network.boundaries.reference_speed_rpm;
+  EXPECT_EQ(model.log_speed(reference_rpm), 0.0);
+  EXPECT_NEAR(model.log_speed(-0.1 * reference_rpm), std::log(0.1), 1e-12);
+  EXPECT_NEAR(model.log_speed(0.01 * reference_rpm), std::log(0.05), 1e-12);
+  EXPECT_NEAR(model.log_speed(0.0), std::log(0.05), 1e-12);
+}
+
+TEST(Parameters, a_watt_into_a_group_warms_all_of_it_alike_and_stays_a_watt) {
+  const rom::Network network = plates();
+  const ParameterModel model(network, EstimatorPriors{});
+  rom::CorrectionFactors factors = model.make_factors(network);
+  Eigen::VectorXd bias_K = Eigen::VectorXd::Zero(network.boundaries.operating.environment_K.size());
+  const Eigen::VectorXd rise_K = Eigen::VectorXd::Zero(factors.heat.size());
+  ASSERT_GT(model.group_count(), 1);
+  for (Eigen::Index g = 0; g < model.group_count(); ++g) {
+    Eigen::VectorXd theta = model.neutral();
+    theta[model.disturbance(g)] = 5.0;
+    model.apply(theta, 0.0, rise_K, factors, bias_K);
+    EXPECT_NEAR(factors.node_heat_W.sum(), 5.0, 1e-9);
+    const Eigen::VectorXd rate_K_per_s = network.capacity_J_per_K.llt().solve(factors.node_heat_W);
+    const Eigen::VectorXd& group = model.groups()[static_cast<std::size_t>(g)].indicator;
+    EXPECT_LT((rate_K_per_s - rate_K_per_s.maxCoeff() * group).norm(), 1e-9 * rate_K_per_s.norm());
+  }
+}
+
+TEST(Parameters, without_a_deviation_are_left_out) {
+  const rom::Network network = by_hand();
+  EstimatorPriors priors;
+  priors.heat = priors.contact = priors.film = priors.environment_K = priors.bearing_per_K = 0.0;
+  priors.speed_exponent = priors.start_K = priors.disturbance_by_hand = priors.capacity = 0.0;
+  const ParameterModel model(network, priors);
+  EXPECT_EQ(model.count(), 0);
+  EXPECT_EQ(model.heat(0), -1);
+  EXPECT_EQ(model.conductance(0), -1);
+  EXPECT_EQ(model.environment(0), -1);
+  EXPECT_EQ(model.bearing(), -1);
+  EXPECT_EQ(model.exponent(0), -1);
+  EXPECT_EQ(model.start(), -1);
+  EXPECT_EQ(model.starts(), 0);
+  EXPECT_FALSE(model.is_start(0));
+  EXPECT_FALSE(model.has_capacities());
+  EXPECT_FALSE(model.has_disturbances());
+  priors.start_K = 0.2;
+  priors.start_shape_K = 0.0;
+  EXPECT_EQ(ParameterModel(network, priors).starts(), 1) << "the uniform start alone";
+}
+
+}  // namespace
+}  // namespace spindle_twin::correction::test
