@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """clang-tidy on those of the given sources that differ from when it last found them clean.
 
-A source is the same when its preprocessed text (with comments and macros, which checks read too), its flags, .clang-tidy and
-the program are: the digests of clean sources are the names of empty files in build/clang-tidy. Needs build/compile_commands.json and the generated headers.
+A source is the same when its preprocessed text (with comments and macros, which checks read too), its flags,
+.clang-tidy and the program are: the digests of clean sources are the names of empty files in build-tidy/clean. Needs the
+compile commands and generated headers of build-tidy, which tests/lint makes.
     tests/clang_tidy_changed.py [--quick] FILE...
 --quick leaves out the static analyzer, which takes most of the time, and keeps marks of its own.
 """
@@ -11,17 +12,13 @@ import hashlib
 import json
 import os
 import pathlib
-import re
 import shlex
 import subprocess
 import sys
 
-BUILD = pathlib.Path("build")
-CLEAN = BUILD / "clang-tidy"
+BUILD = pathlib.Path("build-tidy")
+CLEAN = BUILD / "clean"
 FOREIGN_FLAGS = "--extra-arg=-Wno-unused-command-line-argument"  # the build folder may hold flags that only GCC knows
-
-
-PRECOMPILED = re.compile(r" -Winvalid-pch| -include \S+/cmake_pch\.hxx")  # GCC's; clang-tidy reads the headers themselves
 
 
 def said_by(command, folder="."):
@@ -47,7 +44,7 @@ def judge(path, entry, checks, options):
         return error.stderr.decode(), False
     if mark.exists():
         return "", False
-    result = subprocess.run(["clang-tidy", "-p", CLEAN, "--quiet", FOREIGN_FLAGS, *options, path], capture_output=True,
+    result = subprocess.run(["clang-tidy", "-p", BUILD, "--quiet", FOREIGN_FLAGS, *options, path], capture_output=True,
                             text=True)
     if result.returncode == 0:
         mark.touch()
@@ -61,10 +58,10 @@ def main(paths):
         options, paths = ["--checks=-clang-analyzer-*"], paths[1:]
     CLEAN.mkdir(exist_ok=True)
     checks = said_by(["clang-tidy", "--version"]) + pathlib.Path(".clang-tidy").read_bytes() + "".join(options).encode()
-    commands = PRECOMPILED.sub("", (BUILD / "compile_commands.json").read_text())
-    (CLEAN / "compile_commands.json").write_text(commands)
-    entries = {entry["file"]: entry for entry in json.loads(commands)}
+    entries = {entry["file"]: entry for entry in json.loads((BUILD / "compile_commands.json").read_text())}
     wanted = [(path, entries[os.path.abspath(path)]) for path in paths if os.path.abspath(path) in entries]
+    if len(wanted) < len(paths):
+        print(f"clang-tidy: {len(paths) - len(wanted)} sources are of no target here")
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         changed = found = 0
         for text, run in pool.map(lambda source: judge(*source, checks, options), wanted):

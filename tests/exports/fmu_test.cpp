@@ -21,7 +21,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools::tests {
-namespace {
+namespace fmu_test {
 
 /// Another speed, load and temperatures every 10 s; a smooth drift in between.
 rom::OperatingState state_at(const rom::Boundaries& boundaries, int second) {
@@ -267,5 +267,5 @@ TEST_F(Fmu, the_description_names_every_input_and_output_with_its_unit) {
   EXPECT_EQ(rom::read_whole_file(path_, 1u << 28), rom::read_whole_file(again, 1u << 28));
 }
 
-}  // namespace
+}  // namespace fmu_test
 }  // namespace spindle_twin::host_tools::tests

@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools::tests {
-namespace {
+namespace matrix_files_test {
 
 namespace fs = std::filesystem;
 
@@ -48,5 +48,5 @@ TEST(MatrixFiles, every_matrix_comes_back_bit_for_bit) {
   EXPECT_THROW(write_matrix_files(network, "/nowhere/at/all"), rom::InputError);
 }
 
-}  // namespace
+}  // namespace matrix_files_test
 }  // namespace spindle_twin::host_tools::tests

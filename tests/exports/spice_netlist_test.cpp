@@ -11,7 +11,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::host_tools::tests {
-namespace {
+namespace spice_netlist_test {
 
 /// The elements of a netlist by name, each with the rest of its line.
 std::map<std::string, std::string> elements(const std::string& netlist) {
@@ -104,5 +104,5 @@ TEST(SpiceNetlist, flow_that_turns_along_the_schedule_is_refused) {
   }
 }
 
-}  // namespace
+}  // namespace spice_netlist_test
 }  // namespace spindle_twin::host_tools::tests

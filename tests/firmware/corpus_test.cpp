@@ -14,7 +14,7 @@
 #include "tests/fuzz/check_stream.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace corpus_test {
 
 /// Takes every file of tests/fuzz/NAME_corpus through a check, which gives why it was refused: all that the fuzzer
 /// starts from, and all that it ever broke. good_* are taken, bad_* are refused.
@@ -61,5 +61,5 @@ TEST(TableCorpus, a_file_is_read_or_refused_with_a_reason) { expect_corpus("tabl
 
 TEST(HistoryCorpus, a_file_is_read_or_refused_with_a_reason) { expect_corpus("history", checked_history); }
 
-}  // namespace
+}  // namespace corpus_test
 }  // namespace spindle_twin::firmware

@@ -8,7 +8,7 @@
 #include "tests/fuzz/check_description.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace corpus_test {
 
 std::vector<std::filesystem::path> files_in(const std::string& folder) {
   std::vector<std::filesystem::path> files;
@@ -59,5 +59,5 @@ TEST(Corpus, every_beginning_of_a_file_ends_well) {
   }
 }
 
-}  // namespace
+}  // namespace corpus_test
 }  // namespace spindle_twin::fem_offline

@@ -7,7 +7,7 @@
 #include "tests/fuzz/check_network_file.hpp"
 
 namespace spindle_twin::rom {
-namespace {
+namespace network_corpus_test {
 
 /// Everything that the fuzzer starts from, and everything that it ever broke.
 TEST(NetworkCorpus, every_file_is_read_or_refused_with_a_reason) {
@@ -25,5 +25,5 @@ TEST(NetworkCorpus, every_file_is_read_or_refused_with_a_reason) {
   }
 }
 
-}  // namespace
+}  // namespace network_corpus_test
 }  // namespace spindle_twin::rom

@@ -5,7 +5,7 @@
 #include <CLI/Error.hpp>
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace accuracy_options_test {
 
 TEST(Tolerance, reads_two_or_three_numbers_with_their_units) {
   const fem_offline::Tolerance three = parse_tolerance("0.05K,0.03um,0.4K");
@@ -29,5 +29,5 @@ TEST(NamedBox, reaches_beyond_the_speed_of_the_description) {
   EXPECT_EQ(named_box("whole", 6000.0).film_low, 0.2);
 }
 
-}  // namespace
+}  // namespace accuracy_options_test
 }  // namespace spindle_twin::host_tools

@@ -22,7 +22,7 @@
 /// The demo's experiment without clocks and sockets, over several sets of joints: 6000 rpm, 1800 s, true heat 0.46 of
 /// the described, joints off by up to 2x, noise 0.03 K, offsets 0.02 K. Prints the numbers of correction/README.md.
 namespace spindle_twin::host_tools {
-namespace {
+namespace paper_experiment_test {
 
 constexpr int duration_s = 1800;
 constexpr int joint_sets = 8;
@@ -297,5 +297,5 @@ TEST_F(PaperExperiment, joint_law_does_not_decide_the_result) {
   EXPECT_LE(worst.nose_share, 0.25);
 }
 
-}  // namespace
+}  // namespace paper_experiment_test
 }  // namespace spindle_twin::host_tools

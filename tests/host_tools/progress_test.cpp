@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace progress_test {
 
 TEST(ProgressLine, fits_every_terminal) {
   for (int columns = 1; columns < 200; ++columns) {
@@ -28,5 +28,5 @@ TEST(ProgressLine, shows_the_time_that_is_left) {
   EXPECT_EQ(time_left(30.0, 1.0), "");
 }
 
-}  // namespace
+}  // namespace progress_test
 }  // namespace spindle_twin::host_tools

@@ -10,7 +10,7 @@
 #include "host_tools/commands/offline/report/page.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace report_test {
 
 RunData some_run() {
   RunData run;
@@ -67,5 +67,5 @@ TEST(RunPage, nothing_is_loaded) {
   }
 }
 
-}  // namespace
+}  // namespace report_test
 }  // namespace spindle_twin::host_tools

@@ -11,7 +11,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace run_data_test {
 
 using Columns = std::map<std::string, std::vector<double>>;
 
@@ -146,5 +146,5 @@ TEST(RunData, an_unknown_part_and_a_history_after_the_plant_are_told) {
   EXPECT_THROW(run_of(late), rom::InputError);
 }
 
-}  // namespace
+}  // namespace run_data_test
 }  // namespace spindle_twin::host_tools

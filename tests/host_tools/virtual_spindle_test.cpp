@@ -13,7 +13,7 @@
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace virtual_spindle_test {
 
 std::string message_of(const std::function<void()>& act) {
   try {
@@ -183,5 +183,5 @@ TEST_F(Served, busy_port_is_one_error) {
             "--port: cannot listen on 127.0.0.1:" + std::to_string(port_) + ": Address already in use");
 }
 
-}  // namespace
+}  // namespace virtual_spindle_test
 }  // namespace spindle_twin::host_tools

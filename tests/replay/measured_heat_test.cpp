@@ -13,7 +13,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace measured_heat_test {
 
 rom::Network two_node() { return rom::read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/two_node.toml"); }
 
@@ -110,5 +110,5 @@ TEST(ReplayOptions, the_command_line_reaches_the_estimator_and_the_health) {
   EXPECT_NE(refusal(options, log).find("--floor-K: is of the estimator"), std::string::npos) << refusal(options, log);
 }
 
-}  // namespace
+}  // namespace measured_heat_test
 }  // namespace spindle_twin::host_tools

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace motor_signals_test {
 
 using firmware::Snapshot;
 
@@ -109,5 +109,5 @@ TEST(ReplayMotorSignals, a_plain_log_must_have_a_number_in_each_row) {
   }
 }
 
-}  // namespace
+}  // namespace motor_signals_test
 }  // namespace spindle_twin::host_tools

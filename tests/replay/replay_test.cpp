@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace replay_test {
 
 using firmware::CyclePlan;
 using firmware::Snapshot;
@@ -324,5 +324,5 @@ TEST_F(Replay, a_plan_that_the_log_cannot_serve_is_refused) {
       std::string::npos);
 }
 
-}  // namespace
+}  // namespace replay_test
 }  // namespace spindle_twin::host_tools

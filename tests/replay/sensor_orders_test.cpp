@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::host_tools {
-namespace {
+namespace sensor_orders_test {
 
 using firmware::SensorFault;
 using firmware::SensorOrder;
@@ -92,5 +92,5 @@ TEST(ReplaySensorOrders, a_tare_that_was_taken_and_sensors_that_were_exchanged_c
   EXPECT_EQ(n, life.snapshots.size());
 }
 
-}  // namespace
+}  // namespace sensor_orders_test
 }  // namespace spindle_twin::host_tools

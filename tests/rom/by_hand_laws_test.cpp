@@ -14,7 +14,7 @@
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace by_hand_laws_test {
 
 const std::string motor_spindle_laws = SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle_laws.toml";
 
@@ -166,5 +166,5 @@ TEST(ByHandLaws, bad_laws_end_in_one_error_with_line_and_key) {
   }
 }
 
-}  // namespace
+}  // namespace by_hand_laws_test
 }  // namespace spindle_twin::rom::tests

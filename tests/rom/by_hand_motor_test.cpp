@@ -16,7 +16,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace by_hand_motor_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -184,5 +184,5 @@ TEST(ByHandMotor, every_mistake_is_one_error_with_line_and_field) {
   }
 }
 
-}  // namespace
+}  // namespace by_hand_motor_test
 }  // namespace spindle_twin::rom::tests

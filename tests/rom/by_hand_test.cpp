@@ -16,7 +16,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace by_hand_test {
 
 using spindle_twin::tests::refusal_of;
 
@@ -275,5 +275,5 @@ TEST(ByHand, a_description_is_told_from_a_hand_written_network) {
   EXPECT_FALSE(is_by_hand("/nowhere.toml"));
 }
 
-}  // namespace
+}  // namespace by_hand_test
 }  // namespace spindle_twin::rom::tests

@@ -10,7 +10,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace certificate_test {
 
 Network certified() {
   Network network = make_synthetic_network({2, 2, 2, true}, 7);
@@ -108,5 +108,5 @@ TEST(Certificate, what_cannot_be_is_refused) {
   }
 }
 
-}  // namespace
+}  // namespace certificate_test
 }  // namespace spindle_twin::rom::tests

@@ -12,7 +12,7 @@
 
 /// A network is taken up to the ends of what each of its numbers may be, and refused beyond with the number's name.
 namespace spindle_twin::rom::tests {
-namespace {
+namespace check_network_test {
 
 /// Something of everything: circuit, laws of speed, a fit, joint pressures, an outline, a certificate.
 Network network_of_everything() {
@@ -207,5 +207,5 @@ TEST(CheckNetwork, a_circuit_has_segments_with_an_area_each_once_and_at_its_own_
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace check_network_test
 }  // namespace spindle_twin::rom::tests

@@ -16,7 +16,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace coolant_test {
 
 BoundaryValues values_in_state(const Network& network, const OperatingState& state) {
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
@@ -239,5 +239,5 @@ TEST(Coolant, file_with_a_broken_circuit_is_refused) {
   EXPECT_NO_THROW(check_network(good, "test.rom"));
 }
 
-}  // namespace
+}  // namespace coolant_test
 }  // namespace spindle_twin::rom::tests

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace spindle_twin::rom {
-namespace {
+namespace csv_table_test {
 
 CsvTable table_of(const std::string& text, LastLine last = LastLine::may_be_cut) {
   const spindle_twin::tests::TemporaryFolder folder;
@@ -64,5 +64,5 @@ TEST(Interpolate, is_linear_inside_and_held_outside) {
   EXPECT_EQ(interpolate(x, y, 9.0), -1.0);
 }
 
-}  // namespace
+}  // namespace csv_table_test
 }  // namespace spindle_twin::rom

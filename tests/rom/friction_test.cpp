@@ -6,7 +6,7 @@
 #include "tests/rom/by_hand_texts.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace friction_test {
 
 /// One warm node in a room, with a heat of this kind.
 std::string one_node(const std::string& of_heat) {
@@ -70,5 +70,5 @@ TEST(Friction, cannot_be_said_of_a_physical_law) {
   }
 }
 
-}  // namespace
+}  // namespace friction_test
 }  // namespace spindle_twin::rom::tests

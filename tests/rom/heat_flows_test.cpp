@@ -10,7 +10,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom {
-namespace {
+namespace heat_flows_test {
 
 BoundaryValues operating_values(const Network& network) {
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
@@ -108,5 +108,5 @@ TEST(Sensitivity, adjoint_equals_finite_differences) {
   }
 }
 
-}  // namespace
+}  // namespace heat_flows_test
 }  // namespace spindle_twin::rom

@@ -12,7 +12,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace law_file_test {
 
 using spindle_twin::tests::refusal_of;
 
@@ -128,5 +128,5 @@ TEST(LawFile, laws_in_the_wrong_place_are_refused_with_file_and_field) {
   }
 }
 
-}  // namespace
+}  // namespace law_file_test
 }  // namespace spindle_twin::rom::tests

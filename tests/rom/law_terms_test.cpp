@@ -18,7 +18,7 @@
 #include "tests/rom/law_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace law_terms_test {
 
 /// Factors that differ from one, so that one left out shows.
 CorrectionFactors uneven_factors(const Boundaries& boundaries) {
@@ -333,5 +333,5 @@ TEST(LawTerms, a_law_without_a_value_stops_the_period_and_leaves_the_state) {
   EXPECT_EQ(stepper.temperatures_K()[0], 305.0);
 }
 
-}  // namespace
+}  // namespace law_terms_test
 }  // namespace spindle_twin::rom::tests

@@ -10,7 +10,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace newton_solver_test {
 
 class Context {
  public:
@@ -129,5 +129,5 @@ TEST(NewtonSolver, makes_no_heap_call_once_it_is_there) {
   EXPECT_TRUE(regular);
 }
 
-}  // namespace
+}  // namespace newton_solver_test
 }  // namespace spindle_twin::rom::tests

@@ -18,7 +18,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace node_inputs_test {
 
 /// What a person writes has capacities on the diagonal alone.
 Network with_diagonal_capacity(Network network) {
@@ -309,5 +309,5 @@ TEST(NodeInputs, no_heap_call_in_the_cycle) {
   EXPECT_EQ(stepper->fallbacks(), 0);
 }
 
-}  // namespace
+}  // namespace node_inputs_test
 }  // namespace spindle_twin::rom::tests

@@ -11,7 +11,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace old_files_test {
 
 const std::string old_files = SPINDLE_TWIN_SOURCE_DIR "/tests/rom/old_files/";
 
@@ -120,5 +120,5 @@ TEST(OldFiles, written_again_they_are_of_this_version) {
   }
 }
 
-}  // namespace
+}  // namespace old_files_test
 }  // namespace spindle_twin::rom::tests

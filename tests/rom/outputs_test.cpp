@@ -7,7 +7,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace outputs_test {
 
 TEST(Outputs, a_uniform_rise_shows_everywhere_and_moves_the_nose_by_the_sum_of_its_row) {
   const Network network = make_synthetic_network({}, 1);
@@ -48,5 +48,5 @@ TEST(Outputs, extremes_are_those_of_the_part_alone_and_nothing_is_allocated) {
   }
 }
 
-}  // namespace
+}  // namespace outputs_test
 }  // namespace spindle_twin::rom::tests

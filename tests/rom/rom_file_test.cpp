@@ -16,7 +16,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace rom_file_test {
 
 using spindle_twin::tests::refusal_of;
 
@@ -258,5 +258,5 @@ TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
             "/dev/null: cannot be written: it exists and is not a regular file");
 }
 
-}  // namespace
+}  // namespace rom_file_test
 }  // namespace spindle_twin::rom::tests

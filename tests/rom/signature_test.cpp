@@ -14,7 +14,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace signature_test {
 
 using spindle_twin::tests::refusal_of;
 
@@ -130,5 +130,5 @@ TEST_F(Signature, a_file_is_signed_in_place_or_left_alone) {
   EXPECT_EQ(read_whole_file(file("text.rom"), 100).size(), 10u);
 }
 
-}  // namespace
+}  // namespace signature_test
 }  // namespace spindle_twin::rom::tests

@@ -15,7 +15,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
-namespace {
+namespace steppers_test {
 
 BoundaryValues values_at_speed(const Network& network, double speed_rpm, double load) {
   BoundaryValues values = rom::make_boundary_values(network.boundaries);
@@ -340,5 +340,5 @@ TEST(Steppers, no_heap_call_in_the_cycle_after_warm_up) {
   EXPECT_EQ(stepper->fallbacks(), 0);
 }
 
-}  // namespace
+}  // namespace steppers_test
 }  // namespace spindle_twin::rom::tests

@@ -6,7 +6,7 @@
 #include <string>
 
 namespace spindle_twin::rom {
-namespace {
+namespace strict_toml_test {
 
 std::string message_of(const std::function<void()>& act) {
   try {
@@ -107,5 +107,5 @@ TEST(StrictToml, unreadable_file_is_an_input_error) {
   EXPECT_EQ(message_of([] { TomlTable::read("/nowhere/x.toml"); }), "/nowhere/x.toml: cannot be read as a file");
 }
 
-}  // namespace
+}  // namespace strict_toml_test
 }  // namespace spindle_twin::rom

@@ -8,7 +8,7 @@
 #include "tests/verification/nominal.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace closed_form_growth_test {
 
 DeformationOutput output(const std::string& name, const Box& face, Direction direction) {
   DeformationOutput result;
@@ -205,5 +205,5 @@ TEST(FreeBar, without_support_is_an_error_that_names_the_part) {
   }
 }
 
-}  // namespace
+}  // namespace closed_form_growth_test
 }  // namespace spindle_twin::fem_offline

@@ -8,7 +8,7 @@
 #include "tests/verification/nominal.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace closed_form_heat_test {
 
 double key_point_degC(const AffineModel& model, const Eigen::VectorXd& temperatures_K, const std::string& name) {
   for (const FeKeyPoint& point : model.key_points) {
@@ -193,5 +193,5 @@ TEST(Nafems, axisymmetric_conduction_with_a_local_flux) {
   EXPECT_NEAR(at_degC(model.affine(), steady_K, 0, 0.04, 0.04) + 273.15, 332.970514, 5e-3);
 }
 
-}  // namespace
+}  // namespace closed_form_heat_test
 }  // namespace spindle_twin::fem_offline

@@ -4,7 +4,7 @@
 #include "tests/verification/nominal.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reference_spindle_test {
 
 class ReferenceSpindle : public testing::Test {
  protected:
@@ -66,5 +66,5 @@ TEST_F(ReferenceSpindle, transient_reaches_98_percent_when_the_independent_solut
   EXPECT_NEAR(key_point_s, 2770.0, 30.0);
 }
 
-}  // namespace
+}  // namespace reference_spindle_test
 }  // namespace spindle_twin::fem_offline

@@ -10,7 +10,7 @@
 #include "fem_offline/verify_cases/fem_case.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace verify_cases_test {
 
 std::string text_of(const std::string& path) {
   std::ifstream file(path);
@@ -82,5 +82,5 @@ TEST(PrescribedTemperature, holds_to_1e_6_of_the_span_on_any_mesh) {
   }
 }
 
-}  // namespace
+}  // namespace verify_cases_test
 }  // namespace spindle_twin::fem_offline

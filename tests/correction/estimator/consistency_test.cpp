@@ -6,7 +6,7 @@
 #include <random>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_consistency_test {
 
 constexpr double update_period_s = 10.0;
 constexpr double sigma_K = 0.05;      // of one reading
@@ -141,5 +141,5 @@ TEST(Consistency, the_floor_follows_the_rms_of_what_is_not_explained_between_its
   EXPECT_NEAR(floor_after(0.2, true), limits.floor_K, 1e-12) << "a rejected reading says nothing of the network";
 }
 
-}  // namespace
+}  // namespace estimator_consistency_test
 }  // namespace spindle_twin::correction::test

@@ -8,7 +8,7 @@
 #include "tests/correction/estimator/plant_and_twin.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_estimator_test {
 
 TEST(Estimator, equals_batch_least_squares_where_the_model_is_linear) {
   // Biases of the two environments and offsets of the sensors enter linearly; everything else is left out.
@@ -337,5 +337,5 @@ TEST(Estimator, options_out_of_range_are_refused_by_name) {
   refused([](EstimatorOptions& options) { options.noise_K = 0.0; }, "noise_K");
 }
 
-}  // namespace
+}  // namespace estimator_estimator_test
 }  // namespace spindle_twin::correction::test

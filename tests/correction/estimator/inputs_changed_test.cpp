@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace spindle_twin::correction {
-namespace {
+namespace estimator_inputs_changed_test {
 
 rom::OperatingState some_state() {
   rom::OperatingState state{6000.0, 0.5, Eigen::VectorXd::Constant(1, 300.15)};
@@ -42,5 +42,5 @@ TEST(InputsChanged, ends_a_held_period_at_a_jump_and_not_at_noise) {
   }
 }
 
-}  // namespace
+}  // namespace estimator_inputs_changed_test
 }  // namespace spindle_twin::correction

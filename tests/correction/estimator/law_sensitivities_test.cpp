@@ -8,7 +8,7 @@
 #include "tests/rom/law_network.hpp"
 
 namespace spindle_twin::correction {
-namespace {
+namespace estimator_law_sensitivities_test {
 
 /// dT/d ln q of a node whose copper loss grows by 17 % of its film per kelvin, against two runs with nudged heats.
 TEST(LawSensitivities, a_heat_that_follows_its_temperature_acts_back) {
@@ -43,5 +43,5 @@ TEST(LawSensitivities, a_heat_that_follows_its_temperature_acts_back) {
   EXPECT_NEAR(sensitivities.in_kelvin()(0, parameters.heat(0)), expected_K, 2e-3 * expected_K);
 }
 
-}  // namespace
+}  // namespace estimator_law_sensitivities_test
 }  // namespace spindle_twin::correction

@@ -13,7 +13,7 @@
 
 /// However wrong and however sure of itself the filter is, an hour of readings brings it back to its sensors.
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_lock_out_test {
 
 constexpr double settling_s = 1200.0;  // that a filter has learnt before it is made wrong, where it has
 constexpr double judged_s = 120.0;     // at the end of the hour
@@ -246,5 +246,5 @@ TEST(LockOut,
   tally.expect_share(0.65);
 }
 
-}  // namespace
+}  // namespace estimator_lock_out_test
 }  // namespace spindle_twin::correction::test

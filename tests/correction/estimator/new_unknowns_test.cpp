@@ -9,7 +9,7 @@
 
 /// Unknowns beside heats, contacts and films: heats that no source explains, capacities, and lags of the sensors.
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_new_unknowns_test {
 
 rom::Network small_by_hand() {
   rom::Network network = spindle_twin::tests::small_network();
@@ -271,5 +271,5 @@ TEST(Loosening, keeps_correlations_and_reaches_the_deviations_of_the_priors) {
   EXPECT_GT(correlated, 3);
 }
 
-}  // namespace
+}  // namespace estimator_new_unknowns_test
 }  // namespace spindle_twin::correction::test

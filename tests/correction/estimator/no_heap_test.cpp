@@ -6,7 +6,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_no_heap_test {
 
 /// 201 nodes, as large as a spindle's network; the second with as many parameters as one has, too.
 class EstimatorOfShape : public testing::TestWithParam<rom::tests::SyntheticShape> {};
@@ -45,5 +45,5 @@ INSTANTIATE_TEST_SUITE_P(Networks, EstimatorOfShape,
                                          rom::tests::SyntheticShape{40, 5, 1, true}),
                          [](const auto& shape) { return std::to_string(shape.param.bodies) + "_bodies"; });
 
-}  // namespace
+}  // namespace estimator_no_heap_test
 }  // namespace spindle_twin::correction::test

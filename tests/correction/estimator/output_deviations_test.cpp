@@ -10,7 +10,7 @@
 #include "tests/correction/estimator/plant_and_twin.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_output_deviations_test {
 
 /// Only the heats are unknown, and nobody reads a sensor: the nose is a sum of lognormal heats, each times a constant.
 EstimatorOptions only_heats(double curvature) {
@@ -60,5 +60,5 @@ TEST(OutputDeviations, two_sigma_reach_the_end_of_the_longer_tail) {
   EXPECT_LT(2.0 * EstimatorPriors{}.heat * slope.norm(), 0.88 * longer_m) << "what a straight line would say";
 }
 
-}  // namespace
+}  // namespace estimator_output_deviations_test
 }  // namespace spindle_twin::correction::test

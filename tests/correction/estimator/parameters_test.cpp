@@ -8,7 +8,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_parameters_test {
 
 rom::Network by_hand() {
   rom::Network network = spindle_twin::tests::small_network();
@@ -172,5 +172,5 @@ TEST(Parameters, without_a_deviation_are_left_out) {
   EXPECT_EQ(ParameterModel(network, priors).starts(), 1) << "the uniform start alone";
 }
 
-}  // namespace
+}  // namespace estimator_parameters_test
 }  // namespace spindle_twin::correction::test

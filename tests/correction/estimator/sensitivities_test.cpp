@@ -3,7 +3,7 @@
 #include "tests/correction/estimator/plant_and_twin.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_sensitivities_test {
 
 constexpr double sensitivities_end_s = 600.0;
 constexpr double integration_K = 3e-5;  // that CVODE is exact to, over all nodes
@@ -69,5 +69,5 @@ TEST(Sensitivities, converge_with_the_period) {
   EXPECT_LT(middle_error, 0.01 * fine.norm());
 }
 
-}  // namespace
+}  // namespace estimator_sensitivities_test
 }  // namespace spindle_twin::correction::test

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_sensor_channel_test {
 
 TEST(Lag, of_a_step_decays_by_its_exponential) {
   for (const double tau_s : {0.5, 10.0, 90.0}) {
@@ -110,5 +110,5 @@ TEST(SensorChannel, sensitivities_lag_behind_those_of_the_place_as_the_reading_d
   EXPECT_EQ(channel.sensitivity()[1], 8.0);
 }
 
-}  // namespace
+}  // namespace estimator_sensor_channel_test
 }  // namespace spindle_twin::correction::test

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_square_root_filter_test {
 
 Eigen::VectorXd random_vector(std::mt19937_64& random, Eigen::Index n) {
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -133,5 +133,5 @@ TEST(SquareRootFilter, refuses_what_is_no_covariance_and_what_is_no_measurement)
   EXPECT_EQ(filter.mean(), Eigen::VectorXd::Zero(2));
 }
 
-}  // namespace
+}  // namespace estimator_square_root_filter_test
 }  // namespace spindle_twin::correction::test

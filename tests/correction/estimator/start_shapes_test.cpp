@@ -10,7 +10,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_start_shapes_test {
 
 struct Shapes {
   explicit Shapes(rom::Network the_network)
@@ -87,5 +87,5 @@ TEST(StartShapes, of_a_single_body_have_no_groups) {
   for (const StartShape& shape : shapes.list) EXPECT_NE(shape.name, "body");
 }
 
-}  // namespace
+}  // namespace estimator_start_shapes_test
 }  // namespace spindle_twin::correction::test

@@ -6,7 +6,7 @@
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace estimator_thermal_groups_test {
 
 rom::Network plates_and_air() { return rom::tests::make_synthetic_network({6, 2, 2, true}, 3); }
 
@@ -55,5 +55,5 @@ TEST(ThermalGroups, those_that_exchange_fastest_become_one_first_under_the_name_
   EXPECT_EQ(two[0].name, "rotor");
 }
 
-}  // namespace
+}  // namespace estimator_thermal_groups_test
 }  // namespace spindle_twin::correction::test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_channel_states_test {
 
 constexpr std::array states{HealthState::good, HealthState::suspect, HealthState::failed, HealthState::returning};
 constexpr std::array events{ChannelEvent::on_course,     ChannelEvent::doubtful, ChannelEvent::fault,
@@ -52,5 +52,5 @@ TEST(ChannelStates, a_sign_of_the_fault_ends_the_probation) {
   EXPECT_EQ(transition(HealthState::returning, ChannelEvent::doubtful).action, ChannelAction::restart_probation);
 }
 
-}  // namespace
+}  // namespace health_channel_states_test
 }  // namespace spindle_twin::correction::test

@@ -5,7 +5,7 @@
 #include "tests/correction/health/drive.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_channel_test {
 
 constexpr int moments = 40;  // per fault
 
@@ -193,5 +193,5 @@ TEST(Channel, the_third_failure_waits_for_the_acknowledgement) {
   EXPECT_EQ(drive.health.record(1).state, HealthState::good);
 }
 
-}  // namespace
+}  // namespace health_channel_test
 }  // namespace spindle_twin::correction::test

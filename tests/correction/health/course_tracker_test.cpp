@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_course_tracker_test {
 
 constexpr double stated_noise_K = 0.03;
 
@@ -57,5 +57,5 @@ TEST(CourseTracker, nothing_is_an_outlier_before_three_samples) {
   EXPECT_FALSE(course.is_outlier(310.0));
 }
 
-}  // namespace
+}  // namespace health_course_tracker_test
 }  // namespace spindle_twin::correction::test

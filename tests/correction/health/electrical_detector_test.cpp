@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_electrical_detector_test {
 
 TEST(ElectricalDetector, the_value_alone_tells_broken_shorted_and_out_of_range) {
   const HealthLimits limits;
@@ -29,5 +29,5 @@ TEST(ElectricalDetector, one_wrong_reading_is_a_spike_and_the_second_in_a_row_a_
   EXPECT_TRUE(detector.note_fault(limits));
 }
 
-}  // namespace
+}  // namespace health_electrical_detector_test
 }  // namespace spindle_twin::correction::test

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_exchange_detector_test {
 
 /// Two places that answer the same square wave with different time constants; the model has another gain at each, and
 /// readings are noisy.
@@ -120,5 +120,5 @@ TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {
   }
 }
 
-}  // namespace
+}  // namespace health_exchange_detector_test
 }  // namespace spindle_twin::correction::test

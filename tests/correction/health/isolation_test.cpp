@@ -7,7 +7,7 @@
 #include "tests/correction/health/drive.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_isolation_test {
 
 /// Channels whose estimator began a quarter of an hour ago and more, the first verdict laid to the model.
 SensorHealth settled(std::size_t channels) {
@@ -245,5 +245,5 @@ TEST(Isolation, what_the_estimator_rejects_is_implausible_and_may_return) {
   EXPECT_EQ(drive.health.record(4).state, HealthState::good);
 }
 
-}  // namespace
+}  // namespace health_isolation_test
 }  // namespace spindle_twin::correction::test

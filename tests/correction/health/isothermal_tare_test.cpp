@@ -7,7 +7,7 @@
 #include <random>
 
 namespace spindle_twin::correction {
-namespace {
+namespace health_isothermal_tare_test {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -88,5 +88,5 @@ TEST(IsothermalTare, clearing_leaves_no_offset) {
   EXPECT_EQ(tare.deviation_K, (std::vector<double>{0.0, 0.0}));
 }
 
-}  // namespace
+}  // namespace health_isothermal_tare_test
 }  // namespace spindle_twin::correction

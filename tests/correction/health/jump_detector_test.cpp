@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_jump_detector_test {
 
 using Meaning = JumpDetector::Meaning;
 
@@ -50,5 +50,5 @@ TEST(JumpDetector, a_row_that_ends_was_a_spike_and_counts_no_more) {
   EXPECT_EQ(detector.note_outlier(2.0, 0.0, {}), Meaning::open);
 }
 
-}  // namespace
+}  // namespace health_jump_detector_test
 }  // namespace spindle_twin::correction::test

@@ -6,7 +6,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_leave_one_out_test {
 
 /// Plant and twin, and the filters that leave one sensor out.
 struct Watched {
@@ -232,5 +232,5 @@ TEST(LeaveOneOut, update_never_calls_the_heap) {
   EXPECT_EQ(rom::tests::heap_calls() - before, 0);
 }
 
-}  // namespace
+}  // namespace health_leave_one_out_test
 }  // namespace spindle_twin::correction::test

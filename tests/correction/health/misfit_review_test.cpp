@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_misfit_review_test {
 
 /// What so many seconds of a misfit say after a verdict of 1 K with that deviation.
 bool gone_after(double seconds, double misfit_K, double deviation_K) {
@@ -36,5 +36,5 @@ TEST(MisfitReview, is_over_after_ten_minutes_unless_the_model_was_in_doubt) {
   }
 }
 
-}  // namespace
+}  // namespace health_misfit_review_test
 }  // namespace spindle_twin::correction::test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_model_movement_test {
 
 TEST(ModelMovement, what_corrections_keep_taking_back_is_left_out_after_ten_minutes) {
   ModelMovement model;
@@ -31,5 +31,5 @@ TEST(ModelMovement, nothing_is_learnt_across_an_interruption) {
   EXPECT_EQ(model.steady_K(), 0.0);
 }
 
-}  // namespace
+}  // namespace health_model_movement_test
 }  // namespace spindle_twin::correction::test

@@ -6,7 +6,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_sensor_health_test {
 
 TEST(Health, a_steady_spindle_read_in_steps_of_a_tenth_raises_nothing_in_a_day) {
   Drive drive(drive_seed, {}, 0.1);
@@ -166,5 +166,5 @@ TEST(Health, step_never_calls_the_heap) {
   EXPECT_EQ(rom::tests::heap_calls() - before, 0);
 }
 
-}  // namespace
+}  // namespace health_sensor_health_test
 }  // namespace spindle_twin::correction::test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_spike_counter_test {
 
 TEST(SpikeCounter, the_fourth_within_the_window_is_too_many_and_counting_begins_anew) {
   const HealthLimits limits;
@@ -19,5 +19,5 @@ TEST(SpikeCounter, those_before_the_window_do_not_count) {
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(counter.note(201.0 * k, {}));
 }
 
-}  // namespace
+}  // namespace health_spike_counter_test
 }  // namespace spindle_twin::correction::test

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_stuck_detector_test {
 
 constexpr double resolution_K = 0.01;
 
@@ -88,5 +88,5 @@ TEST(StuckDetector, a_live_channel_that_falls_silent_repeats_and_a_coarse_one_do
   }
 }
 
-}  // namespace
+}  // namespace health_stuck_detector_test
 }  // namespace spindle_twin::correction::test

@@ -6,7 +6,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_unexplained_heat_test {
 
 /// Plant and twin of a certified network, and the second filter.
 struct Suspected {
@@ -138,5 +138,5 @@ TEST(UnexplainedHeat, update_and_follow_never_call_the_heap) {
   EXPECT_EQ(rom::tests::heap_calls() - before, 0);
 }
 
-}  // namespace
+}  // namespace health_unexplained_heat_test
 }  // namespace spindle_twin::correction::test

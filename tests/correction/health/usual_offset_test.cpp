@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace health_usual_offset_test {
 
 TEST(UsualOffset, is_a_running_mean_of_two_minutes_that_begins_with_the_first) {
   UsualOffset usual;
@@ -18,5 +18,5 @@ TEST(UsualOffset, is_a_running_mean_of_two_minutes_that_begins_with_the_first) {
   EXPECT_EQ(usual.departure_K(4.0), 0.0);
 }
 
-}  // namespace
+}  // namespace health_usual_offset_test
 }  // namespace spindle_twin::correction::test

@@ -10,7 +10,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace identify_identify_test {
 
 TEST(Identify, one_node_with_one_unknown_heat_has_the_closed_form) {
   // C dT/dt = -G T + e^θ q: dT/dθ = (q/G)(1 - e^(-t/τ)), and the posterior of one parameter is a sum of squares.
@@ -113,5 +113,5 @@ TEST(Identify, unknown_places_are_refused_with_the_known_ones) {
   }
 }
 
-}  // namespace
+}  // namespace identify_identify_test
 }  // namespace spindle_twin::correction::test

@@ -18,7 +18,7 @@ using rom::test::expect_close;
 using rom::test::reference_rows;
 using rom::test::ReferenceRow;
 
-namespace {
+namespace paper_feedback_table_test {
 
 constexpr double excess = 4.95 / 2.29;
 constexpr double table_tau_s = 375.0;
@@ -190,5 +190,5 @@ TEST(RatioForms, reference_values_of_three_sensors) {
   }
 }
 
-}  // namespace
+}  // namespace paper_feedback_table_test
 }  // namespace spindle_twin::correction::test

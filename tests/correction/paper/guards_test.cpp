@@ -7,7 +7,7 @@
 #include "tests/correction/paper/one_node.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace paper_guards_test {
 
 /// Guards on, one reading per period, so that every case is exact.
 PaperOptions guarded() {
@@ -220,5 +220,5 @@ TEST(Guards, option_out_of_range_is_one_error_that_names_it) {
             "group b: a heat source may be in one group only");
 }
 
-}  // namespace
+}  // namespace paper_guards_test
 }  // namespace spindle_twin::correction::test

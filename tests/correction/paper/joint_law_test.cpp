@@ -4,7 +4,7 @@
 #include "tests/correction/paper/one_node.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace paper_joint_law_test {
 
 /// Ring of bore 37 mm in ring of outside 50 mm, fit at 40 mm: 0.3109345123991 MPa per um of interference; 4 um at
 /// assembly; expansion 1.2e-5 on the fit radius gives 0.48 um per kelvin.
@@ -106,5 +106,5 @@ TEST(JointLaw, switched_off_leaves_the_contacts_alone) {
   EXPECT_EQ(fixture.correction.factors().conductance[1], 1.0);
 }
 
-}  // namespace
+}  // namespace paper_joint_law_test
 }  // namespace spindle_twin::correction::test

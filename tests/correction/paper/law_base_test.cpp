@@ -11,7 +11,7 @@
 /// The ratio law on a network whose heats, joints and films follow physical laws: superposition holds only for what the
 /// two solutions share, so the base must have the other heats and all conductances of the corrected network.
 namespace spindle_twin::correction::test {
-namespace {
+namespace paper_law_base_test {
 
 constexpr double law_period_s = 80.0;
 
@@ -131,5 +131,5 @@ TEST(LawBase, factor_comes_to_that_of_the_machine_though_the_heat_follows_its_te
   }
 }
 
-}  // namespace
+}  // namespace paper_law_base_test
 }  // namespace spindle_twin::correction::test

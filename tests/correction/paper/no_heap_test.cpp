@@ -4,7 +4,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace paper_no_heap_test {
 
 TEST(PaperCorrection, step_never_calls_the_heap) {
   PaperOptions options;
@@ -26,5 +26,5 @@ TEST(PaperCorrection, step_never_calls_the_heap) {
   EXPECT_TRUE(rescaled);
 }
 
-}  // namespace
+}  // namespace paper_no_heap_test
 }  // namespace spindle_twin::correction::test

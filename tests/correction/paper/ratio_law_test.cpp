@@ -8,7 +8,7 @@
 #include "tests/correction/paper/one_node.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace paper_ratio_law_test {
 
 constexpr double celsius_zero_K = 273.15;
 constexpr double published_excess = 4.95 / 2.29;  // the paper's uncorrected rise over the twin's
@@ -237,5 +237,5 @@ TEST(HeatGroups, source_outside_every_group_keeps_its_heat) {
   EXPECT_EQ(loop.correction.factors().heat[1], 1.0);
 }
 
-}  // namespace
+}  // namespace paper_ratio_law_test
 }  // namespace spindle_twin::correction::test

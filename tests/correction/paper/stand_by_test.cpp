@@ -7,7 +7,7 @@
 #include "tests/correction/paper/one_node.hpp"
 
 namespace spindle_twin::correction::test {
-namespace {
+namespace paper_stand_by_test {
 
 PaperOptions without_joint_law() {
   PaperOptions options;
@@ -96,5 +96,5 @@ TEST(StandBy, base_runs_with_the_factors_of_the_model) {
   EXPECT_DOUBLE_EQ(bases[0]->temperatures_K()[1], model.temperatures_K()[1]);
 }
 
-}  // namespace
+}  // namespace paper_stand_by_test
 }  // namespace spindle_twin::correction::test

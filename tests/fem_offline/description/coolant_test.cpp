@@ -7,7 +7,7 @@
 #include "fem_offline/description/spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_coolant_test {
 
 std::string jacket_text() {
   std::ifstream file(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/jacket_circuit.toml");
@@ -67,5 +67,5 @@ TEST(CoolantDescription, bad_circuits_are_refused_by_name_and_line) {
   says(refusal("groove_2", "outer"), "outer");
 }
 
-}  // namespace
+}  // namespace description_coolant_test
 }  // namespace spindle_twin::fem_offline

@@ -10,7 +10,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_face_conditions_test {
 
 const std::string gap_and_circuit = R"([[gap_film]]
 name = "slit"
@@ -82,5 +82,5 @@ TEST(FaceConditions, an_item_holds_the_faces_that_its_table_asks_for) {
   EXPECT_EQ(items.size(), 10U) << "a contact, a gap film, six films, an adiabatic region, one share on a face";
 }
 
-}  // namespace
+}  // namespace description_face_conditions_test
 }  // namespace spindle_twin::fem_offline

@@ -7,7 +7,7 @@
 #include "fem_offline/description/spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_laws_test {
 
 /// The jacket with a law for every value that may have one.
 std::string jacket_with_laws() {
@@ -84,5 +84,5 @@ TEST(LawDescription, wrong_laws_are_refused_by_line_and_key) {
          "coolant_circuit.helix.law.hydraulic_diameter_mm");
 }
 
-}  // namespace
+}  // namespace description_laws_test
 }  // namespace spindle_twin::fem_offline

@@ -5,7 +5,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_model_places_test {
 
 TEST(ModelPlaces, conductances_stand_as_contacts_gap_films_films) {
   Spindle spindle;
@@ -40,5 +40,5 @@ TEST(ModelPlaces, operating_state_has_each_environment_at_its_temperature) {
   EXPECT_EQ(state.flow_kg_per_s.size(), 0);
 }
 
-}  // namespace
+}  // namespace description_model_places_test
 }  // namespace spindle_twin::fem_offline

@@ -5,7 +5,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_read_boundaries_test {
 
 const std::string held_outside = R"([[prescribed_temperature]]
 name = "outside"
@@ -99,5 +99,5 @@ TEST(Expectation, of_something_unknown_is_refused_with_its_line) {
   EXPECT_NE(message_of(text).find("there is no \"bore\" with a heat_W"), std::string::npos) << message_of(text);
 }
 
-}  // namespace
+}  // namespace description_read_boundaries_test
 }  // namespace spindle_twin::fem_offline

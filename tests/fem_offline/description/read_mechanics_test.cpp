@@ -4,7 +4,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_read_mechanics_test {
 
 const std::string support_text = "[[support]]\npart = \"sleeve\"\nface = [20, 40, 100, 100]\n";
 
@@ -101,5 +101,5 @@ TEST(BadMechanics, mechanics_without_a_support_is_refused) {
   EXPECT_NE(message_of(without_nose + pressure).find("a contact pressure needs a support"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace description_read_mechanics_test
 }  // namespace spindle_twin::fem_offline

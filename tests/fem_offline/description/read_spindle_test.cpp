@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace description_read_spindle_test {
 
 TEST(Description, every_item_arrives_in_si_with_its_line) {
   const Spindle s = parse_spindle(sample_text, "s.toml");
@@ -195,5 +195,5 @@ TEST(ShippedDescriptions, reference_holds_the_lists_of_the_spindle) {
   for (const double temperature_K : s.operating.surrounding_K) EXPECT_DOUBLE_EQ(temperature_K, 300.15);
 }
 
-}  // namespace
+}  // namespace description_read_spindle_test
 }  // namespace spindle_twin::fem_offline

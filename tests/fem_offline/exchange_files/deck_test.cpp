@@ -13,7 +13,7 @@
 #include "fem_offline/exchange_files/freefem_deck.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace exchange_files_deck_test {
 
 const std::string spindles = SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/";
 
@@ -171,5 +171,5 @@ TEST(DeckModel, refuses_elements_of_another_degree) {
   EXPECT_THROW(make_deck_model(spindle, values_of(spindle)), rom::InputError);
 }
 
-}  // namespace
+}  // namespace exchange_files_deck_test
 }  // namespace spindle_twin::fem_offline

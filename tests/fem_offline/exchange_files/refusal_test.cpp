@@ -5,7 +5,7 @@
 #include "fem_offline/exchange_files/deck_model.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace exchange_files_refusal_test {
 
 const std::string path = SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/two_rings.toml";
 
@@ -79,5 +79,5 @@ TEST(DeckRefusals, outputs_at_points_and_of_differences) {
   EXPECT_EQ(with(difference), refused);
 }
 
-}  // namespace
+}  // namespace exchange_files_refusal_test
 }  // namespace spindle_twin::fem_offline

@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace look_picture_test {
 
 const std::string spindles = SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/";
 
@@ -329,5 +329,5 @@ TEST(Picture, unwritable_folder_is_an_error_that_names_the_file) {
   }
 }
 
-}  // namespace
+}  // namespace look_picture_test
 }  // namespace spindle_twin::fem_offline

@@ -11,7 +11,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace mesh_arcs_and_sizes_test {
 
 using std::numbers::pi;
 
@@ -222,5 +222,5 @@ TEST(Quality, scaled_jacobian_of_known_shapes) {
   EXPECT_LT(shape_of(mesh, {0, 3, 2, 1}).scaled_jacobian, 0.0);
 }
 
-}  // namespace
+}  // namespace mesh_arcs_and_sizes_test
 }  // namespace spindle_twin::fem_offline

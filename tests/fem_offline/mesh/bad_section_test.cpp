@@ -3,7 +3,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace mesh_bad_section_test {
 
 std::string without_contact() {
   std::string text = sample_text;
@@ -98,5 +98,5 @@ TEST(BadSection, part_that_its_cuts_eat_up) {
             "s.toml:32: part.sleeve: nothing is left of this part after its cuts");
 }
 
-}  // namespace
+}  // namespace mesh_bad_section_test
 }  // namespace spindle_twin::fem_offline

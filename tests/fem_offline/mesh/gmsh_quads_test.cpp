@@ -13,7 +13,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace mesh_gmsh_quads_test {
 
 /// A slanted plate on a slanted base, planar; `mesh` are the lines of [mesh].
 Spindle plate_on_base(const std::string& mesh) {
@@ -111,5 +111,5 @@ TEST(GmshQuads, a_time_limit_out_of_range_says_what_is_allowed) {
   }
 }
 
-}  // namespace
+}  // namespace mesh_gmsh_quads_test
 }  // namespace spindle_twin::fem_offline

@@ -10,7 +10,7 @@
 #include "tests/verification/concentric_rings.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace mesh_section_mesh_test {
 
 /// A plug with a 10 degree cone, a triangle fan and a hole, in a sleeve that follows it: nothing runs along r or z
 /// only.
@@ -118,5 +118,5 @@ TEST(SectionMesh, sliver_is_an_error_that_names_the_part) {
   }
 }
 
-}  // namespace
+}  // namespace mesh_section_mesh_test
 }  // namespace spindle_twin::fem_offline

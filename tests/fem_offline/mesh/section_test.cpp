@@ -9,7 +9,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace mesh_section_test {
 
 using std::numbers::pi;
 
@@ -289,5 +289,5 @@ TEST(Heat, lies_on_the_exposed_faces_in_its_box_and_on_no_contact_there) {
   EXPECT_NEAR(contact_m2, 2.0 * pi * 0.020 * 0.100, 1e-12);
 }
 
-}  // namespace
+}  // namespace mesh_section_test
 }  // namespace spindle_twin::fem_offline

@@ -13,7 +13,7 @@
 #include "tests/verification/nominal.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace model_affine_model_test {
 
 using std::numbers::pi;
 
@@ -153,5 +153,5 @@ TEST(JointFit, pressure_follows_lame) {
   EXPECT_NEAR(fit.pressure_per_outer_rise_Pa_per_K / fit.pressure_per_inner_rise_Pa_per_K, 1.17 / 1.20, 1e-12);
 }
 
-}  // namespace
+}  // namespace model_affine_model_test
 }  // namespace spindle_twin::fem_offline

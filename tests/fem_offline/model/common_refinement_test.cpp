@@ -13,7 +13,7 @@
 #include "tests/verification/concentric_rings.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace model_common_refinement_test {
 
 /// One column of quads per ring with its own division along z.
 void add_ring(SectionMesh& mesh, std::size_t part, double r0_m, double r1_m, int columns,
@@ -144,5 +144,5 @@ TEST(Bond, tied_meshes_come_to_the_merged_ones) {
   EXPECT_NEAR(growth_m(Discretisation<2>(tied, 2), 1e4), merged_m, 2e-3 * merged_m);
 }
 
-}  // namespace
+}  // namespace model_common_refinement_test
 }  // namespace spindle_twin::fem_offline

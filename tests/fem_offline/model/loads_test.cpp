@@ -8,7 +8,7 @@
 #include "tests/fem_offline/description/sample_spindle.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace model_loads_test {
 
 const std::string ring_text = R"(name = "ring"
 [operating]
@@ -91,5 +91,5 @@ TEST(InitialTemperature, parts_start_at_their_own_and_all_else_with_the_rest) {
   EXPECT_EQ(start_K[fe.affine().parts[1].dofs[0]], 300.0);
 }
 
-}  // namespace
+}  // namespace model_loads_test
 }  // namespace spindle_twin::fem_offline

@@ -12,7 +12,7 @@
 #include "tests/verification/nominal.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace model_mechanics_test {
 
 constexpr double reference_K = 293.15;
 
@@ -296,5 +296,5 @@ TEST(ImposedTemperature, bad_formula_is_an_error_with_its_line) {
   }
 }
 
-}  // namespace
+}  // namespace model_mechanics_test
 }  // namespace spindle_twin::fem_offline

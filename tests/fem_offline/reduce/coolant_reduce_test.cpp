@@ -10,7 +10,7 @@
 #include "rom/integrate/outputs.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reduce_coolant_reduce_test {
 
 const AffineModel& jacket() {
   static const FeModel model = build_fe_model(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/jacket_circuit.toml");
@@ -82,5 +82,5 @@ TEST(CoolantNetwork, cases_stop_and_turn_the_flow) {
   EXPECT_GT(turned, 0);
 }
 
-}  // namespace
+}  // namespace reduce_coolant_reduce_test
 }  // namespace spindle_twin::fem_offline

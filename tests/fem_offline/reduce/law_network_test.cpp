@@ -10,7 +10,7 @@
 #include "rom/integrate/outputs.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reduce_law_network_test {
 
 /// The reference spindle with physical laws, on a coarse mesh.
 const AffineModel& model() {
@@ -135,5 +135,5 @@ TEST(LawNetwork, follows_the_fe_model_through_random_drive_cycles) {
   EXPECT_LT(certificate.worst.nose_um, 0.1);
 }
 
-}  // namespace
+}  // namespace reduce_law_network_test
 }  // namespace spindle_twin::fem_offline

@@ -8,7 +8,7 @@
 #include "grid_model.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reduce_network_checks_test {
 
 ReduceOptions checked_options(int nodes) {
   ReduceOptions options;
@@ -119,5 +119,5 @@ TEST(MeshError, is_what_half_the_element_size_changes_and_falls_with_it) {
   EXPECT_LT(fine, coarse);
 }
 
-}  // namespace
+}  // namespace reduce_network_checks_test
 }  // namespace spindle_twin::fem_offline

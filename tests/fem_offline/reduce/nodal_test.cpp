@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reduce_nodal_test {
 
 /// Orthonormal basis of cosines on a line of points; column 0 is the constant.
 Eigen::MatrixXd cosine_basis(int points, int columns) {
@@ -34,5 +34,5 @@ TEST(NodalCoordinates, constant_is_exact_and_nothing_is_amplified) {
   EXPECT_LT(nodal.condition, 100.0);
 }
 
-}  // namespace
+}  // namespace reduce_nodal_test
 }  // namespace spindle_twin::fem_offline

@@ -10,7 +10,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reduce_reduce_test {
 
 ReduceOptions small_options(int nodes) {
   ReduceOptions options;
@@ -211,5 +211,5 @@ TEST(Network, refuses_more_nodes_than_unknowns) {
   EXPECT_THROW(reduce_model(grid(), small_options(1)), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace reduce_reduce_test
 }  // namespace spindle_twin::fem_offline

@@ -7,7 +7,7 @@
 #include "grid_model.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace reduce_verify_test {
 
 const rom::Network& verified_network() {
   static const rom::Network built = [] {
@@ -161,5 +161,5 @@ TEST(Verify, refuses_a_network_of_another_model) {
   EXPECT_THROW(verify_network(other, make_grid_model(), {}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace reduce_verify_test
 }  // namespace spindle_twin::fem_offline

@@ -8,7 +8,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace solve_coolant_test {
 
 constexpr int lumps = 6;
 
@@ -191,5 +191,5 @@ TEST(CoolantTransient, heat_stored_is_heat_in_less_heat_carried_off) {
   EXPECT_NEAR(in_J - out_J, stored_J, 1e-5 * in_J) << "trapezoids of 0.05 s";
 }
 
-}  // namespace
+}  // namespace solve_coolant_test
 }  // namespace spindle_twin::fem_offline

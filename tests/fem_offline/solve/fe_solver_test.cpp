@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace solve_fe_solver_test {
 
 SparseMatrix sparse(const Eigen::MatrixXd& dense) { return dense.sparseView(); }
 
@@ -154,5 +154,5 @@ TEST(FeStepper, steps_after_a_jump_are_shorter) {
   EXPECT_LT((stepper.temperatures_K() - expected_K).lpNorm<Eigen::Infinity>(), 1e-3 * rise_K);
 }
 
-}  // namespace
+}  // namespace solve_fe_solver_test
 }  // namespace spindle_twin::fem_offline

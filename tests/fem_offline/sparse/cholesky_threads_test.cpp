@@ -9,7 +9,7 @@
 #include "fem_offline/sparse/cholesky.hpp"
 
 namespace spindle_twin::fem_offline {
-namespace {
+namespace sparse_cholesky_threads_test {
 
 /// Lower triangle of the five-point Laplacian on a grid, plus one on the diagonal.
 SparseMatrix grid_matrix(int side, int rows) {
@@ -77,5 +77,5 @@ TEST(CholeskyThreads, a_matrix_that_is_not_positive_definite_is_an_error_for_sma
   }
 }
 
-}  // namespace
+}  // namespace sparse_cholesky_threads_test
 }  // namespace spindle_twin::fem_offline

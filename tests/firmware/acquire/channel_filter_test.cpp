@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace spindle_twin::firmware {
-namespace {
+namespace acquire_channel_filter_test {
 
 constexpr std::int64_t ms = 1'000'000;
 
@@ -61,5 +61,5 @@ TEST(ChannelFilter, a_low_pass_ends_with_what_is_no_number_and_begins_anew) {
   EXPECT_EQ(filter.take({5.0, 1 + 2 * ms})->value, 5.0);
 }
 
-}  // namespace
+}  // namespace acquire_channel_filter_test
 }  // namespace spindle_twin::firmware

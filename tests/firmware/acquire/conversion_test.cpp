@@ -8,7 +8,7 @@
 #include <utility>
 
 namespace spindle_twin::firmware {
-namespace {
+namespace acquire_conversion_test {
 
 // IEC 60751, table of the standard: R(t) of a Pt100.
 constexpr std::array<std::pair<double, double>, 9> table{{{-200.0, 18.52},
@@ -86,5 +86,5 @@ TEST(Linear, scale_and_offset_come_before_the_unit) {
   EXPECT_DOUBLE_EQ(step_of(conversion), 0.01);
 }
 
-}  // namespace
+}  // namespace acquire_conversion_test
 }  // namespace spindle_twin::firmware

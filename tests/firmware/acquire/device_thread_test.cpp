@@ -9,7 +9,7 @@
 #include "firmware/cycle/device_inbox.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace acquire_device_thread_test {
 
 using Script = std::function<Step(DeviceReadings&)>;
 
@@ -131,5 +131,5 @@ TEST(DeviceReadings, a_broken_wire_shows_at_once_whatever_the_filter_and_a_good_
   EXPECT_NEAR(sensor.value, 100.0, 1e-3) << "nothing of the broken wire is in the mean";
 }
 
-}  // namespace
+}  // namespace acquire_device_thread_test
 }  // namespace spindle_twin::firmware

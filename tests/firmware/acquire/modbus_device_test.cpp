@@ -9,7 +9,7 @@
 #include "firmware/serve/modbus_server.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace acquire_modbus_device_test {
 
 RegisterSource source(RegisterTable table, int address, RegisterType type) {
   return {table, static_cast<std::uint16_t>(address), type};
@@ -150,5 +150,5 @@ TEST(ModbusDevice, reads_reports_a_loss_and_connects_again) {
   thread.join();
 }
 
-}  // namespace
+}  // namespace acquire_modbus_device_test
 }  // namespace spindle_twin::firmware

@@ -11,7 +11,7 @@
 #include "tests/firmware/acquire/stream_frames.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace acquire_stream_decoder_test {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -169,5 +169,5 @@ TEST(NodeClock, drift_and_sleep_of_a_nodes_clock_are_forgotten) {
   EXPECT_LT(at_ms * ms - clock.made_ns(130'000, at_ms * ms), 250 * ms);
 }
 
-}  // namespace
+}  // namespace acquire_stream_decoder_test
 }  // namespace spindle_twin::firmware

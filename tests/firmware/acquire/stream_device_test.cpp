@@ -10,7 +10,7 @@
 #include "tests/firmware/acquire/stream_frames.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace acquire_stream_device_test {
 
 constexpr double second_ns = 1e9;
 
@@ -198,5 +198,5 @@ TEST(StreamDevice, a_port_that_is_taken_is_a_lost_device_with_its_reason) {
   EXPECT_THROW(second.step(readings), rom::InputError);
 }
 
-}  // namespace
+}  // namespace acquire_stream_device_test
 }  // namespace spindle_twin::firmware

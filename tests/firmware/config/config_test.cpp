@@ -6,7 +6,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace config_config_test {
 
 const std::string good = R"(network = "small.rom"
 [cycle]
@@ -265,5 +265,5 @@ TEST(Config, a_history_is_bounded_by_days_in_a_database_and_by_segments_in_text)
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace config_config_test
 }  // namespace spindle_twin::firmware

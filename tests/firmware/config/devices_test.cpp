@@ -6,7 +6,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace config_devices_test {
 
 const std::string devices = R"(network = "small.rom"
 [cycle]
@@ -141,5 +141,5 @@ TEST(Devices, no_port_is_listened_on_twice) {
             "/etc/twin.toml:17: device[2].port: 1504 is that of [http] already; each needs one of its own");
 }
 
-}  // namespace
+}  // namespace config_devices_test
 }  // namespace spindle_twin::firmware

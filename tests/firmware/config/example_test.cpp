@@ -13,7 +13,7 @@
 #include "firmware/config/config.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace config_example_test {
 
 /// A key of the commented example, whether it is commented out or not: "gate = 5.0   # default; ...".
 struct ExampleKey {
@@ -88,5 +88,5 @@ TEST(Example, shows_every_option_of_a_correction_and_of_health_with_its_default_
   expect_shown<correction::TareLimits>("[health.tare] ", {"reference"});
 }
 
-}  // namespace
+}  // namespace config_example_test
 }  // namespace spindle_twin::firmware

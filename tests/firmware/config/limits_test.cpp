@@ -7,7 +7,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace config_limits_test {
 
 constexpr double at_rest_K = 300.15;  // of the description's coolant and ambient
 
@@ -108,5 +108,5 @@ TEST(Limits, deviations_are_nothing_at_all_or_what_a_covariance_can_hold) {
   }
 }
 
-}  // namespace
+}  // namespace config_limits_test
 }  // namespace spindle_twin::firmware

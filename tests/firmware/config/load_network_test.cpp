@@ -8,7 +8,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace config_load_network_test {
 
 namespace fs = std::filesystem;
 
@@ -135,5 +135,5 @@ TEST_F(LoadNetwork, a_wrong_configuration_is_one_error_with_its_line) {
   EXPECT_EQ(config_error("network = 3"), "/etc/twin.toml:1: network: must be a string, is an integer");
 }
 
-}  // namespace
+}  // namespace config_load_network_test
 }  // namespace spindle_twin::firmware

@@ -13,7 +13,7 @@
 
 /// Every number of the configuration is taken up to the ends of its range, and refused beyond with its name.
 namespace spindle_twin::firmware {
-namespace {
+namespace config_ranges_test {
 
 constexpr double other_key = std::numeric_limits<double>::quiet_NaN();  ///< an end that another key sets
 
@@ -168,5 +168,5 @@ TEST(Ranges, the_compensations_sign_is_one_or_minus_one) {
   for (const char* sign : {"-1", "1"}) EXPECT_EQ(error_with({"compensation", "sign", -1, 1, true}, sign), "");
 }
 
-}  // namespace
+}  // namespace config_ranges_test
 }  // namespace spindle_twin::firmware

@@ -7,7 +7,7 @@
 #include "firmware/cycle/snapshot.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_codes_test {
 
 template <std::size_t count>
 std::string name_of(const std::array<CodeName, count>& codes, int value) {
@@ -63,5 +63,5 @@ TEST(Codes, qualities_and_faults_are_single_bits) {
   for (const CodeName& code : fault_codes) EXPECT_EQ(code.value & (code.value - 1), 0) << code.name;
 }
 
-}  // namespace
+}  // namespace cycle_codes_test
 }  // namespace spindle_twin::firmware

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_compensate_test {
 
 constexpr double um = 1e-6;
 
@@ -181,5 +181,5 @@ TEST(Compensation, the_slope_is_that_between_nose_and_the_other_output) {
   EXPECT_EQ(snapshot.compensation.reference_m, 0.1);
 }
 
-}  // namespace
+}  // namespace cycle_compensate_test
 }  // namespace spindle_twin::firmware

@@ -13,7 +13,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_coolant_flow_test {
 
 constexpr double operating_kg_per_s = 0.02;
 constexpr double heat_capacity_J_per_kgK = 4180.0;
@@ -194,5 +194,5 @@ TEST(CoolantFlowErrors, names_and_ranges_say_what_is_allowed) {
   EXPECT_EQ(error_of("", many), "twin.toml:1: network: has 5 coolant circuits, the register map has room for 4");
 }
 
-}  // namespace
+}  // namespace cycle_coolant_flow_test
 }  // namespace spindle_twin::firmware

@@ -12,7 +12,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_cycle_test {
 
 TEST(Cycle, open_loop_reaches_the_steady_state_of_the_network) {
   const rom::Network network = tests::small_network();
@@ -330,5 +330,5 @@ TEST(RunCycle, model_time_runs_clock_rate_times_as_fast) {
   EXPECT_EQ(last.overruns, 0U);
 }
 
-}  // namespace
+}  // namespace cycle_cycle_test
 }  // namespace spindle_twin::firmware

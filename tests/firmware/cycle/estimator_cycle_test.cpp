@@ -9,7 +9,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_estimator_cycle_test {
 
 /// A twin that follows a machine, one cycle a second.
 struct Pair {
@@ -367,5 +367,5 @@ TEST(EstimatorCycle, no_heap_call_after_warm_up) {
   EXPECT_GT(updates, 50U);
 }
 
-}  // namespace
+}  // namespace cycle_estimator_cycle_test
 }  // namespace spindle_twin::firmware

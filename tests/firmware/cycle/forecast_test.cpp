@@ -10,7 +10,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_forecast_test {
 
 /// The network with one deformation, wherever its nodes are: the mean of all.
 double growth_m(const Machine& machine) { return machine.model.outputs.deformations_m[0]; }
@@ -75,5 +75,5 @@ TEST(Forecast, makes_a_stride_each_so_many_cycles) {
   EXPECT_FALSE(std::isnan(forecast.change_m()));
 }
 
-}  // namespace
+}  // namespace cycle_forecast_test
 }  // namespace spindle_twin::firmware

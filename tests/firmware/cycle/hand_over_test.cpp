@@ -8,7 +8,7 @@
 #include "firmware/watch/deadline.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_hand_over_test {
 
 /// All entries equal, so that a torn copy shows.
 struct Wide {
@@ -92,5 +92,5 @@ TEST(Deadline, whole_periods_late_are_missed_and_skipped) {
   EXPECT_EQ(deadline.due_ns(), 40);
 }
 
-}  // namespace
+}  // namespace cycle_hand_over_test
 }  // namespace spindle_twin::firmware

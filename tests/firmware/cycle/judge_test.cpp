@@ -5,7 +5,7 @@
 #include <limits>
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_judge_test {
 
 constexpr std::int64_t second_ns = 1'000'000'000;
 
@@ -109,5 +109,5 @@ TEST(Judge, a_lost_device_shows_at_once) {
   EXPECT_EQ(inputs.judgement.quality, bits(Quality::device_offline));
 }
 
-}  // namespace
+}  // namespace cycle_judge_test
 }  // namespace spindle_twin::firmware

@@ -7,7 +7,7 @@
 #include "tests/firmware/support/machine.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_limits_test {
 
 constexpr std::size_t speed = 0, load = 1, coolant = 2, ambient = 3;
 
@@ -134,5 +134,5 @@ TEST(Sequence, goes_on_beyond_32_bits_and_the_clock_with_it) {
   EXPECT_EQ(get(image, Register::service_sequence), 5.0);
 }
 
-}  // namespace
+}  // namespace cycle_limits_test
 }  // namespace spindle_twin::firmware

@@ -15,7 +15,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_measured_heat_test {
 
 /// A winding of 6 W/K to a housing of 5 W/K to the room, 0.8 of the measured loss in the winding; no deformation, no
 /// coolant.
@@ -171,5 +171,5 @@ TEST(SurroundingErrors, a_signal_is_required_where_the_network_has_the_surroundi
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace cycle_measured_heat_test
 }  // namespace spindle_twin::firmware

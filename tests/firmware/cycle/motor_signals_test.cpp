@@ -17,7 +17,7 @@
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_motor_signals_test {
 
 constexpr std::size_t current = static_cast<std::size_t>(Signal::current);
 constexpr std::size_t power = static_cast<std::size_t>(Signal::power);
@@ -270,5 +270,5 @@ TEST(MotorSignalsErrors, say_where_and_what_is_allowed) {
   EXPECT_EQ(error_of("current = 5.0\n", by_current()).substr(0, 30), "twin.toml:12: signals.current:");
 }
 
-}  // namespace
+}  // namespace cycle_motor_signals_test
 }  // namespace spindle_twin::firmware

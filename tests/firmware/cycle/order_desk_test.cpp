@@ -7,7 +7,7 @@
 #include "tests/firmware/support/machine.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_order_desk_test {
 
 Order order(OrderKind kind, std::uint16_t code, std::uint16_t id = 0) { return {kind, id, code, {}}; }
 
@@ -150,5 +150,5 @@ TEST(StandBy, orders_of_a_run_before_hold_from_the_first_cycle_on_and_a_loss_sta
   EXPECT_EQ(cycle.standing_orders().tare_m, 3e-6);
 }
 
-}  // namespace
+}  // namespace cycle_order_desk_test
 }  // namespace spindle_twin::firmware

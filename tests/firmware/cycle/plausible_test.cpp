@@ -7,7 +7,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_plausible_test {
 
 /// Three sensors at 310, 305 and 300 K, surroundings at 298 K; all predictions at 304 K.
 struct Predicted {
@@ -83,5 +83,5 @@ TEST(Plausible, where_nothing_is_measured_nothing_is_outside) {
   EXPECT_EQ(predicted.outside(), 0.0);
 }
 
-}  // namespace
+}  // namespace cycle_plausible_test
 }  // namespace spindle_twin::firmware

@@ -11,7 +11,7 @@
 
 /// Issue 11: whatever happens, what is published stays physical, or says that it may not be.
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_published_stays_physical_test {
 
 /// A prediction may lie so much further outside of all readings and surroundings than the uncorrected model does.
 constexpr double allowed_K = 30.0;
@@ -201,5 +201,5 @@ TEST(PublishedStaysPhysical, and_says_nothing_most_of_the_time_where_only_the_ne
   EXPECT_GT(all.running, all.cycles / 2);
 }
 
-}  // namespace
+}  // namespace cycle_published_stays_physical_test
 }  // namespace spindle_twin::firmware

@@ -16,7 +16,7 @@
 #include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace cycle_watch_sensors_test {
 
 /// A twin and a machine whose sensors are noisy, have offsets and may be tampered with; one cycle a second.
 struct Watched {
@@ -330,5 +330,5 @@ TEST(HealthConfig, a_limit_out_of_range_is_refused_with_its_line) {
   }
 }
 
-}  // namespace
+}  // namespace cycle_watch_sensors_test
 }  // namespace spindle_twin::firmware

@@ -20,7 +20,7 @@
 #include "tests/firmware/support/machine.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace keep_checkpoint_test {
 
 constexpr double saved_unix_s = 1.7e9;
 const std::string sha256(64, 'a');
@@ -337,5 +337,5 @@ TEST(Parameters, the_sentence_names_heats_that_no_source_explains_and_no_others)
   EXPECT_EQ(unexplained_heats(parameters, estimates(-15.0, true)), "");
 }
 
-}  // namespace
+}  // namespace keep_checkpoint_test
 }  // namespace spindle_twin::firmware

@@ -12,7 +12,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace keep_history_row_test {
 
 std::vector<std::string> cells_of(const std::string& line) {
   std::vector<std::string> cells;
@@ -186,5 +186,5 @@ TEST(HistoryRow, what_the_cycle_was_given_comes_back_to_the_bit) {
   EXPECT_EQ(std::stod(row.at("length_m")), snapshot.displacement.value_m);
 }
 
-}  // namespace
+}  // namespace keep_history_row_test
 }  // namespace spindle_twin::firmware

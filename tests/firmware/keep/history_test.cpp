@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace keep_history_test {
 
 TEST(History, every_snapshot_becomes_a_row_in_order) {
   const rom::Network network = tests::small_network();
@@ -144,5 +144,5 @@ TEST(History, what_a_full_disk_leaves_of_a_row_is_cut_off) {
   EXPECT_EQ(troubles.history_rows_lost.load(), 10U);
 }
 
-}  // namespace
+}  // namespace keep_history_test
 }  // namespace spindle_twin::firmware

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace keep_orders_file_test {
 
 const std::string network(64, 'a');
 const std::string other_network(64, 'b');
@@ -180,5 +180,5 @@ TEST(StateFiles, a_pipe_in_the_place_of_a_file_is_refused_and_does_not_hang) {
   EXPECT_THROW(read_orders(path), rom::InputError);
 }
 
-}  // namespace
+}  // namespace keep_orders_file_test
 }  // namespace spindle_twin::firmware

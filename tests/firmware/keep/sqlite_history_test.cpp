@@ -24,7 +24,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace keep_sqlite_history_test {
 
 class SqliteFile : public ::testing::Test {
  protected:
@@ -241,5 +241,5 @@ TEST_F(SqliteFile, a_file_that_is_cut_or_scrambled_never_ends_in_more_than_an_er
   }
 }
 
-}  // namespace
+}  // namespace keep_sqlite_history_test
 }  // namespace spindle_twin::firmware

@@ -9,7 +9,7 @@
 #include "firmware/serve/device_identification.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace serve_frame_gate_test {
 
 using Bytes = std::vector<std::uint8_t>;
 constexpr WriteRange writable{1000, 6};
@@ -134,5 +134,5 @@ TEST(DeviceIdentification, an_object_that_does_not_exist_is_exception_2) {
   EXPECT_EQ(reply[8], 2);
 }
 
-}  // namespace
+}  // namespace serve_frame_gate_test
 }  // namespace spindle_twin::firmware

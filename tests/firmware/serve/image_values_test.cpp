@@ -9,7 +9,7 @@
 
 /// Each register holds what its cycle said, in the unit of the register map.
 namespace spindle_twin::firmware {
-namespace {
+namespace serve_image_values_test {
 
 struct Value {
   Register which;
@@ -251,5 +251,5 @@ TEST(ImageValues, of_the_spindle_stand_in_their_units) {
                            {Register::device_accepted, 7, 2}});
 }
 
-}  // namespace
+}  // namespace serve_image_values_test
 }  // namespace spindle_twin::firmware

@@ -17,7 +17,7 @@
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace serve_modbus_server_test {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -406,5 +406,5 @@ TEST(AllowList, ranges_take_the_first_bits) {
   }
 }
 
-}  // namespace
+}  // namespace serve_modbus_server_test
 }  // namespace spindle_twin::firmware

@@ -11,7 +11,7 @@
 #include "firmware/serve/pack.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace serve_registers_test {
 
 Snapshot empty_snapshot() {
   Snapshot snapshot;
@@ -268,5 +268,5 @@ TEST(Commands, a_measured_length_is_taken_with_its_deviation_and_output) {
   EXPECT_EQ(second[0].length.output, 1U);
 }
 
-}  // namespace
+}  // namespace serve_registers_test
 }  // namespace spindle_twin::firmware

@@ -12,7 +12,7 @@
 #include "firmware/show/routes.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace show_http_answer_test {
 
 class Answers : public ::testing::Test {
  protected:
@@ -109,5 +109,5 @@ TEST(JsonText, quotes_backslashes_and_control_characters_are_escaped) {
   EXPECT_EQ(json_text("a\"b\\c\n\x01 \xC2\xB5m"), "\"a\\\"b\\\\c\\u000a\\u0001 \xC2\xB5m\"");
 }
 
-}  // namespace
+}  // namespace show_http_answer_test
 }  // namespace spindle_twin::firmware

@@ -12,7 +12,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace show_metrics_test {
 
 std::string metrics_of(const Snapshot& snapshot, ShownNames names = names_of(tests::small_network())) {
   RegisterImage image{};
@@ -60,5 +60,5 @@ TEST(Metrics, a_name_with_quotes_backslashes_and_line_ends_is_escaped) {
   EXPECT_NE(metrics_of(snapshot, names).find("{key_point=\"a\\\"b\\\\c\\nd\"}"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace show_metrics_test
 }  // namespace spindle_twin::firmware

@@ -16,7 +16,7 @@
 #include "tests/firmware/support/small_network.hpp"
 
 namespace spindle_twin::firmware {
-namespace {
+namespace watch_log_test {
 
 /// The tests' own logger comes back. As the program does, they ignore SIGPIPE: a line that waits for a reader is still
 /// written when the test closes its pipe.
@@ -152,5 +152,5 @@ TEST(EventLog, one_line_per_event_and_none_per_cycle) {
   EXPECT_LE(count("state "), 10) << "flapping is held back";
 }
 
-}  // namespace
+}  // namespace watch_log_test
 }  // namespace spindle_twin::firmware

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace spindle_twin::firmware {
-namespace {
+namespace watch_service_manager_test {
 
 class ServiceManagerTest : public testing::Test {
  protected:
@@ -78,5 +78,5 @@ TEST_F(ServiceManagerTest, asks_for_three_cycles_where_the_watchdog_is_faster) {
   EXPECT_TRUE(told_.empty());
 }
 
-}  // namespace
+}  // namespace watch_service_manager_test
 }  // namespace spindle_twin::firmware

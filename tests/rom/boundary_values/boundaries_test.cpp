@@ -6,7 +6,7 @@
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::rom {
-namespace {
+namespace boundary_values_boundaries_test {
 
 Boundaries make_boundaries() {
   Boundaries boundaries;
@@ -180,5 +180,5 @@ TEST(Schedule, bad_files_are_refused_with_line_and_column) {
   EXPECT_THROW(read_schedule("/nonexistent.csv", make_boundaries()), InputError);
 }
 
-}  // namespace
+}  // namespace boundary_values_boundaries_test
 }  // namespace spindle_twin::rom

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace spindle_twin::rom {
-namespace {
+namespace boundary_values_environments_test {
 
 struct Surroundings {
   Boundaries boundaries;
@@ -37,5 +37,5 @@ TEST(Environments, without_ambient_a_spindle_ends_at_the_first_and_without_any_a
   EXPECT_EQ(rest_temperature_K(alone.boundaries, alone.state), 293.0);
 }
 
-}  // namespace
+}  // namespace boundary_values_environments_test
 }  // namespace spindle_twin::rom

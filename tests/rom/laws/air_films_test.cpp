@@ -3,7 +3,7 @@
 #include "tests/rom/laws/law_checks.hpp"
 
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_air_films_test {
 
 double film(LawMode mode, RotationFormula formula, double n) {
   return rotating_cylinder_W_per_m2K(mode, {formula, 0.04}, n, room_K, 5.0).value;
@@ -160,5 +160,5 @@ TEST(EndWinding, reference_values_slopes_and_smoothness) {
   expect_smooth(law, -0.3, 0.3, "end winding through standstill");
 }
 
-}  // namespace
+}  // namespace laws_air_films_test
 }  // namespace spindle_twin::rom::test

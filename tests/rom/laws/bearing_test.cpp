@@ -4,7 +4,7 @@
 #include "tests/rom/laws/law_checks.hpp"
 
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_bearing_test {
 
 constexpr double degree = std::numbers::pi / 180.0;
 
@@ -241,5 +241,5 @@ TEST(FilmThickness, reference_values) {
   }
 }
 
-}  // namespace
+}  // namespace laws_bearing_test
 }  // namespace spindle_twin::rom::test

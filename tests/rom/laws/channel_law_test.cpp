@@ -7,7 +7,7 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::rom {
-namespace {
+namespace laws_channel_law_test {
 
 TEST(ChannelLaw, fast_flow_is_the_plain_film) { EXPECT_NEAR(channel_W_per_m2K(548.0, 0.05, 1e9), 548.0, 548.0 * 1e-7); }
 
@@ -52,5 +52,5 @@ TEST(ChannelLaw, acts_on_segments_only_and_knows_no_direction) {
   EXPECT_EQ(backwards.coolant_W_per_K[0], -40.0);
 }
 
-}  // namespace
+}  // namespace laws_channel_law_test
 }  // namespace spindle_twin::rom

@@ -4,7 +4,7 @@
 #include "tests/rom/laws/law_checks.hpp"
 
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_contact_test {
 
 /// Ground steel 45 on GCr15.
 ContactSurfaces reference_surfaces() {
@@ -189,5 +189,5 @@ TEST(InterferenceFit, slope_of_the_resistance_is_the_product_of_its_links) {
                "dR/dT");
 }
 
-}  // namespace
+}  // namespace laws_contact_test
 }  // namespace spindle_twin::rom::test

@@ -3,7 +3,7 @@
 #include "tests/rom/laws/law_checks.hpp"
 
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_coolant_test {
 
 constexpr double conductivity = 0.61, prandtl = 5.8;
 
@@ -174,5 +174,5 @@ TEST(ChannelLaw, slopes_and_smoothness) {
   EXPECT_EQ(slope(by_flow, 0.0), 1.0 / 0.4);  // all that the liquid can carry
 }
 
-}  // namespace
+}  // namespace laws_coolant_test
 }  // namespace spindle_twin::rom::test

@@ -8,7 +8,7 @@
 #include "tests/rom/laws/law_checks.hpp"
 
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_evaluate_test {
 
 LawState warm_state() {
   LawState state;
@@ -186,5 +186,5 @@ TEST(Evaluate, takes_nothing_from_the_heap) {
   EXPECT_GT(sum, 0.0);
 }
 
-}  // namespace
+}  // namespace laws_evaluate_test
 }  // namespace spindle_twin::rom::test

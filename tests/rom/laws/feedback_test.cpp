@@ -3,7 +3,7 @@
 
 /// What it does to a body that its own heat follows its temperature.
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_feedback_test {
 
 struct SteadyState {
   double temperature_K = 0.0;
@@ -78,5 +78,5 @@ TEST(Feedback, viscosity_outweighs_thermal_preload) {
   EXPECT_NEAR(preload_N(bearing.preload, 6.5, 0.0, 0.0, 0.0).value / 250.0, 2.66, 0.01);
 }
 
-}  // namespace
+}  // namespace laws_feedback_test
 }  // namespace spindle_twin::rom::test

@@ -3,7 +3,7 @@
 #include "tests/rom/laws/law_checks.hpp"
 
 namespace spindle_twin::rom::test {
-namespace {
+namespace laws_losses_test {
 
 WindageShape windage_shape(const ReferenceRow& row) {
   return {row["rotor_radius_m"], row["gap_m"], row["length_m"], 0.025};
@@ -184,5 +184,5 @@ TEST(Iron, slopes_and_smoothness) {
   EXPECT_TRUE(iron_loss_W(LawMode::standard, iron, 3000.0, 1.0).flags & above_range);
 }
 
-}  // namespace
+}  // namespace laws_losses_test
 }  // namespace spindle_twin::rom::test

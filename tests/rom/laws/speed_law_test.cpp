@@ -5,7 +5,7 @@
 #include <cmath>
 
 namespace spindle_twin::rom {
-namespace {
+namespace laws_speed_law_test {
 
 TEST(SpeedLaw, default_is_one_everywhere) {
   for (const double speed_rpm : {-24000.0, 0.0, 24000.0}) {
@@ -32,5 +32,5 @@ TEST(SpeedLaw, standstill_gives_zero_only_where_asked) {
   EXPECT_GT(evaluate_speed_law(law, 1.0, 6000.0, 1.0), 0.7);
 }
 
-}  // namespace
+}  // namespace laws_speed_law_test
 }  // namespace spindle_twin::rom
