@@ -182,7 +182,8 @@ void draw_legend(Canvas& canvas, double top, const std::vector<LegendGroup>& gro
         (group.lines.size() + static_cast<std::size_t>(columns) - 1) / static_cast<std::size_t>(columns);
     for (std::size_t i = 0; i < group.lines.size(); ++i) {
       const LegendLine& line = group.lines[i];
-      const double x = legend_left_px + static_cast<double>(i / rows) * column_px;
+      const std::size_t column = i / rows;
+      const double x = legend_left_px + static_cast<double>(column) * column_px;
       const double middle = y + (static_cast<double>(i % rows) + 0.5) * line_height_px;
       double words_x = x;
       if (line.draw_symbol) {

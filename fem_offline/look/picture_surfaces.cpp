@@ -297,7 +297,7 @@ LegendGroup heats_legend(const SectionPicture& picture) {
       on_face = on_face || is_face;
     }
     std::string value = compact(picture.heats_W[h].value) + watt;
-    if (heat.flux_W_per_m2) value = compact(*heat.flux_W_per_m2) + " W/m², " + value;
+    if (heat.flux_W_per_m2) value.insert(0, compact(*heat.flux_W_per_m2) + " W/m², ");
     heats.lines.push_back({[=, &mark](Canvas& canvas, const PixelBox& box) {
                              if (in_volume) {
                                cairo_save(canvas.pen());

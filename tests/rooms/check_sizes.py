@@ -8,7 +8,8 @@ too, but only where clang-tidy runs), a struct or class twelve public members, s
 why, on the line that names it or the one before it:
     NOLINT(readability-function-size): reason        NOLINT(public-members): reason
 A reason that nothing needs any more fails too. Universal Ctags reads the sources; functions that are only declared are
-another's, or judged where they are defined.
+another's, or judged where they are defined. It overlooks members with an initial value such as `= Type{...}`, of which the
+tree has three.
 """
 import collections
 import json
