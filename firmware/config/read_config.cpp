@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "firmware/acquire/read_address.hpp"
-#include "firmware/config/check_ports.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_compensation.hpp"
 #include "firmware/config/read_correction.hpp"
@@ -232,8 +231,8 @@ void read_cycle(const TomlTable& root, CyclePlan& plan) {
 }
 
 /// [[device]] and what is read from them: [[sensor]] and [[displacement]].
-void read_inputs(const TomlTable& root, Config& config) {
-  config.devices = read_devices(root, config.cycle.clock_rate);
+void read_inputs(const TomlTable& root, Config& config, Listeners& listeners) {
+  config.devices = read_devices(root, config.cycle.clock_rate, listeners);
   for (const TomlTable& table : root.tables_or_empty("sensor")) {
     if (config.devices.empty()) table.fail("key_point", "sensors need a [[device]] table");
     config.sensors.push_back(read_sensor(table, config));
@@ -298,8 +297,13 @@ Config read_root(const TomlTable& root, const std::string& path) {
   const TomlTable serve = root.table("serve");
   config.serve = read_serve(serve);
   config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
-  if (const auto http = root.optional_table("http")) config.show = read_http(*http, config.cycle);
-  read_inputs(root, config);
+  Listeners listeners;
+  listeners.add("[serve]", {config.serve.address, config.serve.port}, serve);
+  if (const auto http = root.optional_table("http")) {
+    config.show = read_http(*http, config.cycle);
+    listeners.add("[http]", {config.show.address, config.show.port}, *http);
+  }
+  read_inputs(root, config, listeners);
   read_signals(root, config);
   read_correction(root.optional_table("correction"), config);
   read_health(root.optional_table("health"), config);
@@ -307,7 +311,6 @@ Config read_root(const TomlTable& root, const std::string& path) {
   read_compensation(root.optional_table("compensation"), config);
   read_start_temperature(root, config);
   read_files(root, config);
-  check_ports(root, config);
   root.finish();
   return config;
 }

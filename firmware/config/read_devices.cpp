@@ -63,10 +63,12 @@ FilterPlan read_filter(const TomlTable& table, double clock_rate) {
 
 }  // namespace
 
-std::vector<DevicePlan> read_devices(const TomlTable& root, double clock_rate) {
+std::vector<DevicePlan> read_devices(const TomlTable& root, double clock_rate, Listeners& listeners) {
   std::vector<DevicePlan> devices;
   if (root.has("device") && root.is_table("device")) {
-    devices.push_back(read_device(root.table("device"), clock_rate));
+    const TomlTable table = root.table("device");
+    devices.push_back(read_device(table, clock_rate));
+    if (const auto place = devices.back().driver->listens()) listeners.add("[device]", *place, table);
     return devices;
   }
   for (const TomlTable& table : root.tables_or_empty("device")) {
@@ -79,6 +81,7 @@ std::vector<DevicePlan> read_devices(const TomlTable& root, double clock_rate) {
     }
     devices.push_back(read_device(table, clock_rate));
     devices.back().name = name;
+    if (const auto place = devices.back().driver->listens()) listeners.add("device \"" + name + "\"", *place, table);
   }
   return devices;
 }

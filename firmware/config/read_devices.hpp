@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "firmware/acquire/driver.hpp"
+#include "firmware/config/listeners.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -16,8 +17,9 @@ struct ConfiguredChannel {
   double step = 0.0;  ///< of the value, in the channel's unit; 0: not known
 };
 
-/// [[device]] tables, or the one [device] of before. Throws rom::InputError.
-std::vector<DevicePlan> read_devices(const rom::TomlTable& root, double clock_rate);
+/// [[device]] tables, or the one [device] of before; those that nodes connect to are noted in `listeners`. Throws
+/// rom::InputError.
+std::vector<DevicePlan> read_devices(const rom::TomlTable& root, double clock_rate, Listeners& listeners);
 
 /// Where a sensor, signal or probe comes from: its keys device, conversion, scale, offset, filter and those of the
 /// device's driver. `unit` leads to SI. Adds a channel to the device. Throws rom::InputError.

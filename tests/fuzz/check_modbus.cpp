@@ -83,7 +83,9 @@ void check_gate(std::span<const std::uint8_t> bytes, const Gate& gate) {
     return;
   }
   require(gate.bytes <= bytes.size() && gate.bytes <= longest_frame, "a frame is there");
-  for (std::size_t length = gate.bytes; length <= std::min(bytes.size(), gate.bytes + 9); ++length) {
+  // What is no Modbus/TCP is known from its header.
+  const std::size_t known_from = gate.verdict == Verdict::close ? mbap_bytes : gate.bytes;
+  for (std::size_t length = known_from; length <= std::min(bytes.size(), known_from + 9); ++length) {
     const Gate early = judge_frame(bytes.first(length), writable_registers());
     require(early.verdict == gate.verdict && early.bytes == gate.bytes && early.exception == gate.exception,
             "a verdict does not depend on what follows the frame");

@@ -130,15 +130,15 @@ TEST(Devices, no_port_is_listened_on_twice) {
   const auto with_nodes = [&](const std::string& keys) { return with(sensor, nodes + keys + "\n" + sensor); };
   EXPECT_EQ(error_of(with_nodes("1504")), "accepted");
   EXPECT_EQ(error_of(with_nodes("1502")),
-            "/etc/twin.toml:17: device[2].port: 1502 is that of [serve] already; each needs one of its own");
+            "/etc/twin.toml:19: device[3].port: 1502 is that of [serve] already; each needs one of its own");
   EXPECT_EQ(error_of(with_nodes("1502\naddress = \"0.0.0.0\"")),
-            "/etc/twin.toml:17: device[2].port: 1502 is that of [serve] already; each needs one of its own");
+            "/etc/twin.toml:19: device[3].port: 1502 is that of [serve] already; each needs one of its own");
   EXPECT_EQ(error_of(with_nodes("1502\naddress = \"127.0.0.2\"")), "accepted") << "another address";
   const std::string others = "[[device]]\nname = \"others\"\ndriver = \"stream\"\nport = 1504\n";
   EXPECT_EQ(error_of(with_nodes("1504\n" + others)),
-            "/etc/twin.toml:21: device[3].port: 1504 is that of device \"nodes\" already; each needs one of its own");
+            "/etc/twin.toml:23: device[4].port: 1504 is that of device \"nodes\" already; each needs one of its own");
   EXPECT_EQ(error_of(with_nodes("1504\n[http]\nport = 1504")),
-            "/etc/twin.toml:17: device[2].port: 1504 is that of [http] already; each needs one of its own");
+            "/etc/twin.toml:19: device[3].port: 1504 is that of [http] already; each needs one of its own");
 }
 
 }  // namespace config_devices_test
