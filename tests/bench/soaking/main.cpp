@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <vector>
 
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/pack.hpp"
@@ -63,34 +64,39 @@ long infinite_registers(const RegisterImage& image) {
   return count;
 }
 
-/// What the machine does and what goes wrong, a day after the other; the same seed gives the same days.
+/// What the machine does, a day after the other; the same seed gives the same days.
 class Days {
  public:
-  Days(const rom::Network& network, std::vector<std::size_t> sensors, std::uint64_t seed)
-      : network_(network), sensors_(std::move(sensors)), random_(seed) {}
+  Days(const rom::Network& network, std::uint64_t seed) : network_(network), random_(seed) {}
 
   const LogStep& at(double time_s) {
-    if (time_s >= end_s_) begin_day();
+    if (time_s >= end_s_) {
+      begin_s_ = end_s_;
+      end_s_ += day_s;
+      log_ = random_log(network_, day_s, random_);
+    }
     return at_time(log_, time_s - begin_s_);
   }
-  TroubledDevice& device() { return *device_; }
-  double since_morning_s(double time_s) const { return time_s - begin_s_; }
 
  private:
-  void begin_day() {
-    begin_s_ = end_s_;
-    end_s_ += day_s;
-    log_ = random_log(network_, day_s, random_);
-    device_ = std::make_unique<TroubledDevice>(sensors_, random_troubles(sensors_, day_s, random_), random_());
-  }
-
   const rom::Network& network_;
-  std::vector<std::size_t> sensors_;
   Random random_;
   double begin_s_ = 0.0, end_s_ = 0.0;
   std::vector<LogStep> log_;
-  std::unique_ptr<TroubledDevice> device_;
 };
+
+/// One to three troubles each day, of the same sensors with the same offsets.
+TroubledDevice troubled_for(double days, const std::vector<std::size_t>& sensors, Random& random) {
+  std::vector<TroubleEvent> events;
+  for (double begin_s = 0.0; begin_s < days * day_s; begin_s += day_s) {
+    for (TroubleEvent event : random_troubles(sensors, day_s, random)) {
+      event.from_s += begin_s;
+      event.until_s += begin_s;
+      events.push_back(event);
+    }
+  }
+  return {sensors, events, random()};
+}
 
 DaemonLines lines_of(const rom::Network& network, const std::vector<std::size_t>& sensors) {
   DaemonLines lines;
@@ -105,7 +111,8 @@ Score soak(const Options& options) {
   RandomMachine machine(made_other(network, 0.2, random));
   std::vector<std::size_t> sensors;
   for (std::size_t k = 0; k < std::min<std::size_t>(network.key_points.size(), 6); ++k) sensors.push_back(k);
-  Days days(network, sensors, random());
+  Days days(network, random());
+  TroubledDevice device = troubled_for(options.days, sensors, random);
   machine.start(days.at(0.0).ambient_K);
   Cycle cycle(network, daemon_plan(network, lines_of(network, sensors)),
               [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
@@ -118,7 +125,7 @@ Score soak(const Options& options) {
   for (double time_s = 0.0; time_s < options.days * day_s; time_s += 1.0) {
     const LogStep& step = days.at(time_s);
     const auto now_ns = static_cast<std::int64_t>(1e9 * (1.0 + time_s));
-    const DeviceFrame& frame = days.device().read(machine.nodes_K(), step, days.since_morning_s(time_s), now_ns);
+    const DeviceFrame& frame = device.read(machine.nodes_K(), step, time_s, now_ns);
     const long heap_before = rom::tests::heap_calls();
     const auto begin = std::chrono::steady_clock::now();
     const Snapshot& snapshot = cycle.step(frame, {}, now_ns, 0);
