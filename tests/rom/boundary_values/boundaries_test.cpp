@@ -131,6 +131,21 @@ TEST(Schedule, current_and_power_hold_until_the_next_row_where_a_heat_follows_th
   EXPECT_FALSE(state.current_A.has_value());
 }
 
+TEST(Schedule, temperatures_alone_end_at_absolute_zero) {
+  Boundaries boundaries = make_boundaries();
+  boundaries.circuits = {{"jacket", 0, 4180.0, {1}}};
+  boundaries.operating.flow_kg_per_s = Eigen::VectorXd::Constant(1, 0.05);
+  const ScheduleFile file(
+      "time_s,speed_rpm,load,jacket_kg_per_s,coolant_degC\n0,-6000,-300,-500,-273.1\n10,-6000,-300,-500,-273.1\n");
+  OperatingState state = boundaries.operating;
+  state_at(read_schedule(file.path(), boundaries), 5.0, state);
+  EXPECT_EQ(state.speed_rpm, -6000.0);
+  EXPECT_EQ(state.load, -300.0);
+  EXPECT_EQ(state.flow_kg_per_s[0], -500.0);
+  EXPECT_NEAR(state.environment_K[0], 0.05, 1e-9);
+  EXPECT_NE(refusal("time_s,speed_rpm,load,coolant_degC\n0,1,1,-273.15\n"), "");
+}
+
 TEST(Schedule, constant_schedule_holds_the_operating_state) {
   const Boundaries boundaries = make_boundaries();
   const Schedule schedule = constant_schedule(boundaries, 1800.0);
