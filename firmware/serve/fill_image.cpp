@@ -49,7 +49,7 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
   fill.value(Register::fault, snapshot.fault);
   const double age_s = snapshot.time_ns == 0 ? not_a_value : 1e-9 * static_cast<double>(now_ns - snapshot.time_ns);
   // An age at its end says so itself; it is no clipped prediction.
-  put(fill.image, Register::prediction_age, std::max(0.0, age_s));
+  put(fill.image, Register::prediction_age, std::max(age_s, 0.0));  // in this order NaN stays NaN
   put(fill.image, Register::data_age, snapshot.data_age_s);
   fill.value(Register::tare_count, snapshot.tare_count % 65535);
   fill.value(Register::correction_count, snapshot.correction_count % 65535);
