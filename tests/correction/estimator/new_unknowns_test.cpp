@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/firmware/support/small_network.hpp"
@@ -108,6 +110,59 @@ TEST(UnexplainedHeatParameter, of_a_certified_network_is_shut_until_readings_con
   EXPECT_EQ(pair.estimator.loosened(), 1);
   EXPECT_TRUE(pair.estimator.heats_are_open());
   EXPECT_GT(pair.estimator.estimate(slot).deviation, pair.estimator.estimate(slot).prior_deviation);
+}
+
+TEST(UnexplainedHeatParameter, is_told_where_it_is_more_than_two_deviations_and_the_surest_one) {
+  const rom::Network network = small_by_hand();
+  Pair pair(network, small_floor());
+  pair.noise_K = 0.03;
+  pair.truth = pair.estimator.parameters().mean();
+  pair.truth[pair.parameter("unexplained heat middle")] = 20.0;
+  int told = 0, silent = 0;
+  while (pair.time_s < 4.0 * 3600.0) {
+    run_in_steps(pair, pair.time_s + 20.0);
+    const ParameterModel& parameters = pair.estimator.parameters();
+    double surest = 0.0;
+    Eigen::Index group = -1;
+    for (Eigen::Index g = 0; g < parameters.group_count(); ++g) {
+      const ParameterEstimate heat = pair.estimator.estimate(parameters.disturbance(g));
+      const double deviations = std::abs(heat.value) / heat.deviation;
+      if (deviations > std::max(2.0, surest)) group = g;
+      surest = std::max(surest, deviations);
+    }
+    EXPECT_EQ(pair.estimator.unexplained_heat().group, group) << pair.time_s;
+    ++(group < 0 ? silent : told);
+  }
+  EXPECT_GT(told, 10);
+  EXPECT_GT(silent, 10);
+}
+
+TEST(FilmParameter, is_as_open_as_at_the_start_once_the_flow_has_changed_by_a_tenth) {
+  rom::Network network = rom::tests::make_network_with_circuit({3, 2, 2, true}, 7);
+  network.certificate = {};
+  for (const double change : {1.08, 1.15, 0.85}) {
+    Pair pair(network, {});
+    pair.run_until(1800.0);
+    pair.valid.setConstant(false);  // nothing narrows them again
+    pair.run_until(1812.0);
+    const Eigen::MatrixXd before = pair.estimator.covariance();
+    pair.operating.flow_kg_per_s *= change;
+    pair.cycle();
+    const Eigen::MatrixXd after = pair.estimator.covariance();
+    const ParameterModel& parameters = pair.estimator.parameters();
+    const std::vector<int>& segments = network.boundaries.circuits[0].segments;
+    for (std::size_t j = 0; j < network.boundaries.conductances.size(); ++j) {
+      const int slot = parameters.conductance(static_cast<Eigen::Index>(j));
+      ASSERT_GE(slot, 0);
+      const bool wet = std::find(segments.begin(), segments.end(), static_cast<int>(j)) != segments.end();
+      const double deviation = std::sqrt(before(slot, slot));
+      if (wet) {
+        EXPECT_LT(deviation, 0.295) << "the readings have told something of it";
+      }
+      const double expected = wet && std::abs(change - 1.0) > 0.1 ? 0.3 : deviation;
+      EXPECT_NEAR(std::sqrt(after(slot, slot)), expected, 1e-3 * expected) << network.boundaries.conductances[j].name;
+    }
+  }
 }
 
 TEST(CapacityParameter, of_a_hand_written_network_is_found_within_ten_per_cent) {
