@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <sodium.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -261,8 +262,11 @@ TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
   EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "second");
   expect_refused(refusal([&] { read_whole_file(path, 5); }), "6 bytes; at most 5 are allowed");
   EXPECT_EQ(folder.files(), 1);
-  EXPECT_EQ(refusal([] { write_whole_file("/dev/null", std::string("x")); }),
-            "/dev/null: cannot be written: it exists and is not a regular file");
+  // A pipe of our own: a test with a fault in it must not replace a device of the machine.
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(refusal([&] { write_whole_file(pipe, std::string("x")); }),
+            pipe + ": cannot be written: it exists and is not a regular file");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ import csv
 import pathlib
 import re
 import signal
+import socket
 import subprocess
 import time
 import unittest
@@ -199,7 +200,10 @@ class Network(Case):
 
     def test_an_output_that_cannot_be_written_is_refused_before_the_work(self):
         schedule = self.text("hour.csv", HOUR)
-        for output in (self.folder / "none" / "x", self.folder, pathlib.Path("/proc/x"), pathlib.Path("/dev/null")):
+        no_file = self.folder / "socket"  # of our own: a tool with a fault must not replace a device of the machine
+        with socket.socket(socket.AF_UNIX) as bound:
+            bound.bind(str(no_file))
+        for output in (self.folder / "none" / "x", self.folder, pathlib.Path("/proc/x"), no_file):
             for command in (["build", REFERENCE], ["simulate", self.rom, "--schedule", schedule]):
                 with self.subTest(str(output), command=command[0]):
                     self.assertIn(f"{output}: --output: cannot be written: ", self.error_of(*command, "-o", output))
