@@ -56,6 +56,24 @@ TEST(Sensitivities, equal_differences_of_the_integrated_network_for_every_parame
   }
 }
 
+TEST(Sensitivities, of_more_nodes_than_one_block_of_the_substitution_equal_differences) {
+  rom::Network network = rom::tests::make_synthetic_network({5, 5, 5, true}, 7);
+  network.certificate = {};
+  ASSERT_GT(network.nodes.size(), 100u);
+  const EstimatorCorrection estimator(network, plain_options(10.0));
+  const Eigen::VectorXd theta = estimator.parameters().mean();
+  Eigen::MatrixXd sensitivities;
+  run(network, theta, 1.0, 2.0, &sensitivities);
+  constexpr double step = 1e-2;
+  for (const int slot : {estimator.parameters().heat(0), estimator.parameters().heat(1)}) {
+    Eigen::VectorXd high = theta, low = theta;
+    high[slot] += step;
+    low[slot] -= step;
+    const Eigen::VectorXd difference = (run(network, high, 1.0, 2.0) - run(network, low, 1.0, 2.0)) / (2.0 * step);
+    EXPECT_LT((sensitivities.col(slot) - difference).norm(), 0.02 * difference.norm() + integration_K / step);
+  }
+}
+
 TEST(Sensitivities, converge_with_the_period) {
   const rom::Network network = plates();
   const EstimatorCorrection estimator(network, plain_options(10.0));
