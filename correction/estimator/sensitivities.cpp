@@ -187,14 +187,22 @@ void Sensitivities::drive_by_coolant(const HeldInterval& held, const ParameterMo
   wall_rises_K_.noalias() = operator_->walls().transpose() * x_;
   for (Eigen::Index s = 0; s < segments.count(); ++s) {
     const auto segment = static_cast<std::size_t>(s);
+    const double inlet_K = held.values.environment_K[segments.inlet[segment]] - reference_K;
+    const int bias = parameters.environment(segments.inlet[segment]);
     double fed_W = 0.0;
     for (Eigen::Index up = 0; up < segments.count(); ++up) {
-      const double inlet_K = (held.values.environment_K[segments.inlet[static_cast<std::size_t>(up)]] - reference_K) *
-                             segments.area_m2[up];
-      fed_W += coupling_(s, up) * (wall_rises_K_[up] - inlet_K);
+      fed_W += coupling_(s, up) * (wall_rises_K_[up] - inlet_K * segments.area_m2[up]);
+      if (bias >= 0) drive_.col(bias) -= coupling_(s, up) * segments.area_m2[up] * operator_->walls().col(s);
     }
     const int slot = parameters.conductance(segments.conductance[segment]);
-    if (slot >= 0) drive_.col(slot) += fed_W * operator_->walls().col(s);
+    const double conductance = held.values.conductance_W_per_m2K[segments.conductance[segment]];
+    if (slot < 0 || conductance == 0.0) continue;
+    drive_.col(slot) += fed_W * operator_->walls().col(s);
+    // What a segment takes up more, those behind it are fed.
+    const double over_liquid_K = wall_rises_K_[s] - (inlet_K + fed_W / conductance) * segments.area_m2[s];
+    for (Eigen::Index down = 0; down < segments.count(); ++down) {
+      drive_.col(slot) += coupling_(down, s) * over_liquid_K * operator_->walls().col(down);
+    }
   }
 }
 
