@@ -25,6 +25,7 @@ namespace {
 
 constexpr double day_s = 86400.0;
 constexpr double hour_s = 3600.0;
+constexpr double morning_s = 6.0 * hour_s;  // somebody acknowledges failed sensors
 constexpr long most_growth_kB = 1024;
 
 struct Options {
@@ -121,14 +122,19 @@ Score soak(const Options& options) {
               network.nodes.size(), sensors.size(), options.days);
 
   Score score;
+  PlcCommand command;
   std::uint64_t sequence = 0;
   for (double time_s = 0.0; time_s < options.days * day_s; time_s += 1.0) {
     const LogStep& step = days.at(time_s);
     const auto now_ns = static_cast<std::int64_t>(1e9 * (1.0 + time_s));
     const DeviceFrame& frame = device.read(machine.nodes_K(), step, time_s, now_ns);
+    if (std::fmod(time_s, day_s) == morning_s) {
+      command.sensor_order = SensorOrder::acknowledge;
+      ++command.sensor_orders;
+    }
     const long heap_before = rom::tests::heap_calls();
     const auto begin = std::chrono::steady_clock::now();
-    const Snapshot& snapshot = cycle.step(frame, {}, now_ns, 0);
+    const Snapshot& snapshot = cycle.step(frame, command, now_ns, 0);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     if (time_s > hour_s) score.heap_calls += rom::tests::heap_calls() - heap_before;
     score.longest_s = std::max(score.longest_s, took.count());
