@@ -7,6 +7,7 @@ namespace spindle_twin::rom {
 inline constexpr double zero_degC_K = 273.15;  ///< 0 degC in kelvin: T_K = T_degC + zero_degC_K
 inline constexpr double um_per_m = 1e6;
 inline constexpr double m_per_um = 1e-6;
+inline constexpr double seconds_per_minute = 60.0;
 inline constexpr double seconds_per_hour = 3600.0;
 
 }  // namespace spindle_twin::rom

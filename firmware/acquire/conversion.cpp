@@ -12,8 +12,8 @@ constexpr double r0_ohm = 100.0;
 constexpr double a_per_K = 3.9083e-3;
 constexpr double b_per_K2 = -5.775e-7;
 constexpr double c_per_K4 = -4.183e-12;
-constexpr double coldest_degC = -200.0;
-constexpr double hottest_degC = 850.0;
+constexpr double pt100_coldest_degC = -200.0;
+constexpr double pt100_hottest_degC = 850.0;
 
 // NAMUR NE 43, in mA and as shares of the span from 4 to 20 mA.
 constexpr double low_mA = 4.0;
@@ -27,13 +27,13 @@ constexpr double share(double current_mA) { return (current_mA - low_mA) / span_
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 Converted from_ohm(double resistance_ohm) {
-  const double lowest_ohm = pt100_ohm(coldest_degC);
-  const double highest_ohm = pt100_ohm(hottest_degC);
+  const double lowest_ohm = pt100_ohm(pt100_coldest_degC);
+  const double highest_ohm = pt100_ohm(pt100_hottest_degC);
   const double x = (resistance_ohm - lowest_ohm) / (highest_ohm - lowest_ohm);
-  if (x <= share(failure_low_mA)) return {coldest_degC, WireFault::shorted};
-  if (x >= share(failure_high_mA)) return {hottest_degC, WireFault::open};
-  if (x < 0.0) return {coldest_degC, WireFault::under};
-  if (x > 1.0) return {hottest_degC, WireFault::over};
+  if (x <= share(failure_low_mA)) return {pt100_coldest_degC, WireFault::shorted};
+  if (x >= share(failure_high_mA)) return {pt100_hottest_degC, WireFault::open};
+  if (x < 0.0) return {pt100_coldest_degC, WireFault::under};
+  if (x > 1.0) return {pt100_hottest_degC, WireFault::over};
   return {pt100_degC(resistance_ohm), WireFault::none};
 }
 

@@ -10,7 +10,6 @@ namespace spindle_twin::firmware {
 namespace {
 
 using rom::m_per_um;
-constexpr double seconds_per_minute = 60.0;
 constexpr double m_per_mm = 1e-3;
 constexpr double warning_share = 0.8;  // of the limit
 constexpr rom::Range length_um{0.0, 1e4, true, false};
@@ -27,11 +26,11 @@ void read_along(const rom::TomlTable& table, Config& config) {
 
 void read_forecast(const rom::TomlTable& table, Config& config) {
   ForecastPlan& plan = config.cycle.forecast;
-  const double stride_min = Forecast::stride_s / seconds_per_minute;
+  const double stride_min = Forecast::stride_s / rom::seconds_per_minute;
   const double most_min = Forecast::strides * stride_min;
   const double ahead_min = table.number_or("look_ahead_min", 0.0, rom::between(0.0, most_min));
   if (std::fmod(ahead_min, stride_min) != 0.0) table.fail("look_ahead_min", "must be a multiple of 5");
-  plan.ahead_s = seconds_per_minute * ahead_min;
+  plan.ahead_s = rom::seconds_per_minute * ahead_min;
   plan.settled_m = m_per_um * table.number_or("settled_um", plan.settled_m / m_per_um, length_um);
 }
 
@@ -52,10 +51,10 @@ void read_compensation(const std::optional<rom::TomlTable>& table, Config& confi
   if (table->has("limit_um")) config.compensation.limit_m = m_per_um * table->number("limit_um", length_um);
   if (table->has("warning_um")) config.compensation.warning_m = m_per_um * table->number("warning_um", length_um);
   plan.on_loss = table->choice_or("on_loss", "decay", {"hold", "decay"}) == "hold" ? OnLoss::hold : OnLoss::decay;
-  plan.hold_s =
-      seconds_per_minute * table->number_or("hold_min", plan.hold_s / seconds_per_minute, rom::between(0.0, 10080.0));
-  plan.decay_s =
-      seconds_per_minute * table->number_or("decay_min", plan.decay_s / seconds_per_minute, rom::between(0.1, 10080.0));
+  plan.hold_s = rom::seconds_per_minute *
+                table->number_or("hold_min", plan.hold_s / rom::seconds_per_minute, rom::between(0.0, 10080.0));
+  plan.decay_s = rom::seconds_per_minute *
+                 table->number_or("decay_min", plan.decay_s / rom::seconds_per_minute, rom::between(0.1, 10080.0));
   read_along(*table, config);
   read_forecast(*table, config);
 }

@@ -22,6 +22,10 @@ inline constexpr std::uint16_t not_present_code = 65535;
 /// What one cycle made of the orders of each kind, by OrderKind; none where it was given none.
 using OrderResults = std::array<OrderResult, order_kind_codes.size()>;
 
+// What a tare may have taken, however warm spindle and sensors were: beyond, a file is damaged.
+inline constexpr double most_tare_m = 0.01;
+inline constexpr double most_sensor_tare_K = 50.0;
+
 /// What holds until another order changes it, and must outlive a restart: as it stands in the orders' file.
 struct StandingOrders {
   std::uint32_t revision = 0;  ///< counts up with each order obeyed

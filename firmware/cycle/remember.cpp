@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "firmware/cycle/cycle.hpp"
+#include "firmware/cycle/order_desk.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -27,8 +28,6 @@ std::string layout_of(const correction::EstimatorCorrection& estimator) {
 // A spindle, what a reading may be taken as, and a growth, however warm it is.
 constexpr double coldest_K = 173.15;
 constexpr double hottest_K = 673.15;
-constexpr double most_tare_m = 0.01;
-constexpr double most_sensor_tare_K = 50.0;
 
 bool is_within(const std::vector<double>& numbers, double least, double most) {
   return std::all_of(numbers.begin(), numbers.end(), [&](double number) { return number >= least && number <= most; });

@@ -13,12 +13,10 @@
 namespace spindle_twin::firmware {
 namespace {
 
-using Message = spindle_twin_firmware_Orders;
+using OrdersMessage = spindle_twin_firmware_Orders;
 
-constexpr const char* format = "orders 1";
+constexpr const char* orders_format = "orders 1";
 constexpr std::uint64_t largest_bytes = 1 << 16;
-constexpr double most_tare_m = 0.01;
-constexpr double most_sensor_tare_K = 50.0;
 
 /// The fields that nanopb hands over by callback.
 struct Lists {
@@ -28,8 +26,8 @@ struct Lists {
 };
 
 template <Way way>
-Message message_of(const Lists& lists) {
-  Message message = spindle_twin_firmware_Orders_init_zero;
+OrdersMessage message_of(const Lists& lists) {
+  OrdersMessage message = spindle_twin_firmware_Orders_init_zero;
   message.network_sha256 = attach<way>(lists.network_sha256);
   message.sensor_tare_K = attach<way>(lists.tare_K);
   message.sensor_tare_deviation_K = attach<way>(lists.deviation_K);
@@ -48,7 +46,7 @@ std::vector<std::uint8_t> encode_orders(const KeptOrders& kept) {
   const Lists lists{kept.network_sha256,
                     {orders.sensor_tare_K.begin(), orders.sensor_tare_K.end()},
                     {orders.sensor_tare_deviation_K.begin(), orders.sensor_tare_deviation_K.end()}};
-  Message message = message_of<Way::encode>(lists);
+  OrdersMessage message = message_of<Way::encode>(lists);
   message.saved_unix_s = kept.saved_unix_s;
   message.revision = orders.revision;
   message.correction = static_cast<std::uint32_t>(orders.correction);
@@ -57,13 +55,13 @@ std::vector<std::uint8_t> encode_orders(const KeptOrders& kept) {
   message.sensor_tares = orders.sensor_tares;
   message.acknowledgements = orders.acknowledgements;
   message.lost = orders.lost;
-  return seal(format, spindle_twin_firmware_Orders_fields, &message);
+  return seal(orders_format, spindle_twin_firmware_Orders_fields, &message);
 }
 
 KeptOrders decode_orders(const std::vector<std::uint8_t>& bytes, const std::string& file) {
-  const std::span<const std::uint8_t> payload = unseal(format, bytes, file);
+  const std::span<const std::uint8_t> payload = unseal(orders_format, bytes, file);
   Lists lists;
-  Message message = message_of<Way::decode>(lists);
+  OrdersMessage message = message_of<Way::decode>(lists);
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
   const bool read = pb_decode(&stream, spindle_twin_firmware_Orders_fields, &message);
   const bool plausible = read && std::abs(message.tare_m) <= most_tare_m && message.correction <= 2 &&

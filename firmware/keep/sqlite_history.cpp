@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t our_application_id = 0x53545748;  ///< "STWH"
 constexpr std::int64_t our_version = 1;
-constexpr int rows_at_once = 64;
+constexpr int rows_in_a_transaction = 64;
 constexpr int removed_at_once = 256;
 constexpr double seconds_per_day = 86400.0;
 
@@ -169,7 +169,7 @@ void SqliteHistory::drain() {
     try {
       if (is_open) database_->run("BEGIN");
       const double clock_offset_s = unix_now_s() - 1e-9 * static_cast<double>(MonotonicClock().now_ns());
-      while (taken < rows_at_once && ring().pop(snapshot)) {
+      while (taken < rows_in_a_transaction && ring().pop(snapshot)) {
         ++taken;
         if (is_open) add(snapshot, clock_offset_s);
       }

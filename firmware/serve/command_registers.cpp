@@ -81,24 +81,25 @@ std::vector<Order> take_orders(WriteRange written, const Switched& switched, Reg
 
 bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told) {
   bool any = false;
-  struct Way {
+  struct SignalWay {
     Register from;
     Signal to;
     double scale;
     double shift;
   };
-  constexpr std::array<Way, first_flow_signal> ways{{{Register::command_speed, Signal::speed, 1.0, 0.0},
-                                                     {Register::command_load, Signal::load, 0.01, 0.0},
-                                                     {Register::command_coolant, Signal::coolant, 1.0, zero_degC_K},
-                                                     {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K},
-                                                     {Register::command_current, Signal::current, 1.0, 0.0},
-                                                     {Register::command_power, Signal::power, 1e3, 0.0}}};
+  constexpr std::array<SignalWay, first_flow_signal> ways{
+      {{Register::command_speed, Signal::speed, 1.0, 0.0},
+       {Register::command_load, Signal::load, 0.01, 0.0},
+       {Register::command_coolant, Signal::coolant, 1.0, zero_degC_K},
+       {Register::command_ambient, Signal::ambient, 1.0, zero_degC_K},
+       {Register::command_current, Signal::current, 1.0, 0.0},
+       {Register::command_power, Signal::power, 1e3, 0.0}}};
   const auto take = [&](Register from, int slot, std::size_t to, double scale, double shift) {
     if (!touches(written, from, slot)) return;
     told.values[to] = {get(image, from, slot) * scale + shift, now_ns};
     any = true;
   };
-  for (const Way& way : ways) take(way.from, 0, static_cast<std::size_t>(way.to), way.scale, way.shift);
+  for (const SignalWay& way : ways) take(way.from, 0, static_cast<std::size_t>(way.to), way.scale, way.shift);
   constexpr double kg_per_gram = 1e-3;
   for (std::size_t c = 0; c < slots::circuits; ++c) {
     take(Register::command_flow, static_cast<int>(c), first_flow_signal + c, kg_per_gram, 0.0);

@@ -194,8 +194,7 @@ void fill_compensation(const Snapshot& snapshot, Filler& fill) {
   constexpr double mm_per_m = 1e3;
   fill.value(Register::compensation_reference, mm_per_m * told.reference_m);
   fill.value(Register::compensation_forecast, um_per_m * told.forecast_m);
-  constexpr double seconds_per_minute = 60.0;
-  put(fill.image, Register::compensation_settled_after, told.settled_after_s / seconds_per_minute);
+  put(fill.image, Register::compensation_settled_after, told.settled_after_s / rom::seconds_per_minute);
   for (int slot = 0; slot < entry_of(Register::compensation_reserved).slots; ++slot) {
     put_not_present(fill.image, Register::compensation_reserved, slot);
   }

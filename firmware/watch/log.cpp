@@ -56,7 +56,7 @@ bool write_line(int descriptor, std::string_view line) {
       if (errno == EINTR) continue;
       return false;
     }
-    const ssize_t written = write(descriptor, line.data(), std::min(line.size(), most_at_once));
+    const ssize_t written = ::write(descriptor, line.data(), std::min(line.size(), most_at_once));
     if (written < 0 && errno != EINTR && errno != EAGAIN) return false;
     if (written > 0) line.remove_prefix(static_cast<std::size_t>(written));
   }
