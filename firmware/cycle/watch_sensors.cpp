@@ -80,8 +80,7 @@ void rest(const WatchInputs& inputs, const Judgement& judgement, SensorWatch& wa
   constexpr double loaded = 0.01;
   for (std::size_t k = 0; k < watch.samples.tare.size(); ++k) {
     const bool good = inputs.plan.sensors[k].configured && judgement.sensors[k] == SensorQuality::good;
-    const double offset_K = k < watch.tare.offset_K.size() ? watch.tare.offset_K[k] : 0.0;
-    watch.samples.tare[k] = {good, inputs.sensed.sensors[k].value + offset_K,
+    watch.samples.tare[k] = {good, inputs.sensed.sensors[k].value + watch.tare.offset_K[k],
                              inputs.model.outputs.key_points_K[static_cast<Eigen::Index>(k)]};
   }
   const bool heated = std::abs(judgement.signals[static_cast<std::size_t>(Signal::speed)]) > turning_rpm ||

@@ -8,7 +8,7 @@
 
 #include "host_tools/commands/commands.hpp"
 #include "rom/laws/law_fields.hpp"
-#include "rom/read/allowed.hpp"
+#include "rom/range.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {

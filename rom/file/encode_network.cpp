@@ -1,11 +1,12 @@
 #include <pb_encode.h>
 
 #include <Eigen/Core>
-#include <stdexcept>
 
+#include "rom/file/decode_certificate.hpp"
 #include "rom/file/payload.hpp"
 #include "rom/file/rom.pb.h"
 #include "rom/laws/law_fields.hpp"
+#include "rom/require.hpp"
 
 namespace spindle_twin::rom {
 namespace {
@@ -252,16 +253,12 @@ Eigen::VectorXd flat(const std::vector<OutputError>& errors) {
   return numbers;
 }
 
-struct ErrorColumns {
-  Eigen::VectorXd key_points_K, part_means_K, part_maxima_K, deformations_m, contact_pressures_Pa;
-};
-
-ErrorColumns flat(const Certificate& certificate) {
+FlatErrors flat(const Certificate& certificate) {
   return {flat(certificate.key_points_K), flat(certificate.part_means_K), flat(certificate.part_maxima_K),
           flat(certificate.deformations_m), flat(certificate.contact_pressures_Pa)};
 }
 
-spindle_twin_rom_Certificate certificate_message(const Certificate& certificate, const ErrorColumns& errors) {
+spindle_twin_rom_Certificate certificate_message(const Certificate& certificate, const FlatErrors& errors) {
   spindle_twin_rom_Certificate message = spindle_twin_rom_Certificate_init_zero;
   message.seed = certificate.seed;
   message.cases = certificate.cases;
@@ -280,10 +277,6 @@ spindle_twin_rom_Certificate certificate_message(const Certificate& certificate,
   message.deformations_m = attach(errors.deformations_m);
   message.contact_pressures_Pa = attach(errors.contact_pressures_Pa);
   return message;
-}
-
-void require(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
 }
 
 }  // namespace
@@ -325,7 +318,7 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   message.contact_pressures = attach_list<Pressures, encode_contact_pressure>(network.contact_pressures);
   message.outlines = attach_list<std::vector<OutlineRing>, encode_outline>(network.outlines);
   message.has_certificate = true;
-  const ErrorColumns errors = flat(network.certificate);
+  const FlatErrors errors = flat(network.certificate);
   message.certificate = certificate_message(network.certificate, errors);
 
   std::size_t size = 0;

@@ -3,16 +3,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+
+#include "rom/require.hpp"
 
 namespace spindle_twin::rom {
 namespace {
 
 constexpr Eigen::Index block_entries = 512;
-
-void demand(bool condition, const char* message) {
-  if (!condition) throw std::invalid_argument(message);
-}
 
 Eigen::VectorXd packed_lower(const Eigen::MatrixXd& symmetric) {
   const Eigen::Index n = symmetric.rows();
@@ -25,11 +22,11 @@ Eigen::VectorXd packed_lower(const Eigen::MatrixXd& symmetric) {
 
 void require_shapes(const Network& network) {
   const Eigen::Index n = network.capacity_J_per_K.rows();
-  demand(n > 0 && network.capacity_J_per_K.cols() == n, "the capacity matrix is not square");
-  demand(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
-         "the conduction matrix has not the shape of the capacity matrix");
-  demand(network.source_distribution.rows() == n, "the source distribution has not one row per node");
-  demand(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
+  require(n > 0 && network.capacity_J_per_K.cols() == n, "the capacity matrix is not square");
+  require(network.conduction_W_per_K.rows() == n && network.conduction_W_per_K.cols() == n,
+          "the conduction matrix has not the shape of the capacity matrix");
+  require(network.source_distribution.rows() == n, "the source distribution has not one row per node");
+  require(network.boundaries.conductances.size() == network.factors_m.size(), "not one factor per conductance");
 }
 
 }  // namespace
@@ -56,7 +53,7 @@ NetworkOperator::NetworkOperator(const Network& network)
 /// L, and what follows from the capacities alone.
 void NetworkOperator::set_capacity(const Eigen::MatrixXd& capacity) {
   const Eigen::LLT<Eigen::MatrixXd> cholesky(capacity);
-  demand(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
+  require(cholesky.info() == Eigen::Success, "the capacity matrix is not positive definite");
   capacity_root_ = cholesky.matrixL();
   diagonal_capacity_ = capacity == Eigen::MatrixXd(capacity.diagonal().asDiagonal());
   internal_per_kelvin_ = std::sqrt(capacity.sum() / static_cast<double>(capacity.rows()));
@@ -71,7 +68,7 @@ void NetworkOperator::set_conductances(const Network& network) {
   films_.resize(n, count);
   for (Eigen::Index j = 0; j < count; ++j) {
     Eigen::MatrixXd factor = network.factors_m[static_cast<std::size_t>(j)];
-    demand(factor.rows() == n, "a conductance factor has not one row per node");
+    require(factor.rows() == n, "a conductance factor has not one row per node");
     const Eigen::VectorXd column_sums = factor.colwise().sum().transpose();
     root.solveInPlace(factor);
     const Eigen::VectorXd term = packed_lower(factor * factor.transpose());
@@ -81,7 +78,7 @@ void NetworkOperator::set_conductances(const Network& network) {
     }
     const int environment = network.boundaries.conductances[static_cast<std::size_t>(j)].environment;
     if (environment < 0) continue;
-    demand(environment < environments_, "a conductance names an environment that does not exist");
+    require(environment < environments_, "a conductance names an environment that does not exist");
     films_.col(static_cast<Eigen::Index>(film_environment_.size())) = factor * column_sums;
     film_conductance_.push_back(j);
     film_environment_.push_back(environment);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -27,22 +26,13 @@ void put(double number, Value& value) {
   }
 }
 
-std::string text_of(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
 /// Empty if `number` may stand in `field`.
 std::string fault_of(const LawField& field, double number) {
-  const Range& range = field.range;
-  const bool low = range.min_excluded ? number > range.min : number >= range.min;
-  const bool high = range.max_excluded ? number < range.max : number <= range.max;
-  if (std::isfinite(number) && low && high && (field.words.empty() || number == std::floor(number))) return {};
-  if (!field.words.empty()) return std::string(field.name) + ": must be a whole number up to " + text_of(range.max);
-  return std::string(field.name) + ": must be a number from " + text_of(range.min) +
-         (range.min_excluded ? " (excluded)" : "") + " to " + text_of(range.max) +
-         (range.max_excluded ? " (excluded)" : "");
+  const bool whole = field.words.empty() || number == std::floor(number);
+  if (whole && is_allowed(field.range, number)) return {};
+  const std::string what =
+      field.words.empty() ? allowed(field.range) : "a whole number up to " + printed(field.range.max);
+  return std::string(field.name) + ": must be " + what;
 }
 
 struct Collect {

@@ -1,6 +1,6 @@
 #include "rom/read/options.hpp"
 
-#include "rom/read/allowed.hpp"
+#include "rom/range.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::rom {

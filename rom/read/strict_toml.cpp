@@ -9,7 +9,7 @@
 #include <sstream>
 #include <utility>
 
-#include "rom/read/allowed.hpp"
+#include "rom/range.hpp"
 
 namespace spindle_twin::rom {
 

@@ -49,6 +49,18 @@ TEST(Cycle, the_certificate_enters_the_published_deviation_and_its_absence_is_se
   EXPECT_EQ(last.state, State::running) << "the configuration allowed it";
 }
 
+TEST(Cycle, a_plc_that_ordered_nothing_has_ordered_nothing) {
+  const rom::Network network = tests::small_network();
+  Cycle cycle(network, open_loop(), runtime);
+  for (int n = 0; n < 3; ++n) {
+    const Snapshot& last = cycle.step({}, {}, at_s(n), 0);
+    EXPECT_EQ(last.displacement_orders + last.sensor_orders, 0u) << n;
+    for (const OrderKind kind : {OrderKind::tare, OrderKind::length, OrderKind::sensors, OrderKind::acknowledge}) {
+      EXPECT_EQ(cycle.order_results()[static_cast<std::size_t>(kind)], OrderResult::none) << n;
+    }
+  }
+}
+
 TEST(Cycle, missed_periods_are_integrated_and_counted) {
   const rom::Network network = tests::small_network();
   Cycle steady(network, open_loop(), runtime);

@@ -102,6 +102,29 @@ TEST(Judge, a_plc_signal_without_staleness_limit_never_grows_stale) {
   EXPECT_EQ(inputs.judgement.quality, 0);
 }
 
+TEST(Judge, each_signal_goes_to_its_own_environment_circuit_and_heat) {
+  rom::Network network;
+  network.boundaries.environments = {{"room", rom::EnvironmentKind::ambient},
+                                     {"jacket", rom::EnvironmentKind::coolant}};
+  Judgement judgement;
+  for (std::size_t s = 0; s < signal_count; ++s) judgement.signals[s] = 100.0 + static_cast<double>(s);
+  rom::OperatingState operating;
+  operating.environment_K.setZero(2);
+  operating.flow_kg_per_s.setZero(slots::circuits);
+  operating.heat_W.setZero(slots::heats);
+  set_operating(network, judgement, operating);
+  const auto told = [](auto signal) { return 100.0 + static_cast<double>(signal); };
+  EXPECT_EQ(operating.speed_rpm, told(Signal::speed));
+  EXPECT_EQ(operating.load, told(Signal::load));
+  EXPECT_EQ(operating.environment_K, Eigen::Vector2d(told(Signal::ambient), told(Signal::coolant)));
+  for (Eigen::Index c = 0; c < static_cast<Eigen::Index>(slots::circuits); ++c) {
+    EXPECT_EQ(operating.flow_kg_per_s[c], told(static_cast<Eigen::Index>(first_flow_signal) + c)) << c;
+  }
+  for (Eigen::Index h = 0; h < static_cast<Eigen::Index>(slots::heats); ++h) {
+    EXPECT_EQ(operating.heat_W[h], told(static_cast<Eigen::Index>(first_heat_signal) + h)) << h;
+  }
+}
+
 TEST(Judge, a_lost_device_shows_at_once) {
   Inputs inputs;
   inputs.frame.connected = false;

@@ -1,4 +1,4 @@
-#include "rom/read/allowed.hpp"
+#include "rom/range.hpp"
 
 #include <cmath>
 #include <sstream>
