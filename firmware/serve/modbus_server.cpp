@@ -44,6 +44,9 @@ bool crowds_out_files(int descriptor) {
 /// libmodbus keeps descriptors in an fd_set.
 constexpr int descriptor_limit = 1024;
 
+/// Answers that a client may leave unread: dozens of the longest, for those that ask several things at once.
+constexpr int unread_bytes = 16384;
+
 constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
 constexpr int talks_cyclically = 3;                       ///< a client that goes on after it told a signal
 
@@ -174,6 +177,7 @@ void ModbusServer::accept_all() {
       continue;
     }
     make_quick(socket.get());
+    limit_unread(socket.get(), unread_bytes);
     Connection& connection = connections_.emplace_back();
     connection.socket = std::move(socket);
     connection.host = host;

@@ -104,6 +104,16 @@ TEST(ModbusServer, commands_reach_the_cycle_and_read_back) {
   EXPECT_EQ(command.tare_orders, 1U);
 }
 
+TEST(ModbusServer, who_takes_no_answers_is_ended_before_half_a_megabyte_of_them_waits_in_the_kernel) {
+  Serving serving;
+  Client deaf(serving.server.port());
+  const Bytes request = Client::framed({4, 0, 0, 0, 125});
+  for (int n = 0; n < 2000; ++n) deaf.send(request);
+  EXPECT_TRUE(deaf.reset_by_server());
+  Client good(serving.server.port());
+  EXPECT_EQ(payload(good.ask(read_known)), known_words);
+}
+
 TEST(ModbusServer, the_client_after_the_last_place_is_turned_away) {
   ServePlan plan = Serving::plan();
   plan.connections = 2;

@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 
@@ -86,6 +87,12 @@ class Client {
     // What was sent and never read turns the end into a reset.
     const ssize_t n = recv(socket_.get(), &byte, 1, 0);
     return n == 0 || (n < 0 && errno == ECONNRESET);
+  }
+
+  /// Whether the server has ended the connection, as one sees it who reads nothing; waits for that.
+  bool reset_by_server() {
+    pollfd waited{socket_.get(), 0, 0};
+    return poll(&waited, 1, 5000) == 1 && (waited.revents & (POLLERR | POLLHUP)) != 0;
   }
 
   static Bytes framed(const Bytes& pdu, std::uint8_t unit = 1) {
