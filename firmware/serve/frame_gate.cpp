@@ -60,9 +60,16 @@ WriteRange written_by(std::span<const std::uint8_t> pdu) {
   }
 }
 
+WriteRange inputs_read_by(std::span<const std::uint8_t> pdu) {
+  if (pdu[0] != MODBUS_FC_READ_INPUT_REGISTERS) return {};
+  return {word_at(pdu, 1), word_at(pdu, 3)};
+}
+
+bool overlap(WriteRange a, WriteRange b) { return a.address < b.address + b.count && b.address < a.address + a.count; }
+
 }  // namespace
 
-Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable) {
+Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable, WriteRange holding_only) {
   if (received.size() < mbap_bytes) return {Verdict::wait, mbap_bytes, 0, {}};
   const int protocol = word_at(received, 2);
   const int length = word_at(received, 4);
@@ -96,7 +103,8 @@ Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable) {
   const WriteRange write = written_by(pdu);
   const bool inside = write.count == 0 || (write.address >= writable.address &&
                                            write.address + write.count <= writable.address + writable.count);
-  if (!inside) return refused(bytes, MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS);
+  if (!inside || overlap(inputs_read_by(pdu), holding_only))
+    return refused(bytes, MODBUS_EXCEPTION_ILLEGAL_DATA_ADDRESS);
   return {Verdict::hand_over, bytes, 0, write};
 }
 

@@ -18,10 +18,10 @@ enum class Verdict {
   refuse,     ///< a whole frame to be answered with `exception`
 };
 
-/// A run of holding registers that a request writes.
+/// A run of registers, such as those that a request writes.
 struct WriteRange {
   int address = 0;
-  int count = 0;  ///< 0: the request writes nothing
+  int count = 0;  ///< 0: none
 };
 
 struct Gate {
@@ -35,7 +35,7 @@ struct Gate {
 /// server reads a frame by blocking and believes the header: a frame that stays half, a wrong length or a function it
 /// does not know would hold up every client. In this order: protocol id 0, length 2 to 254, frame whole, unit 0, 1 or
 /// 255 (else exception 11), function 3, 4, 6, 16, 22, 23 or 43/14 (else 1), the length and quantity that the function
-/// allows (else 3), writes inside `writable` (else 2).
-Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable);
+/// allows (else 3), writes inside `writable` and input registers outside `holding_only` (else 2).
+Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable, WriteRange holding_only = {});
 
 }  // namespace spindle_twin::firmware

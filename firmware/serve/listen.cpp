@@ -51,4 +51,6 @@ void make_quick(int socket) {
   set(IPPROTO_TCP, TCP_KEEPCNT, 3);
 }
 
+void limit_unread(int socket, int bytes) { setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes); }
+
 }  // namespace spindle_twin::firmware

@@ -14,4 +14,8 @@ int port_of(int socket);
 /// controllers do not use up the connections.
 void make_quick(int socket);
 
+/// At most so many bytes, doubled by the kernel for its own book-keeping, wait for a peer that does not read; by itself
+/// the kernel lets it grow to megabytes for each.
+void limit_unread(int socket, int bytes);
+
 }  // namespace spindle_twin::firmware

@@ -44,10 +44,14 @@ bool crowds_out_files(int descriptor) {
 /// libmodbus keeps descriptors in an fd_set.
 constexpr int descriptor_limit = 1024;
 
+/// Answers that a client may leave unread: dozens of the longest, for those that ask several things at once.
+constexpr int unread_bytes = 16384;
+
 constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
 constexpr int talks_cyclically = 3;                       ///< a client that goes on after it told a signal
 
-/// Input registers end where the command block, which is the last one, begins.
+/// Input registers end with the last block that is not the command block; that one lies between them, and the gate
+/// keeps it out.
 constexpr int input_registers() {
   int end = 0;
   for (const RegisterBlock& block : register_blocks) {
@@ -173,6 +177,7 @@ void ModbusServer::accept_all() {
       continue;
     }
     make_quick(socket.get());
+    limit_unread(socket.get(), unread_bytes);
     Connection& connection = connections_.emplace_back();
     connection.socket = std::move(socket);
     connection.host = host;
@@ -239,7 +244,8 @@ void ModbusServer::look_at(Connection& connection, short events) {
     return;
   }
   const auto received = std::span<const std::uint8_t>(frame).first(static_cast<std::size_t>(peeked));
-  const Gate gate = judge_frame(received, connection.may_write ? writable_registers() : WriteRange{});
+  const WriteRange commands = writable_registers();
+  const Gate gate = judge_frame(received, connection.may_write ? commands : WriteRange{}, commands);
   if (gate.verdict == Verdict::wait) {
     if ((events & (POLLRDHUP | POLLHUP)) != 0) connection.open = false;  // the rest will never come
     if (connection.deadline_ns == 0) {
@@ -273,6 +279,8 @@ void ModbusServer::answer(Connection& connection, const Gate& gate, std::span<co
     const std::vector<std::uint8_t> reply = identify_device(frame);
     connection.open = send(fd, reply.data(), reply.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(reply.size());
   } else {
+    // libmodbus adds 0x80 to the function, which would turn one that has the bit already into another's answer.
+    taken[mbap_bytes] &= 0x7FU;
     modbus_set_socket(modbus_, fd);
     connection.open = modbus_reply_exception(modbus_, taken.data(), gate.exception) > 0;
   }

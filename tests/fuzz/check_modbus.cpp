@@ -50,6 +50,7 @@ class Modbus {
   std::vector<std::uint8_t> refuse(std::span<const std::uint8_t> frame, std::uint8_t exception) {
     std::array<std::uint8_t, longest_frame> query{};
     std::copy(frame.begin(), frame.end(), query.begin());
+    query[mbap_bytes] &= 0x7FU;
     require(modbus_reply_exception(modbus_.get(), query.data(), exception) > 0, "libmodbus refuses");
     return taken();
   }
@@ -86,12 +87,12 @@ void check_gate(std::span<const std::uint8_t> bytes, const Gate& gate) {
   // What is no Modbus/TCP is known from its header.
   const std::size_t known_from = gate.verdict == Verdict::close ? mbap_bytes : gate.bytes;
   for (std::size_t length = known_from; length <= std::min(bytes.size(), known_from + 9); ++length) {
-    const Gate early = judge_frame(bytes.first(length), writable_registers());
+    const Gate early = judge_frame(bytes.first(length), writable_registers(), writable_registers());
     require(early.verdict == gate.verdict && early.bytes == gate.bytes && early.exception == gate.exception,
             "a verdict does not depend on what follows the frame");
   }
   for (std::size_t length = 0; length < gate.bytes && gate.verdict != Verdict::close; ++length) {
-    require(judge_frame(bytes.first(length), writable_registers()).verdict == Verdict::wait,
+    require(judge_frame(bytes.first(length), writable_registers(), writable_registers()).verdict == Verdict::wait,
             "a frame that is not whole is waited for");
   }
   const WriteRange writable = writable_registers(), write = gate.write;
@@ -108,7 +109,7 @@ RequestCount checked_requests(std::span<const std::uint8_t> bytes) {
   RegisterImage image{};
   PlcSignals told;
   while (!bytes.empty()) {
-    const Gate gate = judge_frame(bytes, writable_registers());
+    const Gate gate = judge_frame(bytes, writable_registers(), writable_registers());
     check_gate(bytes, gate);
     if (gate.verdict == Verdict::wait) break;
     count.closed = gate.verdict == Verdict::close;
@@ -116,7 +117,9 @@ RequestCount checked_requests(std::span<const std::uint8_t> bytes) {
     const auto frame = bytes.first(gate.bytes);
     bytes = bytes.subspan(gate.bytes);
     if (gate.verdict == Verdict::refuse) {
-      check_answer(frame, modbus.refuse(frame, gate.exception));
+      const std::vector<std::uint8_t> refusal = modbus.refuse(frame, gate.exception);
+      check_answer(frame, refusal);
+      require((refusal[mbap_bytes] & 0x80U) != 0, "a refusal is an exception");
       ++count.refused;
       continue;
     }

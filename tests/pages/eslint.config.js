@@ -1,4 +1,4 @@
-// Rules for the scripts of the pages and of their tests.
+// Rules for the scripts of the pages and of all tests.
 import js from "@eslint/js";
 
 const names = list => Object.fromEntries(list.map(name => [name, "readonly"]));
@@ -26,4 +26,5 @@ export default [
   { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
   { files: ["tests/pages/*.js"],
     languageOptions: { globals: { ...browser, ...names(["console", "process", "URL"]) } } },
+  { files: ["tests/system/clients/*.js"], languageOptions: { globals: names(["Buffer", "process"]) } },
 ];

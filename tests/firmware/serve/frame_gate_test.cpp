@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "firmware/serve/device_identification.hpp"
@@ -95,6 +96,22 @@ TEST(FrameGate, lets_writes_pass_only_inside_the_command_block) {
   }
   EXPECT_EQ(judge_frame(framed({16, 3, 237, 0, 2, 4, 0, 1, 0, 1}), writable).exception, 2);
   EXPECT_EQ(judge_frame(framed({23, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 1}), writable).exception, 2);
+}
+
+TEST(FrameGate, input_registers_leave_out_those_that_are_holding_only) {
+  const auto read = [](std::uint8_t function, int address, int count) {
+    const Bytes frame = framed({function, static_cast<std::uint8_t>(address >> 8),
+                                static_cast<std::uint8_t>(address & 255), 0, static_cast<std::uint8_t>(count)});
+    return judge_frame(frame, writable, writable);
+  };
+  EXPECT_EQ(read(4, 999, 1).verdict, Verdict::hand_over);
+  EXPECT_EQ(read(4, 1006, 1).verdict, Verdict::hand_over);
+  EXPECT_EQ(read(3, 999, 8).verdict, Verdict::hand_over);
+  for (const auto& [address, count] : {std::pair{1000, 1}, std::pair{1005, 1}, std::pair{999, 2}, std::pair{990, 30}}) {
+    const Gate gate = read(4, address, count);
+    EXPECT_EQ(gate.verdict, Verdict::refuse) << address;
+    EXPECT_EQ(gate.exception, 2) << address;
+  }
 }
 
 TEST(FrameGate, random_bytes_never_reach_beyond_what_was_received) {
