@@ -12,6 +12,8 @@ struct KeepPlan {
   double max_age_s = 43200.0;   ///< an older checkpoint is not used
   std::string parameters_path;  ///< empty: none
   std::string orders_path;      ///< empty: none, of tests only
+
+  bool operator==(const KeepPlan&) const = default;
 };
 
 /// A row per cycle: in a file of text, and as many of before as there is room for, or in a database.
@@ -20,6 +22,8 @@ struct HistoryPlan {
   std::uint64_t segment_bytes = std::uint64_t{64} << 20;  ///< of text: then a new file is begun
   std::uint64_t most_bytes = std::uint64_t{1} << 30;      ///< of all files together
   double most_days = 90.0;                                ///< of a database: older rows go
+
+  bool operator==(const HistoryPlan&) const = default;
 };
 
 }  // namespace spindle_twin::firmware

@@ -11,6 +11,8 @@ namespace spindle_twin::firmware {
 struct AddressRange {
   std::uint32_t address = 0;  ///< host byte order
   std::uint32_t mask = 0xFFFFFFFFU;
+
+  bool operator==(const AddressRange&) const = default;
 };
 
 /// "192.168.1.7" or "192.168.1.0/24"; empty if it is neither.

@@ -17,6 +17,8 @@ struct ServePlan {
   int connections_per_host = 16;      ///< of these, from one address
   double idle_s = 300.0;              ///< a connection without a request for so long is closed
   double frame_deadline_s = 1.0;      ///< from a request's first byte to its last
+
+  bool operator==(const ServePlan&) const = default;
 };
 
 }  // namespace spindle_twin::firmware

@@ -15,6 +15,8 @@ struct ShowPlan {
   std::vector<AddressRange> allow;    ///< clients that are answered
   std::vector<std::string> names;     ///< of this computer, beside its own name; small letters
   double stale_after_s = 5.0;         ///< clock time; a cycle older than that makes /healthz 503
+
+  bool operator==(const ShowPlan&) const = default;
 };
 
 }  // namespace spindle_twin::firmware

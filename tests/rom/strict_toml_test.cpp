@@ -88,6 +88,18 @@ TEST(StrictToml, wrong_type_names_both_types) {
   EXPECT_EQ(message_of([&] { root.tables("e"); }), "f.toml:5: e: must be an array of tables, is a table");
 }
 
+TEST(StrictToml, rows_are_arrays_of_as_many_numbers_as_there_are_columns) {
+  const auto root = parse("a = [[1, 2], [3, 4]]\nb = [[1, 2], 3]\nc = [[1, 2],\n[3]]\nd = 5\ne = [[1, \"2\"]]\n");
+  EXPECT_EQ(root.rows_or_empty("a", 2), (std::vector<std::vector<double>>{{1, 2}, {3, 4}}));
+  EXPECT_EQ(root.rows_or_empty("none", 2), std::vector<std::vector<double>>());
+  const std::string wanted = "must be an array of arrays of 2 numbers each";
+  EXPECT_EQ(message_of([&] { root.rows_or_empty("b", 2); }), "f.toml:2: b: " + wanted);
+  EXPECT_EQ(message_of([&] { root.rows_or_empty("c", 2); }), "f.toml:4: c: " + wanted);
+  EXPECT_EQ(message_of([&] { root.rows_or_empty("d", 2); }), "f.toml:5: d: " + wanted + ", is an integer");
+  EXPECT_EQ(message_of([&] { root.rows_or_empty("e", 2); }),
+            "f.toml:6: e: every entry must be a finite number, is a string");
+}
+
 TEST(StrictToml, choice_lists_the_words) {
   const auto root = parse("mode = \"fast\"\n");
   EXPECT_EQ(message_of([&] {
