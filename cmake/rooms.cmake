@@ -73,6 +73,12 @@ function(spindle_twin_precompile target group)
   target_link_libraries(${target} PRIVATE spindle_twin_eigen_kernels)
 endfunction()
 
+# spindle_twin_bench(TARGET): a program of tests/bench, which reads options and prints, and whose work is in the rooms.
+function(spindle_twin_bench target)
+  target_compile_options(${target} PRIVATE ${spindle_twin_light})
+  spindle_twin_precompile(${target} commands)
+endfunction()
+
 # spindle_twin_room(NAME [PIC] FOLDERS dir... [LINK lib...]): a static library of all C++ sources below the folders. PIC: it
 # also goes into a shared library, where nothing is meant to be replaced at load time, so that calls within it may be inlined
 # as in a program.

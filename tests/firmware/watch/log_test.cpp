@@ -93,6 +93,13 @@ TEST(Log, a_reader_that_has_gone_ends_nothing) {
   std::signal(SIGPIPE, before);
 }
 
+/// How often `words` stand in a log.
+int lines_with(const std::string& text, const std::string& words) {
+  int found = 0;
+  for (std::size_t at = 0; (at = text.find(words, at)) != std::string::npos; ++at) ++found;
+  return found;
+}
+
 TEST(LogLimit, lets_a_few_pass_each_minute_and_counts_the_others) {
   LogLimit limit(2, 60.0);
   constexpr std::int64_t s = 1'000'000'000;
@@ -137,11 +144,7 @@ TEST(EventLog, one_line_per_event_and_none_per_cycle) {
     }
   }
   const std::string text = pipe.read_all();
-  const auto count = [&](const std::string& line) {
-    int found = 0;
-    for (std::size_t at = 0; (at = text.find(line, at)) != std::string::npos; ++at) ++found;
-    return found;
-  };
+  const auto count = [&](const std::string& line) { return lines_with(text, line); };
   EXPECT_EQ(count("state degraded, quality: sensor_failed"), 1 + 4) << text;
   EXPECT_EQ(count("sensor sleeve_middle: failed, drift"), 1);
   EXPECT_EQ(count("sensor sleeve_middle: believed again"), 1);
@@ -150,6 +153,42 @@ TEST(EventLog, one_line_per_event_and_none_per_cycle) {
   EXPECT_EQ(count("order 3 (the PLC's 4711), tare: done"), 1);
   EXPECT_EQ(count("4 cycles missed, 4 since the start"), 1);
   EXPECT_LE(count("state "), 10) << "flapping is held back";
+}
+
+TEST(EventLog, of_each_cause_so_many_lines_a_minute_and_the_next_minute_says_how_many_were_left_out) {
+  const KeepLogger keep;
+  Pipe pipe;
+  std::atomic<std::uint64_t> dropped{0};
+  {
+    const Log log("info", pipe.ends[1], dropped);
+    EventLog events(tests::small_network());
+    Snapshot now;
+    const auto flap = [&](std::uint32_t n, std::int64_t time_ns) {
+      const bool up = n % 2 == 1;
+      now.state = up ? State::degraded : State::running;
+      now.fault = up ? bits(Fault::output_clamped) : std::uint16_t{0};
+      now.sensor_health[1].state = up ? SensorState::failed : SensorState::good;
+      now.last_orders[0] = {n, 1, OrderKind::tare, OrderResult::done};
+      now.overruns += 1;
+      events.note(now, time_ns);
+    };
+    constexpr std::int64_t began_ns = 5'000'000'000, minute_ns = 60'000'000'000;
+    for (std::uint32_t n = 1; n <= 100; ++n) flap(n, began_ns);
+    flap(101, began_ns + minute_ns - 1);
+    flap(102, began_ns + minute_ns);
+  }
+  const std::string text = pipe.read_all();
+  const auto lines = [&](const char* of) { return lines_with(text, of); };
+  // Each once more in the second minute; the first cycle has no sensor of before and misses none.
+  EXPECT_EQ(lines("] state "), 10 + 1) << text;
+  EXPECT_EQ(lines("] fault "), 10 + 1);
+  EXPECT_EQ(lines("] sensor "), 16 + 1);
+  EXPECT_EQ(lines("] order "), 20 + 1);
+  EXPECT_EQ(lines("cycles missed"), 1 + 1);
+  EXPECT_EQ(lines("(and 91 times that were not logged)"), 2) << "state and fault: 101 of which 10 were said";
+  EXPECT_EQ(lines("(and 85 times that were not logged)"), 1);
+  EXPECT_EQ(lines("(and 81 times that were not logged)"), 1);
+  EXPECT_EQ(lines("(and 99 times that were not logged)"), 1);
 }
 
 }  // namespace watch_log_test
