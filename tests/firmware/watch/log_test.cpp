@@ -180,10 +180,10 @@ TEST(EventLog, of_each_cause_so_many_lines_a_minute_and_the_next_minute_says_how
   const std::string text = pipe.read_all();
   const auto lines = [&](const char* of) { return lines_with(text, of); };
   // Each once more in the second minute; the first cycle has no sensor of before and misses none.
-  EXPECT_EQ(lines("] state "), 10 + 1) << text;
-  EXPECT_EQ(lines("] fault "), 10 + 1);
-  EXPECT_EQ(lines("] sensor "), 16 + 1);
-  EXPECT_EQ(lines("] order "), 20 + 1);
+  EXPECT_EQ(lines(" state "), 10 + 1) << text;
+  EXPECT_EQ(lines(" fault "), 10 + 1);
+  EXPECT_EQ(lines(" sensor "), 16 + 1);
+  EXPECT_EQ(lines(" order "), 20 + 1);
   EXPECT_EQ(lines("cycles missed"), 1 + 1);
   EXPECT_EQ(lines("(and 91 times that were not logged)"), 2) << "state and fault: 101 of which 10 were said";
   EXPECT_EQ(lines("(and 85 times that were not logged)"), 1);
