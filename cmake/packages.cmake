@@ -67,6 +67,10 @@ install(TARGETS spindle-twin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONE
 install(DIRECTORY fem_offline/spindles DESTINATION ${CMAKE_INSTALL_DATADIR}/spindle-twin COMPONENT tools
   FILES_MATCHING PATTERN "*.toml")
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin COMPONENT tools)
+set(linuxcnc ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin/examples/linuxcnc)  # where LinuxCNC runs is another computer
+install(FILES host_tools/linuxcnc/README.md host_tools/linuxcnc/spindle_twin.hal host_tools/linuxcnc/spindle_twin.inc
+  host_tools/linuxcnc/spindle_twin_mb2hal.ini DESTINATION ${linuxcnc} COMPONENT tools)
+install(PROGRAMS host_tools/linuxcnc/spindle_twin_watch DESTINATION ${linuxcnc} COMPONENT tools)
 install(FILES ${packed}/spindle-twin/copyright ${packed}/spindle-twin/changelog.gz ${packed}/spindle-twin/CHANGELOG.md.gz
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin COMPONENT tools)
 spindle_twin_manual(${PROJECT_SOURCE_DIR}/host_tools/spindle-twin.1 1 tools)
