@@ -43,30 +43,38 @@ unsigned long number_of(const fs::path& path, const std::string& name) {
   return fits ? std::stoul(digits) : 0;
 }
 
-/// Offset behind the last end of a line.
+/// Offset behind the last whole row: the last end of a line in front of the first byte 0, which stands where a power
+/// cut came before the data. Below 0 where the file cannot be read.
 off_t end_of_rows(int file, off_t size) {
-  std::array<char, 4096> part{};
-  while (size > 0) {
-    const auto length = std::min<off_t>(size, static_cast<off_t>(part.size()));
-    const ssize_t got = pread(file, part.data(), static_cast<std::size_t>(length), size - length);
-    if (got <= 0) return 0;
-    const std::size_t at = std::string_view(part.data(), static_cast<std::size_t>(got)).rfind('\n');
-    if (at != std::string_view::npos) return size - length + static_cast<off_t>(at) + 1;
-    size -= length;
+  std::array<char, 65536> part{};
+  off_t end = 0;
+  for (off_t at = 0; at < size;) {
+    const ssize_t got = pread(file, part.data(), part.size(), at);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return -1;
+    const std::string_view all(part.data(), static_cast<std::size_t>(got));
+    const std::string_view text = all.substr(0, all.find('\0'));
+    if (const std::size_t last = text.rfind('\n'); last != std::string_view::npos) {
+      end = at + static_cast<off_t>(last) + 1;
+    }
+    if (text.size() < all.size()) return end;
+    at += got;
   }
-  return 0;
+  return end;
 }
 
-/// Gives the file of before the next number, without a row that was not finished. One without rows may be begun anew.
-/// False where that is not possible.
+/// Gives the file of before the next number, on the disk and without what a power cut or a full disk left of a row. One
+/// without rows may be begun anew. False where that is not possible.
 bool put_aside(const std::string& path, std::size_t header_bytes) {
   const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
   if (file < 0) return errno == ENOENT;
   struct stat status {};
   bool fine = fstat(file, &status) == 0;
   const off_t end = fine ? end_of_rows(file, status.st_size) : 0;
-  if (fine && end < status.st_size) fine = ftruncate(file, end) == 0;
+  fine = fine && end >= 0 && (end == status.st_size || ftruncate(file, end) == 0) && fsync(file) == 0;
+  const int reason = errno;
   close(file);
+  errno = reason;
   if (!fine || end <= static_cast<off_t>(header_bytes)) return fine;
   return std::rename(path.c_str(), next_earlier_history(path).c_str()) == 0;
 }

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -74,9 +75,17 @@ Keeper::Keeper(KeepPlan plan, std::string network_sha256, double clock_rate, con
   cycle.remember(remembered_.value);
 }
 
-void Keeper::keep(bool say) {
+std::chrono::steady_clock::time_point next_checkpoint(std::chrono::steady_clock::time_point due,
+                                                      std::chrono::steady_clock::time_point now,
+                                                      std::chrono::steady_clock::duration interval, bool kept) {
+  constexpr std::chrono::seconds patience(1);
+  return kept ? due + interval : std::min(due + interval, now + patience);
+}
+
+bool Keeper::keep(bool say) {
   const Remembered& now = remembered_.value;
-  if (!now.started) return;
+  if (!now.started) return true;
+  bool kept = true;
   try {
     if (!plan_.checkpoint_path.empty()) {
       const std::uint32_t revision = orders_ != nullptr ? orders_->revision() : 0;
@@ -87,6 +96,7 @@ void Keeper::keep(bool say) {
     }
     if (troubles_ != nullptr) troubles_->set(Fault::checkpoint_lost, false);
   } catch (const rom::InputError& error) {
+    kept = false;
     if (troubles_ != nullptr) troubles_->set(Fault::checkpoint_lost, true);
     const auto before = complaints_.pass(MonotonicClock().now_ns());
     if (before) spdlog::error("{}{}", error.what(), LogLimit::also(*before));
@@ -96,22 +106,24 @@ void Keeper::keep(bool say) {
     spdlog::info("after {:.0f} s {}", now.model_time_s, heats.empty() ? "the sources explain all heat again" : heats);
     heats_said_ = heats;
   }
-  if (parameters_.empty() || (!say && now.model_time_s - said_at_s_ < rom::seconds_per_hour)) return;
+  if (parameters_.empty() || (!say && now.model_time_s - said_at_s_ < rom::seconds_per_hour)) return kept;
   spdlog::info("after {:.0f} s {}", now.model_time_s, what_is_determined(parameters_, now.parameters));
   said_at_s_ = now.model_time_s;
+  return kept;
 }
 
 void Keeper::run(const std::atomic<bool>& stop) {
-  const std::chrono::duration<double> interval(plan_.interval_s / clock_rate_);
+  const auto interval = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(plan_.interval_s / clock_rate_));
   constexpr std::chrono::milliseconds slice(20);
   auto due = std::chrono::steady_clock::now() + interval;
   while (!stop.load(std::memory_order_acquire)) {
     std::this_thread::sleep_for(slice);
     if (std::chrono::steady_clock::now() < due) continue;
-    due += std::chrono::duration_cast<std::chrono::steady_clock::duration>(interval);
     remembered_.ask();
     while (remembered_.asked() && !stop.load(std::memory_order_acquire)) std::this_thread::sleep_for(slice);
-    if (!remembered_.asked()) keep(false);
+    const bool kept = remembered_.asked() || keep(false);
+    due = next_checkpoint(due, std::chrono::steady_clock::now(), interval, kept);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +29,15 @@ struct StartingPoint {
 Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
                                const StartingPoint& start, Cycle& cycle, const std::atomic<bool>* stop = nullptr);
 
+/// When the next checkpoint is due behind one that was due at `due`: an interval later, or where it could not be written
+/// (`kept` is false) a second after `now`, if that is sooner. The keeper's thread only.
+std::chrono::steady_clock::time_point next_checkpoint(std::chrono::steady_clock::time_point due,
+                                                      std::chrono::steady_clock::time_point now,
+                                                      std::chrono::steady_clock::duration interval, bool kept);
+
 /// Writes the checkpoint and the table of parameters each interval, and once an hour says in the log what the sensors
-/// determine, in the thread that calls run(); the cycle thread only copies what it is asked for.
+/// determine, in the thread that calls run(); the cycle thread only copies what it is asked for. What cannot be written
+/// raises the fault checkpoint_lost and is tried again each second.
 class Keeper {
  public:
   /// Sizes what the cycle fills. The checkpoint says how many orders were on the disk; null: none.
@@ -45,7 +53,8 @@ class Keeper {
   void keep_last(const Cycle& cycle);
 
  private:
-  void keep(bool say);
+  /// False where something could not be written.
+  bool keep(bool say);
 
   KeepPlan plan_;
   std::string network_sha256_;

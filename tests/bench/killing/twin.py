@@ -167,7 +167,7 @@ class Machine:
     EACH_S = 240.0  # of the model
 
     def __init__(self, programs, folder, seed, clock_rate):
-        self.noise, self.clock_rate, self.began_s, self.is_on = random.Random(seed), clock_rate, time.monotonic(), True
+        self.noise, self.clock_rate, self.began_s, self.is_on = random.Random(seed), clock_rate, time.time(), True
         self.device = Device([AMBIENT_DEGC] * 4 + [0.0, 0.0])
         self.reference = Twin(programs, folder, self.device.port, clock_rate=clock_rate, runs_behind_seam=False)
         self.reference.start()
@@ -181,12 +181,19 @@ class Machine:
         while self.is_on:
             words = self.watch.read_input_registers(UNCORRECTED, 6, slave=1).registers
             model_degC = [float32(*words[at:at + 2]) for at in (0, 2, 4)]
-            step = int(self.clock_rate * (time.monotonic() - self.began_s) / self.EACH_S)
+            step = self.step()
             self.device.numbers = [
                 AMBIENT_DEGC if value != value else
                 AMBIENT_DEGC + self.SHARE * (value - AMBIENT_DEGC) + self.noise.gauss(0.0, self.NOISE_K)
                 for value in model_degC] + [AMBIENT_DEGC, *self.COURSE[step % len(self.COURSE)]]
             time.sleep(0.5 / self.clock_rate)
+
+    def step_at(self, unix_s):
+        """How often speed and load had changed then."""
+        return int(self.clock_rate * (unix_s - self.began_s) / self.EACH_S)
+
+    def step(self):
+        return self.step_at(time.time())
 
     def end(self):
         self.is_on = False

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -273,6 +274,14 @@ TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
   EXPECT_EQ(resumed(std::string(64, 'b'), saved_unix_s + 60.0), Resumed::nothing) << "another network";
   std::ofstream(folder.plan.checkpoint_path, std::ios::app) << "x";
   EXPECT_EQ(resumed(sha256, saved_unix_s + 60.0), Resumed::nothing) << "damaged";
+}
+
+TEST(Keeper, what_could_not_be_written_is_tried_again_in_a_second_and_else_after_the_interval) {
+  using namespace std::chrono_literals;
+  const std::chrono::steady_clock::time_point due{1000s};
+  EXPECT_EQ(next_checkpoint(due, due + 3s, 300s, true), due + 300s);
+  EXPECT_EQ(next_checkpoint(due, due + 3s, 300s, false), due + 4s) << "not after five minutes without a checkpoint";
+  EXPECT_EQ(next_checkpoint(due, due + 10ms, 500ms, false), due + 500ms);
 }
 
 TEST(Keeper, asks_the_cycle_thread_and_writes_what_it_gets) {

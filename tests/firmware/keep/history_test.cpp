@@ -84,6 +84,29 @@ TEST(History, what_runs_before_wrote_stays_and_a_row_that_was_torn_is_cut_off) {
   EXPECT_EQ(text_of(path), history_header(network) + "\n");
 }
 
+TEST(History, what_follows_a_hole_that_a_power_cut_left_is_cut_off_with_the_row_it_begins_in) {
+  const rom::Network network = tests::small_network();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  Troubles troubles;
+  {
+    History history({path}, network, troubles);
+    write_cycles(history, 1, 1000);
+  }
+  const std::string whole = text_of(path);
+  ASSERT_GT(whole.size(), 100'000U) << "longer than what is read at once";
+  for (const std::size_t hole : {whole.size() - 700, std::size_t{70'000}, std::size_t{3}}) {
+    std::filesystem::remove(folder.file("history.000001.csv"));
+    std::string holed = whole;
+    holed.replace(hole, 500, 500, '\0');
+    std::ofstream(path, std::ios::binary) << holed;
+    const History next({path}, network, troubles);
+    const std::string kept = whole.substr(0, whole.rfind('\n', hole - 1) + 1);
+    EXPECT_EQ(text_of(folder.file("history.000001.csv")), hole == 3 ? "" : kept);
+    EXPECT_EQ(text_of(path), history_header(network) + "\n");
+  }
+}
+
 TEST(History, is_bounded_and_begins_a_file_at_each_gap) {
   const rom::Network network = tests::small_network();
   const tests::TemporaryFolder folder;
