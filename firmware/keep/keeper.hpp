@@ -29,9 +29,8 @@ struct StartingPoint {
 Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
                                const StartingPoint& start, Cycle& cycle, const std::atomic<bool>* stop = nullptr);
 
-/// When the next checkpoint is due behind one that was due at `due`: an interval later, or where it could not be
-/// written
-/// (`kept` is false) a second after `now`, if that is sooner. The keeper's thread only.
+/// When the next checkpoint is due behind one that was due at `due`: an interval later; where it was not `kept`, a
+/// second after `now` if that is sooner. The keeper's thread only.
 std::chrono::steady_clock::time_point next_checkpoint(std::chrono::steady_clock::time_point due,
                                                       std::chrono::steady_clock::time_point now,
                                                       std::chrono::steady_clock::duration interval, bool kept);
