@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
@@ -25,7 +26,7 @@ bool exists_as_file(const std::string& path) {
 int remove_left_overs(const std::string& path) {
   constexpr std::size_t letters = 6;
   const std::filesystem::path file(path);
-  const std::string begin = file.filename().string() + ".";
+  const std::string begin = file.filename().string().append(rom::unfinished_mark);
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code unknown;
   std::vector<std::filesystem::path> left;
@@ -34,10 +35,7 @@ int remove_left_overs(const std::string& path) {
     const bool is_temporary = name.size() == begin.size() + letters && name.starts_with(begin) &&
                               std::all_of(name.end() - letters, name.end(),
                                           [](char letter) { return std::isalnum(static_cast<unsigned char>(letter)); });
-    const bool is_a_word = is_temporary && std::all_of(name.end() - letters, name.end(),
-                                                       [](char letter) { return letter >= 'a' && letter <= 'z'; });
-    if (is_temporary && !is_a_word && std::filesystem::is_regular_file(entry.symlink_status(unknown)))
-      left.push_back(entry.path());
+    if (is_temporary && std::filesystem::is_regular_file(entry.symlink_status(unknown))) left.push_back(entry.path());
   }
   return static_cast<int>(std::count_if(left.begin(), left.end(), [&](const std::filesystem::path& temporary) {
     return std::filesystem::remove(temporary, unknown);

@@ -9,9 +9,8 @@ namespace spindle_twin::firmware {
 /// not replace: a pipe, a socket, a device, a folder.
 bool exists_as_file(const std::string& path);
 
-/// Removes what a writer of `path` that was killed has left beside it: `path`, a dot and six letters or digits, as
-/// mkstemp makes them, ordinary files only. A name of small letters only, such as ".backup", stays. Returns how many.
-/// Only where nobody else writes `path` (StateLock).
+/// Removes what a writer of `path` that was killed has left beside it: `path`, rom::unfinished_mark and six letters or
+/// digits, ordinary files only. Returns how many. Only where nobody else writes `path` (StateLock).
 int remove_left_overs(const std::string& path);
 
 /// Keeps other daemons away from the files that this one writes, whatever their configurations are called: an

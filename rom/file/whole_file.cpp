@@ -31,7 +31,8 @@ void require_no_other_kind(const std::string& path, const std::string& field) {
 /// For mkstemp and mkdtemp, on the same file system as `path`; of "folder/" beside the folder, not in it.
 std::string neighbour(const std::string& path) {
   const std::size_t end = path.find_last_not_of('/');
-  return path.substr(0, end == std::string::npos ? path.size() : end + 1) + ".XXXXXX";
+  std::string name = path.substr(0, end == std::string::npos ? path.size() : end + 1);
+  return name.append(unfinished_mark).append("XXXXXX");
 }
 
 class Descriptor {

@@ -3,9 +3,14 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace spindle_twin::rom {
+
+/// Behind a path and in front of six letters or digits of chance: the name that a file has until it is whole. Only a
+/// process that was killed leaves one behind.
+inline constexpr std::string_view unfinished_mark = ".unfinished-";
 
 /// Replaces `path` by `bytes` so that a reader sees the old file or the new one, never a part, also over a power cut:
 /// temporary file in the same folder, write, fsync, rename, fsync of the folder. Throws InputError with the system's

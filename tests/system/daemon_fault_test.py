@@ -161,7 +161,7 @@ class Faults(RunningDaemon):
     def test_what_killed_checkpoints_left_is_removed(self):
         self.daemon.kill()
         self.daemon.wait()
-        left = [self.folder / f"twin.checkpoint.{name}" for name in ("aB3dE6", "00xyzQ")]
+        left = [self.folder / f"twin.checkpoint.unfinished-{name}" for name in ("aB3dE6", "xzbwtu")]
         for path in left:
             path.write_text("half")
         self.start_again()

@@ -31,6 +31,7 @@ from ports import wait_until
 CLOCK_RATE, INTERVAL_S, CAUGHT_UP_S, LEARNT_S, WARM_S = 100.0, 100.0, 60.0, 400.0, 1000.0  # all but the rate of the model
 NEAR_K, NEAR_WITH_STEP_K, NEAR_SD = 0.1, 0.3, 2.0
 HISTORY = '[history]\npath = "files/history.csv"\nparameters = "files/parameters.csv"\n'
+EXPECTED = re.compile(r"twin\.checkpoint(\.orders)?|parameters\.csv|history(\.\d{6})?\.csv|.*\.lock")
 CALLS_OF_A_WRITING = 8  # open, write, mode, sync, rename, open and sync the folder, remove the other name
 
 
@@ -77,15 +78,14 @@ class Lane:
         log = self.twin.log()
         if had_checkpoint:
             demand(re.search(r"goes on from \d+ s ago, with what the estimator knew", log), f"not resumed: {log}")
-        expected = re.compile(r"twin\.checkpoint(\.orders)?|parameters\.csv|history(\.\d{6})?\.csv|.*\.lock")
-        left = [each.name for each in self.twin.files.iterdir() if not expected.fullmatch(each.name)]
-        demand(all(each.rpartition(".")[0] in self.of_this_life() for each in left), f"left beside the files: {left}")
+        wait_until(lambda: not self.left_over(), f"nothing but the files, but there is {self.left_over()}; that")
         return had_checkpoint
 
-    def of_this_life(self):
-        """Whose temporary files may be there because they are being written."""
-        return {pathlib.Path(call.path.rpartition(".")[0]).name for call in self.twin.seam.record()
-                if call.kind == seam.OPENS and call.path.count("/") and call.path != str(self.twin.files)}
+    def left_over(self):
+        """What lies beside the files and was not made by this start."""
+        found = [each.name for each in self.twin.files.iterdir() if not EXPECTED.fullmatch(each.name)]
+        made = {pathlib.Path(call.path).name for call in self.twin.seam.record() if call.kind == seam.OPENS}
+        return [name for name in found if name not in made]
 
     def compare(self):
         """How far the key points (K) and the nose (in its own standard deviations) are from what the uninterrupted twin says

@@ -161,15 +161,21 @@ TEST(StateFiles, a_second_writer_is_refused_by_the_file_and_not_by_the_configura
 TEST(StateFiles, only_what_a_killed_writer_left_is_removed) {
   const tests::TemporaryFolder folder;
   const std::string path = folder.file("twin.checkpoint");
-  for (const char* name : {".aB3dE6", ".XyZ012", ".orders", ".lock", ".aB3dE", ".aB3dE67", ".aB3d-6", ".backup"}) {
+  const std::string of_chance = path + ".unfinished-aB3dE6";
+  const std::string small_letters = path + ".unfinished-xzbwtu";
+  for (const std::string& name : {of_chance, small_letters}) std::ofstream(name) << "x";
+  for (const char* name : {".orders", ".lock", ".backup", ".aB3dE6", ".unfinished-aB3dE", ".unfinished-aB3d-6",
+                           ".unfinished-aB3dE67", ".orders.unfinished-aB3dE6"}) {
     std::ofstream(path + name) << "x";
   }
   std::ofstream(path) << "x";
-  EXPECT_EQ(remove_left_overs(path), 2) << "an orders' file beside it has six letters, too";
+  EXPECT_EQ(remove_left_overs(path), 2);
   EXPECT_TRUE(std::filesystem::exists(path));
   EXPECT_TRUE(std::filesystem::exists(path + ".orders"));
   EXPECT_TRUE(std::filesystem::exists(path + ".backup"));
-  EXPECT_FALSE(std::filesystem::exists(path + ".aB3dE6"));
+  EXPECT_TRUE(std::filesystem::exists(path + ".orders.unfinished-aB3dE6"));
+  EXPECT_FALSE(std::filesystem::exists(of_chance));
+  EXPECT_FALSE(std::filesystem::exists(small_letters)) << "one of 200 that mkstemp makes";
 }
 
 TEST(StateFiles, a_pipe_in_the_place_of_a_file_is_refused_and_does_not_hang) {
