@@ -5,7 +5,7 @@
 
 Changed, in commits or not yet committed, since the branch left the remote's main branch; on that branch itself since the
 commit before (of a merge: its first parent). A changed header counts by one source: that of its name, else
-one that includes it. At the most N (5), those first in which most lines are new; the rest is left to `tests/lint all`.
+one that includes it. At the most N (8), those first in which most lines are new; the rest is left to `tests/lint all`.
 """
 import argparse
 import pathlib
@@ -51,7 +51,7 @@ def changed(root, since):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parents[1])
-    parser.add_argument("--most", type=int, default=5)
+    parser.add_argument("--most", type=int, default=8)
     options = parser.parse_args()
     since = base(options.root)
     if since is None:
