@@ -10,9 +10,6 @@ target_compile_options(spindle_twin_flags INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
 if(SPINDLE_TWIN_SANITIZE)
   target_compile_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  if(SPINDLE_TWIN_SANITIZE_NOT)
-    target_compile_options(spindle_twin_flags INTERFACE -fno-sanitize=${SPINDLE_TWIN_SANITIZE_NOT})
-  endif()
   target_link_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE})
 endif()
 

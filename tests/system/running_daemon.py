@@ -16,14 +16,16 @@ PROGRAMS = {}  # "daemon", "make_network": set by the test's command line
 
 SENSORS = "".join(f'[[sensor]]\nkey_point = "sleeve_{place}"\nregister = {2 * n}\ntype = "float32"\n'
                   for n, place in enumerate(("inner", "middle", "outer")))
-CONFIG = """
+BEGINNING = """
 network = "small.rom"
 [serve]
 port = {port}
 [device]
 port = {device}
 timeout_s = 2.0
-{sensors}[cycle]
+""" + SENSORS + """[cycle]
+"""  # of a configuration; places for `port` and `device`; more of [cycle] may follow
+CONFIG = BEGINNING + """
 clock_rate = 10.0
 [signals]
 speed = {{ source = "plc" }}
@@ -38,7 +40,7 @@ parameters = "parameters.csv"
 [checkpoint]
 path = "twin.checkpoint"
 interval_s = 5.0
-""".replace("{sensors}", SENSORS)
+"""
 
 
 def int16(word):

@@ -7,26 +7,23 @@ write, writing, syncing, renaming, removing, cutting. While it fails the twin an
 disk is mended the order is done, the faults are gone, checkpoint and history go on; at the end each file is whole,
 nothing lies beside them, and the log told each fault in a few lines. `--trials`: so many of them, drawn at random; 0: all.
 """
-import argparse
 import collections
 import errno
 import json
 import pathlib
-import queue
 import random
 import re
 import shutil
 import signal
 import sqlite3
 import tempfile
-import threading
 import time
-import traceback
 
 import kept_files
 import seam
 import twin
 from kept_files import demand
+from lanes import options_of, work_off
 from ports import wait_until
 
 CLOCK_RATE = 10.0  # a cycle each 0.1 s
@@ -160,20 +157,8 @@ class Lane:
                 told[line.split()[3]] += 1
         demand(not told or max(told.values()) <= MOST_LINES, f"a flood in the log: {self.twin.log()}")
 
-
-def work(lane, trials, totals, failures):
-    while not failures:
-        try:
-            mode, number = trials.get_nowait()
-        except queue.Empty:
-            return
-        try:
-            lane.trial(mode, number)
-            totals[f"{lane.history}: {mode}"] += 1
-        except Exception:  # told by the main thread
-            failures.append(f"{lane.history}, {mode}, call {number}: {traceback.format_exc()}{lane.twin.log()}"
-                            f"{[tuple(call[:5]) for call in lane.twin.seam.record()][-12:]}")
-            lane.twin.end()
+    def told(self):
+        return f"{self.twin.log()}{[tuple(call[:5]) for call in self.twin.seam.record()][-12:]}"
 
 
 def trials_of(lane, share, chance):
@@ -181,36 +166,23 @@ def trials_of(lane, share, chance):
     lane.make_files()
     counts = {calls: lane.count_calls(calls) for calls in {calls for _, _, calls, _ in MODES.values()}}
     print(f"{lane.history}: {counts[seam.ALL]} calls in a run", flush=True)
-    trials = [(mode, number) for mode, (_, _, calls, _) in MODES.items() for number in range(1, counts[calls] + 1)]
+    trials = [(mode, number, (mode, number))
+              for mode, (_, _, calls, _) in MODES.items() for number in range(1, counts[calls] + 1)]
     chance.shuffle(trials)
     return trials[:share] if share else trials
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", nargs=3)
-    parser.add_argument("--trials", type=int, default=0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--lanes", type=int, default=4)
-    options = parser.parse_args()
-    programs = dict(zip(("daemon", "make_network"), map(pathlib.Path.resolve, map(pathlib.Path, options.programs))))
-    seam.Seam.library = pathlib.Path(options.programs[2]).resolve()
-    print(f"seed {options.seed}", flush=True)
+    options, programs = options_of(__doc__, trials=0, lanes=4)
     device = twin.Device([28.5, 28.25, 28.0, 21.5, 6000.0, 1.0])
-    totals, failures = collections.Counter(), []
+    totals = collections.Counter()
     with tempfile.TemporaryDirectory() as name:
         for history in ("history.csv", "history.sqlite"):
             lanes = [Lane(programs, pathlib.Path(name) / f"{history}.{n}", device.port, history) for n in range(options.lanes)]
             for lane in lanes[1:]:
                 lane.make_files()
-            trials = queue.Queue()
-            for trial in trials_of(lanes[0], options.trials // 2, random.Random(options.seed)):
-                trials.put(trial)
-            threads = [threading.Thread(target=work, args=(lane, trials, totals, failures)) for lane in lanes]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
+            trials = trials_of(lanes[0], options.trials // 2, random.Random(options.seed))
+            failures = work_off(lanes, trials, totals)
             if failures:
                 raise SystemExit("\n".join(failures))
     print(json.dumps(dict(sorted(totals.items())), indent=2))

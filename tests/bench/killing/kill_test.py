@@ -10,7 +10,6 @@ made a step since the checkpoint, and the nose is within 2 of the standard devia
 A fifth of the kills at an instant come while the daemon starts, the others 400 to 500 s of the model after it: what was
 learnt since the last checkpoint is lost with it, and a twin that is killed all the time does not know what the other does.
 """
-import argparse
 import collections
 import json
 import math
@@ -18,7 +17,6 @@ import pathlib
 import random
 import re
 import tempfile
-import threading
 import time
 import traceback
 
@@ -26,6 +24,7 @@ import kept_files
 import seam
 import twin
 from kept_files import demand
+from lanes import options_of, run_side_by_side
 from ports import wait_until
 
 CLOCK_RATE, INTERVAL_S, CAUGHT_UP_S, LEARNT_S, WARM_S = 100.0, 100.0, 60.0, 400.0, 1000.0  # all but the rate of the model
@@ -181,15 +180,7 @@ def judge(lanes, told):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", nargs=3)
-    parser.add_argument("--kills", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--lanes", type=int, default=8)
-    options = parser.parse_args()
-    programs = dict(zip(("daemon", "make_network"), map(pathlib.Path.resolve, map(pathlib.Path, options.programs))))
-    seam.Seam.library = pathlib.Path(options.programs[2]).resolve()
-    print(f"seed {options.seed}", flush=True)
+    options, programs = options_of(__doc__, kills=1000, lanes=8)
     kinds = collections.deque()
     for number in range(options.kills):
         kinds.append("checkpoint" if number % 2 else "instant")
@@ -201,11 +192,7 @@ def main():
         machine = twin.Machine(programs, folder / "reference", options.seed, CLOCK_RATE)
         try:
             lanes = [Lane(programs, folder / f"lane{n}", machine, options.seed + n, totals) for n in range(options.lanes)]
-            threads = [threading.Thread(target=lane.run, args=(kinds, failures)) for lane in lanes]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
+            run_side_by_side(lanes, lambda lane: lane.run(kinds, failures))
         finally:
             machine.end()
     told = dict(sorted(totals.items()))

@@ -14,25 +14,22 @@ Checkpoint and orders must be whole, and no older than what was synced with its 
 started: it goes on from that state with its tare, raises no fault, leaves nothing beside the files, keeps the history
 of the run before and writes a whole one. `--trials`: so many disks, drawn at random; 0: all.
 """
-import argparse
 import collections
 import json
 import os
 import pathlib
-import queue
 import random
 import re
 import shutil
 import signal
 import sqlite3
 import tempfile
-import threading
-import traceback
 
 import kept_files
 import seam
 import twin
 from kept_files import demand
+from lanes import options_of, work_off
 from ports import wait_until
 
 CLOCK_RATE, INTERVAL_S, PAGE_BYTES = 100.0, 20.0, 4096
@@ -224,6 +221,9 @@ class Lane:
         demand(all(last - first + 1 == count for _, first, last, count in rows), f"a run with a gap: {rows}")
         demand(rows and rows[0] == base, f"rows of the run before are lost: {rows}, there were {base}")
 
+    def told(self):
+        return self.twin.log()
+
 
 def rows_of_database(folder, base):
     for name, data in base.items():
@@ -234,31 +234,8 @@ def rows_of_database(folder, base):
     return row
 
 
-def work(lane, trials, base, totals, failures):
-    while True:
-        try:
-            cut = trials.get_nowait()
-        except queue.Empty:
-            return
-        try:
-            lane.trial(cut, base)
-            totals[f"{lane.history}: {cut.kind}"] += 1
-        except Exception:  # told by the main thread
-            failures.append(f"{lane.history}, {cut.kind}, behind call {cut.number}: {traceback.format_exc()}{lane.twin.log()}")
-            if lane.twin.daemon:
-                lane.twin.end()
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", nargs=3)
-    parser.add_argument("--trials", type=int, default=0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--lanes", type=int, default=4)
-    options = parser.parse_args()
-    programs = dict(zip(("daemon", "make_network"), map(pathlib.Path.resolve, map(pathlib.Path, options.programs))))
-    seam.Seam.library = pathlib.Path(options.programs[2]).resolve()
-    print(f"seed {options.seed}", flush=True)
+    options, programs = options_of(__doc__, trials=0, lanes=4)
     device = twin.Device([28.5, 28.25, 28.0, 21.5, 6000.0, 1.0])
     totals, failures, chance = collections.Counter(), [], random.Random(options.seed)
     with tempfile.TemporaryDirectory() as name:
@@ -272,17 +249,11 @@ def main():
                 other.mkdir()
                 base = rows_of_database(other, base)
             chance.shuffle(cuts)
-            trials = queue.Queue()
-            for cut in cuts[:options.trials // 2] if options.trials else cuts:
-                trials.put(cut)
-            threads = [threading.Thread(target=work, args=(lane, trials, base, totals, failures)) for lane in lanes]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
+            chosen = cuts[:options.trials // 2] if options.trials else cuts
+            failures += work_off(lanes, [(cut.kind, cut.number, (cut, base)) for cut in chosen], totals)
     print(json.dumps(dict(sorted(totals.items())), indent=2))
     if failures:
-        raise SystemExit("\n".join(failures[:20]) + f"\n{len(failures)} failures")
+        raise SystemExit("\n".join(failures))
 
 
 if __name__ == "__main__":

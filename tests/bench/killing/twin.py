@@ -15,17 +15,10 @@ from pymodbus.client import ModbusTcpClient  # noqa: E402
 
 from kept_files import demand  # noqa: E402
 from ports import can_connect, free_port, wait_until  # noqa: E402
-from running_daemon import SENSORS, float32  # noqa: E402
+from running_daemon import BEGINNING, float32  # noqa: E402
 from seam import Seam  # noqa: E402
 
-CONFIG = """
-network = "small.rom"
-[serve]
-port = {port}
-[device]
-port = {device}
-timeout_s = 2.0
-{sensors}[cycle]
+CONFIG = BEGINNING + """
 clock_rate = {clock_rate}
 compare_uncorrected = true
 [signals]
@@ -54,8 +47,7 @@ class Twin:
         subprocess.run([programs["make_network"], folder / "small.rom"], check=True)
         self.port = free_port()
         self.config = folder / "twin.toml"
-        self.config.write_text(CONFIG.format(port=self.port, device=device_port, sensors=SENSORS, more=more,
-                                             clock_rate=clock_rate))
+        self.config.write_text(CONFIG.format(port=self.port, device=device_port, more=more, clock_rate=clock_rate))
         self.seam = Seam(self.files, folder) if runs_behind_seam else None
         self.checkpoint, self.orders = self.files / "twin.checkpoint", self.files / "twin.checkpoint.orders"
         self.log_path, self.log_from = folder / "log", 0

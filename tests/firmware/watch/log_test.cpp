@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -111,13 +112,21 @@ TEST(LogLimit, lets_a_few_pass_each_minute_and_counts_the_others) {
   EXPECT_EQ(LogLimit::also(900), " (and 900 times that were not logged)");
 }
 
-TEST(EventLog, one_line_per_event_and_none_per_cycle) {
+/// What an EventLog writes at level info while `work` tells it of cycles.
+std::string log_of(const std::function<void(EventLog&)>& work) {
   const KeepLogger keep;
   Pipe pipe;
   std::atomic<std::uint64_t> dropped{0};
   {
     const Log log("info", pipe.ends[1], dropped);
     EventLog events(tests::small_network());
+    work(events);
+  }
+  return pipe.read_all();
+}
+
+TEST(EventLog, one_line_per_event_and_none_per_cycle) {
+  const std::string text = log_of([](EventLog& events) {
     Snapshot now;
     std::int64_t time_ns = 0;
     const auto cycles = [&](int count) {
@@ -142,8 +151,7 @@ TEST(EventLog, one_line_per_event_and_none_per_cycle) {
       now.state = i % 2 == 0 ? State::running : State::degraded;
       events.note(now, time_ns);
     }
-  }
-  const std::string text = pipe.read_all();
+  });
   const auto count = [&](const std::string& line) { return lines_with(text, line); };
   EXPECT_EQ(count("state degraded, quality: sensor_failed"), 1 + 4) << text;
   EXPECT_EQ(count("sensor sleeve_middle: failed, drift"), 1);
@@ -156,12 +164,7 @@ TEST(EventLog, one_line_per_event_and_none_per_cycle) {
 }
 
 TEST(EventLog, of_each_cause_so_many_lines_a_minute_and_the_next_minute_says_how_many_were_left_out) {
-  const KeepLogger keep;
-  Pipe pipe;
-  std::atomic<std::uint64_t> dropped{0};
-  {
-    const Log log("info", pipe.ends[1], dropped);
-    EventLog events(tests::small_network());
+  const std::string text = log_of([](EventLog& events) {
     Snapshot now;
     const auto flap = [&](std::uint32_t n, std::int64_t time_ns) {
       const bool up = n % 2 == 1;
@@ -176,8 +179,7 @@ TEST(EventLog, of_each_cause_so_many_lines_a_minute_and_the_next_minute_says_how
     for (std::uint32_t n = 1; n <= 100; ++n) flap(n, began_ns);
     flap(101, began_ns + minute_ns - 1);
     flap(102, began_ns + minute_ns);
-  }
-  const std::string text = pipe.read_all();
+  });
   const auto lines = [&](const char* of) { return lines_with(text, of); };
   // Each once more in the second minute; the first cycle has no sensor of before and misses none.
   EXPECT_EQ(lines(" state "), 10 + 1) << text;

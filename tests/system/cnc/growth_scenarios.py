@@ -3,8 +3,8 @@
 The spindle is the finite-element model of `spindle-twin plant`, on a mesh of its own; its growth is read from the registers
 that are kept for judges. The daemon is told none of what differs. In the paper's run, which is the demo's
 (host_tools/demo_config/scenario.sh), the heats are 0.46 of the description's, joints are off by up to a factor of two
-either way, readings have noise and offsets; each round has other joints, round 2 those of the demo. In the random spectrum heats, joints, noise, speeds
-and loads are drawn. ROUND, from 1 on, chooses both.
+either way, readings have noise and offsets; each round has other joints, round 2 those of the demo.
+In the random spectrum heats, joints, noise, speeds and loads are drawn. ROUND, from 1 on, chooses both.
 """
 import os
 import random
