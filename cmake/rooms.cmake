@@ -16,6 +16,7 @@ endif()
 # CMAKE_UNITY_BUILD: several sources of a folder in one go, for who builds once. A class whose parts stand in the unnamed
 # namespace of its source is right, but the compiler takes that source for a header then.
 if(CMAKE_UNITY_BUILD)
+  set(spindle_twin_sources_in_one_go 24)  # of rooms and tests: what many of them instantiate is then compiled once
   target_compile_options(spindle_twin_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
 endif()
 
@@ -43,9 +44,12 @@ else()
 endif()
 
 # spindle_twin_precompile(TARGET GROUP): the targets of a group share a precompiled header; they have the same compiler flags.
-# It belongs to a target of its own, because a target waits for the whole of the one whose header it takes.
-set(spindle_twin_headers_of_commands <CLI/App.hpp> <nlohmann/json.hpp>)
-set(spindle_twin_headers_of_tests <gtest/gtest.h>)
+# `rooms`: libraries. `light`: tests, commands, the daemon's main.cpp. It belongs to a target of its own, because a target
+# waits for the whole of the one whose header it takes.
+set(spindle_twin_headers_of_light <CLI/App.hpp> <nlohmann/json.hpp>)
+if(SPINDLE_TWIN_TESTS)
+  list(APPEND spindle_twin_headers_of_light <gtest/gtest.h>)
+endif()
 function(spindle_twin_precompile target group)
   if(NOT SPINDLE_TWIN_PRECOMPILE)
     return()
@@ -55,7 +59,8 @@ function(spindle_twin_precompile target group)
     file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${owner}.cpp CONTENT "")
     add_library(${owner} OBJECT ${PROJECT_BINARY_DIR}/generated/${owner}.cpp)
     target_link_libraries(${owner} PRIVATE spindle_twin_flags Eigen3::Eigen)
-    if(group STREQUAL "tests")
+    if(group STREQUAL "light" AND SPINDLE_TWIN_TESTS)
+      find_package(GTest REQUIRED)
       target_link_libraries(${owner} PRIVATE GTest::gtest)
     endif()
     foreach(property COMPILE_OPTIONS POSITION_INDEPENDENT_CODE)
@@ -73,14 +78,21 @@ endfunction()
 # spindle_twin_bench(TARGET): a program of tests/bench, which reads options and prints, and whose work is in the rooms.
 function(spindle_twin_bench target)
   target_compile_options(${target} PRIVATE ${spindle_twin_light})
-  spindle_twin_precompile(${target} commands)
+  spindle_twin_precompile(${target} light)
 endfunction()
 
-# spindle_twin_room(NAME [PIC] FOLDERS dir... [LINK lib...]): a static library of all C++ sources below the folders. PIC: it
-# also goes into a shared library, where nothing is meant to be replaced at load time, so that calls within it may be inlined
-# as in a program.
+function(spindle_twin_compile_as_room target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON
+    UNITY_BUILD_BATCH_SIZE "${spindle_twin_sources_in_one_go}")
+  target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  spindle_twin_precompile(${target} rooms)
+endfunction()
+
+# spindle_twin_room(NAME FOLDERS dir... [LINK lib...]): a static library of all C++ sources below the folders. Some also go
+# into a shared library, where nothing is meant to be replaced at load time, so that calls within it may be inlined as in a
+# program; all are compiled for that, and share a precompiled header.
 function(spindle_twin_room name)
-  cmake_parse_arguments(ROOM "PIC" "" "FOLDERS;LINK" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "FOLDERS;LINK" ${ARGN})
   set(sources "")
   foreach(folder IN LISTS ROOM_FOLDERS)
     file(GLOB_RECURSE found CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
@@ -89,11 +101,7 @@ function(spindle_twin_room name)
   if(sources)
     add_library(${name} STATIC ${sources})
     target_link_libraries(${name} PUBLIC spindle_twin_flags Eigen3::Eigen ${ROOM_LINK})
-    if(ROOM_PIC)
-      set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-      target_compile_options(${name} PRIVATE -fno-semantic-interposition)
-    endif()
-    spindle_twin_precompile(${name} rooms_pic_${ROOM_PIC})
+    spindle_twin_compile_as_room(${name})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE spindle_twin_flags Eigen3::Eigen ${ROOM_LINK})
@@ -124,20 +132,27 @@ function(spindle_twin_tests_in_one_process name)
   set_tests_properties(${name} PROPERTIES LABELS ${name} TIMEOUT 1800 FAIL_REGULAR_EXPRESSION "Running 0 tests")
 endfunction()
 
-# spindle_twin_tests(NAME FOLDER [LINK lib...] [TOGETHER suite...]): one GoogleTest program of all C++ files below FOLDER; its
-# ctest label is NAME. Every test is a process of its own, but the tests of a suite named TOGETHER share one, and with it
-# what the suite prepares.
+# spindle_twin_tests(NAME FOLDER [IN_ONE_PROCESS] [LINK lib...] [TOGETHER suite...]): one GoogleTest program of all C++ files
+# below FOLDER; its ctest label is NAME. Every test is a process of its own, but the tests of a suite named TOGETHER share
+# one, and with it what the suite prepares. IN_ONE_PROCESS: all do, because the program starts slowly (with deal.II it
+# links some 200 libraries, 0.4 s).
 function(spindle_twin_tests name folder)
-  cmake_parse_arguments(TESTS "" "" "LINK;TOGETHER" ${ARGN})
+  cmake_parse_arguments(TESTS "IN_ONE_PROCESS" "" "LINK;TOGETHER" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
   if(sources)
     add_executable(${name} ${sources})
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE SPINDLE_TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_compile_options(${name} PRIVATE ${spindle_twin_light})
-    spindle_twin_precompile(${name} tests)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE "${spindle_twin_sources_in_one_go}")
+    spindle_twin_precompile(${name} light)
     if(SPINDLE_TWIN_SANITIZE MATCHES "address")
       spindle_twin_tests_in_one_process(${name})
+      return()
+    elseif(TESTS_IN_ONE_PROCESS)
+      add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+      set_tests_properties(${name} PROPERTIES LABELS ${name} TIMEOUT 1200 COST 100
+        FAIL_REGULAR_EXPRESSION "Running 0 tests")
       return()
     endif()
     list(TRANSFORM TESTS_TOGETHER APPEND ".*" OUTPUT_VARIABLE together)

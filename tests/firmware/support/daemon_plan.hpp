@@ -17,6 +17,8 @@ struct DaemonLines {
   double max_degC = 150.0;
   std::string correction = {};  ///< lines of [correction]
   std::string health = {};      ///< lines of [health]
+  std::string signals = {};     ///< further lines of [signals]
+  std::string tables = {};      ///< further tables
 };
 
 /// The plan that the daemon makes of such a file: a new default of the daemon counts here as well. All signals
@@ -34,8 +36,10 @@ inline CyclePlan daemon_plan(const rom::Network& network, const DaemonLines& lin
   for (const char* signal : {"speed", "load", "coolant", "ambient"}) {
     text << signal << " = { source = \"device\", register = 0, type = \"float32\" }\n";
   }
+  text << lines.signals;
   if (!lines.correction.empty()) text << "[correction]\n" << lines.correction << "\n";
   if (!lines.health.empty()) text << "[health]\n" << lines.health << "\n";
+  text << lines.tables;
   if (lines.sensors.empty()) text << "[start]\ntemperature_degC = 20.0\n";
   return bind_config(parse_config(text.str(), "by_hand.toml"), network).cycle;
 }
