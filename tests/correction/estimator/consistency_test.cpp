@@ -122,12 +122,12 @@ TEST(Consistency, the_floor_follows_the_rms_of_what_is_not_explained_between_its
   const ConsistencyLimits limits;
   const auto floor_after = [&](double rms_K, bool rejected) {
     std::mt19937_64 random(7);
-    std::normal_distribution<double> normal(0.0, rms_K);
+    std::normal_distribution<double> normal;
     Consistency consistency(limits, 1);
     double mean_K2 = 0.0;
     int count = 0;
     for (double time_s = update_period_s; time_s <= 8.0 * 3600.0; time_s += update_period_s) {
-      consistency.note(0, normal(random), 100.0, 0.02 * 0.02, rejected, update_period_s);
+      consistency.note(0, rms_K * normal(random), 100.0, 0.02 * 0.02, rejected, update_period_s);
       consistency.conclude(update_period_s, time_s);
       if (time_s < 2.0 * 3600.0) continue;
       mean_K2 += std::pow(consistency.floor_K(0), 2);

@@ -35,14 +35,14 @@ struct Outcome {
 Outcome run(const PaperOptions& options, double noise_K = 0.0, unsigned seed = 0) {
   Loop loop(table_tau_s, excess, options, 1, 1);
   std::mt19937 engine(seed);
-  std::normal_distribution<double> noise(0.0, noise_K);
+  std::normal_distribution<double> normal;
   Outcome outcome;
   std::vector<double> tail;
   for (int second = 0; second < static_cast<int>(table_end_s); ++second) {
     const double error_K = loop.twin.temperatures_K()[0] - loop.plant.temperatures_K()[0];
     outcome.rms_error_K += error_K * error_K / table_end_s;
     const bool corrects = second > 0 && second % 80 == 0;
-    loop.offset_K[0] = corrects && noise_K > 0.0 ? noise(engine) : 0.0;
+    loop.offset_K[0] = corrects && noise_K > 0.0 ? noise_K * normal(engine) : 0.0;
     loop.cycle(1.0);
     if (second < 80) continue;
     const double heat = loop.heat_ratio();
