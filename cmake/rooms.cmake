@@ -10,6 +10,7 @@ target_compile_options(spindle_twin_flags INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
 if(SPINDLE_TWIN_SANITIZE)
   target_compile_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_definitions(spindle_twin_flags INTERFACE _GLIBCXX_ASSERTIONS)  # empty optionals, ends of vectors
   target_link_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE})
 endif()
 

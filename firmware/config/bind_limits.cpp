@@ -65,7 +65,7 @@ void limit_signal(const ConfiguredSignal& configured, std::size_t signal, const 
   const SignalPlan widest = plan;
   limit_by_network(signal, network, plan);
   if (configured.min || configured.max) {
-    plan.min = configured.min.value_or(std::min(plan.min, *configured.max));
+    plan.min = configured.min.value_or(std::min(plan.min, configured.max.value_or(plan.max)));
     plan.max = configured.max.value_or(std::max(plan.max, plan.min));
     plan.min = std::max(plan.min, widest.min);
     plan.max = std::min(plan.max, widest.max);
