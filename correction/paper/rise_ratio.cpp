@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace spindle_twin::correction {
 namespace {
@@ -24,8 +25,7 @@ RiseRatio rise_ratio(RatioForm form, const Eigen::Ref<const Eigen::VectorXd>& me
   }
   double mean_ratio = 0.0;
   double mean_residual_share = 0.0;  // the paper's r
-  result.measured_rise_K = measured_K[0] - zero_K[0];
-  result.model_rise_K = model_K[0] - zero_K[0];
+  result.measured_rise_K = result.model_rise_K = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < measured_K.size(); ++i) {
     const double measured_rise_K = measured_K[i] - zero_K[i];
     const double model_rise_K = model_K[i] - zero_K[i];

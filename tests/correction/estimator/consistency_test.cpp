@@ -111,6 +111,14 @@ TEST(Consistency, doubt_ends_after_a_calm_minute_and_not_before) {
   }
 }
 
+TEST(Consistency, before_the_first_reading_nothing_is_doubted_large_or_rejected) {
+  const Consistency consistency(ConsistencyLimits{}, 2);
+  EXPECT_FALSE(consistency.in_doubt());
+  EXPECT_EQ(consistency.largest_innovation_K(), 0.0);
+  EXPECT_EQ(consistency.rejected_share(), 0.0);
+  EXPECT_EQ(consistency.contradictions(), 0);
+}
+
 TEST(Consistency, without_a_reading_nothing_is_concluded) {
   Consistency consistency({}, 4);
   consistency.contradict(100.0);

@@ -126,6 +126,13 @@ TEST(SquareRootFilter, an_outputs_covariance_with_the_first_entries_is_that_of_t
 TEST(SquareRootFilter, refuses_what_is_no_covariance_and_what_is_no_measurement) {
   EXPECT_THROW(SquareRootFilter(Eigen::VectorXd::Zero(2), -Eigen::MatrixXd::Identity(2, 2)), std::invalid_argument);
   EXPECT_THROW(SquareRootFilter(Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(3, 3)), std::invalid_argument);
+  const Eigen::Matrix2d certain = Eigen::Vector2d(1.0, 0.0).asDiagonal();
+  try {
+    const SquareRootFilter filter(Eigen::VectorXd::Zero(2), certain);
+    ADD_FAILURE() << "a variance of 0 is taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "a covariance needs one positive variance per entry of the mean");
+  }
   SquareRootFilter filter(Eigen::VectorXd::Zero(2), Eigen::MatrixXd::Identity(2, 2));
   const Eigen::VectorXd h = Eigen::VectorXd::Ones(2);
   EXPECT_FALSE(filter.update(h, std::numeric_limits<double>::quiet_NaN(), 1.0));

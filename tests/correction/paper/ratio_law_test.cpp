@@ -214,6 +214,21 @@ TEST(RatioForms, cold_sensor_dominates_the_mean_of_ratios_but_not_the_ratio_of_s
   EXPECT_NEAR(rise_ratio(RatioForm::as_printed_eq3, measured_K, model_K, zero_K).ratio, 4.0 / 3.0, 1e-14);
 }
 
+TEST(RatioForms, the_rise_told_is_the_mean_of_sums_and_else_the_smallest_in_magnitude_whatever_its_place) {
+  const Eigen::Vector3d zero_K = Eigen::Vector3d::Constant(290.0);
+  for (const Eigen::Vector3d& rise_K : {Eigen::Vector3d(0.5, -2.0, 4.0), Eigen::Vector3d(4.0, -2.0, 0.5)}) {
+    const Eigen::VectorXd measured_K = zero_K + rise_K, model_K = zero_K + 2.0 * rise_K;
+    const RiseRatio mean = rise_ratio(RatioForm::consistent, measured_K, model_K, zero_K);
+    EXPECT_NEAR(mean.measured_rise_K, 2.5 / 3.0, 1e-12);
+    EXPECT_NEAR(mean.model_rise_K, 5.0 / 3.0, 1e-12);
+    for (const RatioForm form : {RatioForm::average_ratio, RatioForm::as_printed_eq3}) {
+      const RiseRatio least = rise_ratio(form, measured_K, model_K, zero_K);
+      EXPECT_NEAR(least.measured_rise_K, 0.5, 1e-12);
+      EXPECT_NEAR(least.model_rise_K, 1.0, 1e-12);
+    }
+  }
+}
+
 TEST(HeatGroups, each_group_finds_its_own_factor_and_the_state_follows) {
   PaperOptions options = published_law();
   options.state_rescale = true;
