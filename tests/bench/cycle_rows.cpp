@@ -43,7 +43,6 @@ class FedCycle {
   }
 
   const firmware::Snapshot& last() const { return *last_; }
-  std::size_t sensors() const { return sensors_.size(); }
 
  private:
   static rom::Network hotter(rom::Network network) {
@@ -86,13 +85,13 @@ void print_cycle_rows(const RowPrinter& printer) {
   const double mean_s = std::accumulate(took_s.begin(), took_s.end(), 0.0) / cycles;
   const auto nodes = static_cast<Eigen::Index>(network.nodes.size());
   const double product_s = bare_product_seconds(nodes);
-  const std::string what = std::to_string(nodes) + " nodes, estimator, " + std::to_string(fed.sensors()) + " sensors";
   printer.print({.group = "Daemon",
-                 .name = "the whole cycle, mean of an hour: " + what,
+                 .name = "whole cycle, mean of an hour, " + std::to_string(nodes) + " nodes",
                  .ours_s = mean_s,
                  .other_name = "one bare matrix-vector product",
                  .other_s = product_s,
-                 .means = "Sense, judge, correct, integrate, predict and publish, with the uncorrected model beside."});
+                 .means = "Sense, judge, correct by the estimator, integrate, predict and publish, with the "
+                          "uncorrected model beside."});
   printer.print(
       {.group = "Daemon",
        .name = "the same, all cycles but one in a hundred are below",

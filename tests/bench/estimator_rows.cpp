@@ -32,8 +32,8 @@ void print_estimator_rows(const RowPrinter& printer) {
   }
   printer.print(
       {.group = "Daemon",
-       .name = "one update of the estimator: " + std::to_string(nodes) + " nodes, " +
-               std::to_string(estimator.parameters().count()) + " parameters, " + std::to_string(sensors) + " sensors",
+       .name = "update of the estimator, " + std::to_string(nodes) + " nodes, " +
+               std::to_string(estimator.parameters().count()) + " parameters",
        .ours_s = all_s / updates,
        .other_name = "one bare matrix-vector product",
        .other_s = bare_product_seconds(nodes),

@@ -166,14 +166,14 @@ void print_size(const RowPrinter& printer, const Size& size, bool detail) {
                    .goal = goal,
                    .detail = is_detail});
   };
-  print("assembly of all terms, their sum, factorisation", took.assembly_s + took.sum_s + took.analysed_s, both, bare_s,
+  print("assembly, sum, factorisation", took.assembly_s + took.sum_s + took.analysed_s, both, bare_s,
         "From the mesh to a factor; the bare one is given the matrix.", 3.0, detail);
   print("of which assembly of all affine terms", took.assembly_s, both, bare_s, "", {}, true);
   print("of which the terms' common pattern and their sum", took.sum_s, both, bare_s, "", {}, true);
   print("of which analysis and factorisation", took.analysed_s, both, bare_s, "", {}, true);
   print("mesh generation, not in it", took.mesh_s, both, bare_s, "", {}, true);
-  print("new conductances: sum and factorisation", took.new_sum_s + took.factor_s, "bare CHOLMOD: factorisation",
-        took.bare_factor_s, "What another film or joint costs once the pattern stands.", 3.0, detail);
+  print("new conductances", took.new_sum_s + took.factor_s, "bare CHOLMOD: factorisation", took.bare_factor_s,
+        "Sum and factorisation: what another film or joint costs once the pattern stands.", 3.0, detail);
   print("one transient step, order 2", took.step_s, "two bare back-substitutions", 2.0 * took.bare_solve_s,
         "Its two solutions, and all that stands around them.", {}, detail);
 }
@@ -203,15 +203,14 @@ void print_fem_rows(const RowPrinter& printer) {
   constexpr double goal_exponent = 1.4;
   char exponent[16];
   std::snprintf(exponent, sizeof exponent, "%.2f", growth_exponent(sizes));
-  printer.print(
-      {.group = "FE model",
-       .name = "from description to steady state, " + with_commas(std::lround(largest.unknowns)) + " unknowns",
-       .ours_s = largest.whole_s(),
-       .other_name = with_commas(std::lround(smallest.unknowns)) + " unknowns, in proportion",
-       .other_s = smallest.whole_s() * growth,
-       .means =
-           std::string("Growth with size: over four sizes time rises with unknowns to the power of ") + exponent + ".",
-       .goal = std::pow(growth, goal_exponent - 1.0)});
+  printer.print({.group = "FE model",
+                 .name = "description to steady state, " + with_commas(std::lround(largest.unknowns)) + " unknowns",
+                 .ours_s = largest.whole_s(),
+                 .other_name = with_commas(std::lround(smallest.unknowns)) + " unknowns, in proportion",
+                 .other_s = smallest.whole_s() * growth,
+                 .means = std::string("Growth with size: over four sizes time rises with unknowns to the power of ") +
+                          exponent + ".",
+                 .goal = std::pow(growth, goal_exponent - 1.0)});
 }
 
 }  // namespace spindle_twin::bench

@@ -13,7 +13,7 @@
 namespace spindle_twin::bench {
 
 /// Our time beside another one of the same run. The other is a peer, another way to the same result, or a bound: the
-/// bare operation that we cannot do without.
+/// bare operation that ours stands on.
 struct Row {
   std::string group;
   std::string name;

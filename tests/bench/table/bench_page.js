@@ -2,7 +2,7 @@
 import { addRow, byId, element, left, pageData } from "./pages/elements.js";
 
 const bench = pageData();
-const kinds = { peer: "beside another way to the same result", bound: "beside the bare operation that we cannot do without" };
+const kinds = { peer: "beside another way to the same result", bound: "beside the bare operation that it stands on" };
 const drawn = bench.groups.map(group => ({ ...group, rows: group.rows.filter(row => !row.detail) }));
 
 // The axis: whole powers of ten around all ratios and goals, and 1.
@@ -30,9 +30,10 @@ function addScale(parent) {
   const line = element("div", { class: "line scale", "aria-hidden": "true" }, parent);
   element("div", { class: "what" }, line);
   const track = element("div", { class: "track" }, line);
-  decades.forEach(exponent => {
+  // Every second one where they would run into each other.
+  for (const exponent of decades.filter(one => decades.length < 7 || one % 2 === 0)) {
     element("span", { class: "tick", style: `left:${place(10 ** exponent)}%` }, track, powerText(exponent));
-  });
+  }
   for (const text of ["ours", "other", "multiple"]) element("div", { class: "value" }, line, text);
 }
 
@@ -86,7 +87,8 @@ function showTable() {
     addRow(table, [left(group.name)], "td", "sum");
     last().colSpan = table.rows[0].cells.length;
     for (const row of group.rows) {
-      addRow(table, [left(row.name), row.ours, row.other, left(row.other_name), left(row.ratio_text), left(row.goal_text),
+      const whole = text => ({ text, kind: row.ratio === null ? "text" : "text whole" });
+      addRow(table, [left(row.name), row.ours, row.other, left(row.other_name), whole(row.ratio_text), whole(row.goal_text),
         left(row.clock)]);
       element("small", {}, last(), row.means);
     }

@@ -3,7 +3,7 @@ import dataclasses
 import json
 import math
 
-KINDS = {"peer": "another way to the same result", "bound": "the bare operation that we cannot do without"}
+KINDS = {"peer": "another way to the same result", "bound": "the bare operation that it stands on"}
 UNITS = ("s",)
 CLOCKS = ("processor", "wall")
 TEXTS = ("run", "group", "name", "kind", "other_name")
