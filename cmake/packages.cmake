@@ -57,6 +57,8 @@ install(TARGETS spindle-twind RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPON
 install(FILES ${service}/spindle-twind.service DESTINATION /lib/systemd/system COMPONENT daemon)
 install(FILES ${service}/spindle-twin.sysusers DESTINATION lib/sysusers.d RENAME spindle-twin.conf COMPONENT daemon)
 install(FILES ${packed}/twin.toml DESTINATION /etc/spindle-twin COMPONENT daemon)
+install(FILES ${service}/nftables.conf ${service}/real-time.conf
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twind/examples COMPONENT daemon)
 install(FILES firmware/serve/registers.md firmware/serve/registers.csv SECURITY.md
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twind COMPONENT daemon)
 install(FILES ${packed}/spindle-twind/copyright ${packed}/spindle-twind/changelog.gz ${packed}/spindle-twind/CHANGELOG.md.gz

@@ -30,6 +30,7 @@
 #include "firmware/show/http_server.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log.hpp"
+#include "firmware/watch/memory_lock.hpp"
 #include "firmware/watch/service_manager.hpp"
 
 namespace {
@@ -254,6 +255,7 @@ int run(const std::string& config_path, bool only_check) {
   const sigset_t signals = block_signals();
   Troubles troubles;
   const Log log(config.log_level, STDERR_FILENO, troubles.log_lines_dropped);
+  lock_memory(lockable_bytes());
   for (const std::string& path : files) {
     if (const int removed = remove_left_overs(path)) spdlog::info("{}: {} unfinished files removed", path, removed);
   }

@@ -1,9 +1,9 @@
 #include <cholmod.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "fem_offline/mesh/section_mesh.hpp"
@@ -77,75 +77,105 @@ class BareCholmod {
   cholmod_dense* workspace_e_ = nullptr;
 };
 
-struct Size {
-  double unknowns = 0.0;
-  double whole_s = 0.0;  ///< mesh, assembly, factors, solution
+/// What one mesh took, seconds.
+struct FeTimes {
+  double mesh_s = 0.0;
+  double assembly_s = 0.0;  ///< unknowns, contacts and assembly of all affine terms
+  double sum_s = 0.0;       ///< common pattern of the terms, and their sum
+  double new_sum_s = 0.0;   ///< the sum alone
+  double analysed_s = 0.0;  ///< analysis and factorisation
+  double factor_s = 0.0;    ///< factorisation with what is analysed
+  double solve_s = 0.0;
+  double step_s = 0.0;  ///< transient
+  double bare_analysis_s = 0.0, bare_factor_s = 0.0, bare_solve_s = 0.0;
 };
 
-double slope(const Size& from, const Size& to) {
-  return std::log(to.whole_s / from.whole_s) / std::log(to.unknowns / from.unknowns);
-}
+struct Size {
+  double unknowns = 0.0;
+  FeTimes took;
+  double whole_s() const { return took.mesh_s + took.assembly_s + took.sum_s + took.analysed_s + took.solve_s; }
+};
 
 /// Least squares of log time over log size.
 double growth_exponent(const std::vector<Size>& sizes) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   const auto count = static_cast<double>(sizes.size());
   for (const Size& size : sizes) {
-    const double lx = std::log(size.unknowns), ly = std::log(size.whole_s);
+    const double lx = std::log(size.unknowns), ly = std::log(size.whole_s());
     x += lx, y += ly, xx += lx * lx, xy += lx * ly;
   }
   return (count * xy - x * y) / (count * xx - x * x);
 }
 
+double seconds_of_step(const AffineModel& affine, const rom::BoundaryValues& values) {
+  // Past the short steps after the start, so that one step length is left.
+  constexpr double settle_s = 300.0, step_s = 10.0;
+  constexpr int steps = 10;
+  fem_offline::FeStepper stepper(affine);
+  stepper.set_uniform_temperature(values.environment_K[0]);
+  stepper.advance(settle_s, step_s, values);
+  return thread_seconds(1, [&] { stepper.advance(steps * step_s, step_s, values); }) / steps;
+}
+
 Size measure_size(double element_size_mm) {
   const int repeats = element_size_mm > 0.9 ? 5 : 3;
   std::optional<fem_offline::FeModel> model;
+  FeTimes took;
   const double model_s = thread_seconds(repeats, [&] { model.emplace(reference_model(element_size_mm, true)); });
-  const double mesh_s =
-      thread_seconds(repeats, [&] { fem_offline::mesh_section(model->description(), model->section()); });
-  const double assembly_s = model_s - mesh_s;
+  took.mesh_s = thread_seconds(repeats, [&] { fem_offline::mesh_section(model->description(), model->section()); });
+  took.assembly_s = model_s - took.mesh_s;
   const AffineModel& affine = model->affine();
   rom::BoundaryValues values = rom::make_boundary_values(affine.boundaries);
   rom::evaluate_boundaries(affine.boundaries, affine.boundaries.operating, rom::no_correction(affine.boundaries),
                            values);
 
   std::optional<fem_offline::ThermalSystem> system;
-  const double pattern_s = thread_seconds(repeats, [&] { system.emplace(affine); });
-  const double sum_s = thread_seconds(repeats, [&] { system->set_conductances(values.conductance_W_per_m2K); });
+  took.sum_s = thread_seconds(repeats, [&] { system.emplace(affine); });
+  took.new_sum_s = thread_seconds(repeats, [&] { system->set_conductances(values.conductance_W_per_m2K); });
+  took.sum_s += took.new_sum_s;
   const SparseMatrix& lower = system->conduction_lower();
   std::optional<fem_offline::CholeskyFactor> factor, again;
-  const double analysed_s = thread_seconds(repeats, [&] { factor.emplace(lower); });
-  const double factor_s = thread_seconds(repeats, [&] { again.emplace(*factor, lower); });
-  const double datum_K = values.environment_K[0];
-  const Eigen::VectorXd load_W = system->load_W(values, datum_K);
+  took.analysed_s = thread_seconds(repeats, [&] { factor.emplace(lower); });
+  took.factor_s = thread_seconds(repeats, [&] { again.emplace(*factor, lower); });
+  const Eigen::VectorXd load_W = system->load_W(values, values.environment_K[0]);
   Eigen::VectorXd rise_K;
-  const double solve_s = thread_seconds(repeats, [&] { factor->solve(load_W, rise_K); });
+  took.solve_s = thread_seconds(repeats, [&] { factor->solve(load_W, rise_K); });
 
   BareCholmod bare;
-  const double bare_analysis_s = thread_seconds(repeats, [&] { bare.analyse(lower); });
-  const double bare_factor_s = thread_seconds(repeats, [&] { bare.factorise(lower); });
-  const double bare_solve_s = thread_seconds(3, [&] { bare.solve(load_W); });
+  took.bare_analysis_s = thread_seconds(repeats, [&] { bare.analyse(lower); });
+  took.bare_factor_s = thread_seconds(repeats, [&] { bare.factorise(lower); });
+  took.bare_solve_s = thread_seconds(repeats, [&] { bare.solve(load_W); });
+  took.step_s = seconds_of_step(affine, values);
+  return {static_cast<double>(lower.rows()), took};
+}
 
-  fem_offline::FeStepper stepper(affine);
-  // Past the short steps after the start, so that one step length is left.
-  constexpr double settle_s = 300.0, step_s = 10.0, steps = 10.0;
-  stepper.set_uniform_temperature(datum_K);
-  stepper.advance(settle_s, step_s, values);
-  const double ten_steps_s = thread_seconds(1, [&] { stepper.advance(steps * step_s, step_s, values); });
-
-  std::printf("%.0f unknowns (element size %g mm)\n", static_cast<double>(lower.rows()), element_size_mm);
-  const double bare_s = bare_analysis_s + bare_factor_s;
-  print_row("bare CHOLMOD: analysis and factorisation", bare_s, "s");
-  print_row("assembly of all affine terms, their sum, analysis, factorisation / bare",
-            (assembly_s + pattern_s + sum_s + analysed_s) / bare_s, "x", "goal 3");
-  print_row("  of which unknowns, contacts and assembly of all terms / bare", assembly_s / bare_s, "x");
-  print_row("  of which common pattern of the terms, and their sum / bare", (pattern_s + sum_s) / bare_s, "x");
-  print_row("  of which analysis and factorisation / bare", analysed_s / bare_s, "x");
-  print_row("mesh generation (not in it) / bare", mesh_s / bare_s, "x");
-  print_row("new conductances: sum and factorisation / bare factorisation", (sum_s + factor_s) / bare_factor_s, "x",
-            "goal 3");
-  print_row("transient step (2 solves) / 2 bare back-substitutions", ten_steps_s / steps / (2.0 * bare_solve_s), "x");
-  return {static_cast<double>(lower.rows()), model_s + pattern_s + sum_s + analysed_s + solve_s};
+/// `detail`: sizes between the smallest and the largest.
+void print_size(const RowPrinter& printer, const Size& size, bool detail) {
+  const FeTimes& took = size.took;
+  const double bare_s = took.bare_analysis_s + took.bare_factor_s;
+  const std::string at = with_commas(std::lround(size.unknowns)) + " unknowns: ";
+  const char* both = "bare CHOLMOD: analysis and factorisation";
+  const auto print = [&](const std::string& name, double ours_s, const char* other, double other_s, const char* means,
+                         std::optional<double> goal, bool is_detail) {
+    printer.print({.group = "FE model",
+                   .name = at + name,
+                   .ours_s = ours_s,
+                   .other_name = other,
+                   .other_s = other_s,
+                   .means = means,
+                   .goal = goal,
+                   .detail = is_detail});
+  };
+  print("assembly, sum, factorisation", took.assembly_s + took.sum_s + took.analysed_s, both, bare_s,
+        "From the mesh to a factor; the bare one is given the matrix.", 3.0, detail);
+  print("of which assembly of all affine terms", took.assembly_s, both, bare_s, "", {}, true);
+  print("of which the terms' common pattern and their sum", took.sum_s, both, bare_s, "", {}, true);
+  print("of which analysis and factorisation", took.analysed_s, both, bare_s, "", {}, true);
+  print("mesh generation, not in it", took.mesh_s, both, bare_s, "", {}, true);
+  print("new conductances", took.new_sum_s + took.factor_s, "bare CHOLMOD: factorisation", took.bare_factor_s,
+        "Sum and factorisation: what another film or joint costs once the pattern stands.", 3.0, detail);
+  print("one transient step, order 2", took.step_s, "two bare back-substitutions", 2.0 * took.bare_solve_s,
+        "Its two solutions, and all that stands around them.", {}, detail);
 }
 
 }  // namespace
@@ -162,16 +192,25 @@ double step_seconds(const std::string& spindle_path) {
   return thread_seconds(repeats, [&] { stepper.advance(steps * step_s, step_s, values); }) / steps;
 }
 
-void print_fem_rows() {
+void print_fem_rows(const RowPrinter& printer) {
   std::vector<Size> sizes;
-  for (const double element_size_mm : {4.6, 2.0, 1.0, 0.46}) sizes.push_back(measure_size(element_size_mm));
-  std::printf("growth of mesh, assembly, factorisation and solution\n");
-  for (std::size_t i = 1; i < sizes.size(); ++i) {
-    print_row("  exponent from " + std::to_string(std::lround(sizes[i - 1].unknowns)) + " to " +
-                  std::to_string(std::lround(sizes[i].unknowns)) + " unknowns",
-              slope(sizes[i - 1], sizes[i]), "");
+  for (const double element_size_mm : {4.6, 2.0, 1.0, 0.46}) {
+    sizes.push_back(measure_size(element_size_mm));
+    print_size(printer, sizes.back(), sizes.size() == 2 || sizes.size() == 3);
   }
-  print_row("exponent over all sizes", growth_exponent(sizes), "", "goal 1.4");
+  const Size &smallest = sizes.front(), &largest = sizes.back();
+  const double growth = largest.unknowns / smallest.unknowns;
+  constexpr double goal_exponent = 1.4;
+  char exponent[16];
+  std::snprintf(exponent, sizeof exponent, "%.2f", growth_exponent(sizes));
+  printer.print({.group = "FE model",
+                 .name = "description to steady state, " + with_commas(std::lround(largest.unknowns)) + " unknowns",
+                 .ours_s = largest.whole_s(),
+                 .other_name = with_commas(std::lround(smallest.unknowns)) + " unknowns, in proportion",
+                 .other_s = smallest.whole_s() * growth,
+                 .means = std::string("Growth with size: over four sizes time rises with unknowns to the power of ") +
+                          exponent + ".",
+                 .goal = std::pow(growth, goal_exponent - 1.0)});
 }
 
 }  // namespace spindle_twin::bench

@@ -21,10 +21,10 @@ export default [
       "prefer-const": "error",
     },
   },
-  { files: ["host_tools/pages/*.js"], languageOptions: { globals: browser } },
+  { files: ["host_tools/pages/*.js", "tests/bench/table/*.js"], languageOptions: { globals: browser } },
   // The only script that knows the chart library.
   { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
-  { files: ["tests/pages/*.js"],
+  { files: ["tests/pages/*.js", "tests/bench/table/take_picture.js"],
     languageOptions: { globals: { ...browser, ...names(["console", "process", "URL"]) } } },
   { files: ["tests/system/clients/*.js"], languageOptions: { globals: names(["Buffer", "process"]) } },
 ];

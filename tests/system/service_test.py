@@ -4,6 +4,8 @@ service_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]
 """
 import os
 import pathlib
+import re
+import resource
 import shutil
 import signal
 import socket
@@ -11,7 +13,7 @@ import subprocess
 import time
 import unittest
 
-from ports import free_port, wait_until
+from ports import can_connect, free_port, wait_until
 from running_daemon import PROGRAMS, RunningDaemon, main
 
 UNIT = pathlib.Path(__file__).parents[2] / "firmware" / "service" / "spindle-twind.service"
@@ -74,6 +76,26 @@ class Notified(RunningDaemon):
         self.listen(0.5)
         self.told.clear()
         self.assertEqual(self.listen(2.0), [])
+
+
+    def locked_kB(self, limit):
+        def set_limit():
+            resource.setrlimit(resource.RLIMIT_MEMLOCK, (limit, limit))
+        try:
+            self.daemon = self.start([PROGRAMS["daemon"], self.config], stderr=self.log, preexec_fn=set_limit)
+        except subprocess.SubprocessError:
+            self.skipTest("the limit of locked memory may not be raised here")
+        wait_until(lambda: can_connect(self.port), "the daemon's port")
+        status = pathlib.Path(f"/proc/{self.daemon.pid}/status").read_text()
+        return int(re.search(r"^VmLck:\s+(\d+) kB", status, re.MULTILINE)[1])
+
+    def test_memory_is_locked_where_the_limit_is_infinite(self):
+        self.assertGreater(self.locked_kB(resource.RLIM_INFINITY), 1000)
+        self.assertIn("memory locked", self.log_text())
+
+    def test_memory_is_left_alone_under_a_limit(self):
+        self.assertEqual(self.locked_kB(8 << 20), 0)
+        self.assertNotIn("memory", self.log_text())
 
 
 class Unit(unittest.TestCase):

@@ -1,0 +1,38 @@
+#include "firmware/watch/memory_lock.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+
+#include <fstream>
+#include <string>
+
+namespace spindle_twin::firmware {
+namespace memory_lock_test {
+
+long locked_kB() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word != "VmLck:") continue;
+    long locked = 0;
+    status >> locked;
+    return locked;
+  }
+  return -1;
+}
+
+TEST(MemoryLock, without_a_limit_what_was_touched_stays_in_memory) {
+  if (mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) GTEST_SKIP() << "memory may not be locked here";
+  munlockall();
+  ASSERT_EQ(locked_kB(), 0);
+  EXPECT_TRUE(lock_memory(RLIM_INFINITY));
+  EXPECT_GT(locked_kB(), 1000);
+  munlockall();
+}
+
+TEST(MemoryLock, under_a_limit_nothing_is_locked) {
+  EXPECT_FALSE(lock_memory(8U << 20U));
+  EXPECT_EQ(locked_kB(), 0);
+}
+
+}  // namespace memory_lock_test
+}  // namespace spindle_twin::firmware
