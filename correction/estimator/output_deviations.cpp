@@ -10,6 +10,8 @@ namespace {
 
 constexpr double metres_per_micrometre = 1e-6;
 constexpr double widest_skewness = 2.0;
+/// Points of a part whose temperatures differ by less are equally hot: their order is one of rounding.
+constexpr double equally_hot_K = 1e-9;
 
 /// Entry i of a list that older files lack; there the group's own worst error stands for it.
 double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, double group_worst) {
@@ -100,7 +102,7 @@ void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter
     double highest = candidates.col(0).dot(x_);
     for (Eigen::Index c = 1; c < candidates.cols(); ++c) {
       const double rise = candidates.col(c).dot(x_);
-      if (!(rise > highest)) continue;
+      if (!(rise > highest + equally_hot_K)) continue;
       highest = rise;
       hottest = c;
     }

@@ -24,7 +24,7 @@ struct OutputDeviations {
 /// Published is half the way to the point that a fraction Φ(−2) of a skewed error exceeds (Cornish and Fisher, 1938):
 ///   σ (1 + min(|γ|, 2) / 4),   γ σ³ = 3 Σ ±(l S)_i (P Sᵀ lᵀ)_i²,   + heats, − conductances, 0 what is not an ln factor
 /// Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of a part's maximum the row l
-/// is that of its hottest candidate point.
+/// is that of its hottest candidate point, the first of those that are equally hot.
 class DeviationOfOutputs {
  public:
   /// `skewed`: γ counts. Allocates; evaluate() does not.

@@ -60,5 +60,18 @@ TEST(OutputDeviations, two_sigma_reach_the_end_of_the_longer_tail) {
   EXPECT_LT(2.0 * EstimatorPriors{}.heat * slope.norm(), 0.88 * longer_m) << "what a straight line would say";
 }
 
+TEST(OutputDeviations, of_a_maximum_where_all_points_are_equally_hot_do_not_hang_on_rounding) {
+  const rom::Network network = plates();
+  const auto deviations_K = [&](double rounding_K) {
+    EstimatorCorrection estimator(network, EstimatorOptions{});
+    Eigen::VectorXd nodes_K = Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), 300.15);
+    for (Eigen::Index i = 0; i < nodes_K.size(); ++i) nodes_K[i] += rounding_K * static_cast<double>(i);
+    estimator.reset(0.0, nodes_K, network.boundaries.operating);
+    return estimator.deviations().part_maximum_K;
+  };
+  const Eigen::VectorXd rising_K = deviations_K(1e-12), falling_K = deviations_K(-1e-12);
+  for (Eigen::Index part = 0; part < rising_K.size(); ++part) EXPECT_NEAR(rising_K[part], falling_K[part], 1e-9);
+}
+
 }  // namespace estimator_output_deviations_test
 }  // namespace spindle_twin::correction::test
