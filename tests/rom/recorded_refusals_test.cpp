@@ -29,7 +29,7 @@ using spindle_twin::tests::text_faults;
 using spindle_twin::tests::TextFault;
 using spindle_twin::tests::WireFaults;
 
-constexpr double tolerance = 1e-11;
+constexpr spindle_twin::tests::Tolerance tolerance{1e-11};
 
 /// A sum that changes with any number of the network.
 std::string sum_of(const Network& network) {

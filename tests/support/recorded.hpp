@@ -22,17 +22,23 @@ inline std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-inline bool is_same_word(const std::string& now, const std::string& then, double tolerance) {
+/// How far a number may be from what it was: by this share of itself, or by this much.
+struct Tolerance {
+  double relative = 0.0;
+  double absolute = 0.0;
+};
+
+inline bool is_same_word(const std::string& now, const std::string& then, const Tolerance& tolerance) {
   if (now == then) return true;
   char *end_now = nullptr, *end_then = nullptr;
   const double a = std::strtod(now.c_str(), &end_now), b = std::strtod(then.c_str(), &end_then);
   if (end_now == now.c_str() || *end_now != '\0' || end_then == then.c_str() || *end_then != '\0') return false;
-  return std::abs(a - b) <= tolerance * std::max(std::abs(a), std::abs(b));
+  return std::abs(a - b) <= std::max(tolerance.absolute, tolerance.relative * std::max(std::abs(a), std::abs(b)));
 }
 
-/// Every line of `now` is that of tests/recorded/NAME; numbers within `tolerance` of themselves, all else to the
+/// Every line of `now` is that of tests/recorded/NAME; numbers within `tolerance`, all else to the
 /// letter. With SPINDLE_TWIN_RECORD=1 in the environment the file is written in place of that.
-inline void expect_as_recorded(const std::string& name, const std::string& now, double tolerance = 0.0) {
+inline void expect_as_recorded(const std::string& name, const std::string& now, const Tolerance& tolerance) {
   const std::string path = SPINDLE_TWIN_SOURCE_DIR "/tests/recorded/" + name;
   if (const char* record = std::getenv("SPINDLE_TWIN_RECORD"); record != nullptr && std::string(record) == "1") {
     std::ofstream(path) << now;

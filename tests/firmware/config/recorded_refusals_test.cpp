@@ -16,7 +16,7 @@
 namespace spindle_twin::firmware {
 namespace config_recorded_refusals_test {
 
-constexpr double tolerance = 1e-11;
+constexpr tests::Tolerance tolerance{1e-11};
 
 /// Every table there is.
 const char* const tables = R"(log_level = "info"

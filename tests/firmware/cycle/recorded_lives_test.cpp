@@ -22,7 +22,9 @@
 namespace spindle_twin::firmware {
 namespace cycle_recorded_lives_test {
 
-constexpr double tolerance = 1e-6;
+/// Another processor's functions of libm round otherwise, and CVODE then iterates once more or less, within its
+/// tolerance: with GLIBC_TUNABLES=glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2 the lives differ by less than a third of this.
+constexpr tests::Tolerance tolerance{3e-5, 1e-6};
 constexpr double ns_per_s = 1e9;
 
 /// Count, mean, mean of magnitudes and last of the values of many columns.

@@ -21,7 +21,7 @@ namespace spindle_twin::firmware {
 namespace keep_recorded_refusals_test {
 
 using Bytes = std::vector<std::uint8_t>;
-constexpr double tolerance = 1e-11;
+constexpr tests::Tolerance tolerance{1e-11};
 
 /// The same first line with the hash of another message, then that.
 Bytes sealed_again(const Bytes& sealed, const Bytes& message) {

@@ -12,7 +12,7 @@
 namespace spindle_twin::rom::test {
 namespace laws_recorded_values_test {
 
-constexpr double tolerance = 1e-9;
+constexpr spindle_twin::tests::Tolerance tolerance{1e-9};
 
 struct Law {
   std::string name;
