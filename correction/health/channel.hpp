@@ -19,8 +19,8 @@ namespace spindle_twin::correction {
 /// What is constant of a channel.
 struct HealthChannel {
   bool configured = false;
-  double min_K = 253.15;  ///< range of its own
-  double max_K = 423.15;
+  double min_K = std::numeric_limits<double>::lowest();  ///< range of its own
+  double max_K = std::numeric_limits<double>::max();
   double resolution_K = 0.01;  ///< smallest step of the reading
   double noise_K = 0.03;       ///< 1σ of a reading; what is learnt of it stays between 1/3 and 3 times this
   double interval_s = 0.0;     ///< between new readings where these are fewer than the samples
