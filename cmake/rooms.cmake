@@ -8,6 +8,12 @@ add_library(spindle_twin_flags INTERFACE)
 target_include_directories(spindle_twin_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(spindle_twin_flags INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
+# The same sums on every processor: GCC makes one operation with one rounding of a * b + c where the processor has it, and
+# baseline x86-64 has none. A network written by hand is then the same file, to the bit, wherever it is assembled. Eigen's
+# own products ask for that operation by themselves, and keep it.
+if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  target_compile_options(spindle_twin_flags INTERFACE -ffp-contract=off)
+endif()
 if(SPINDLE_TWIN_SANITIZE)
   target_compile_options(spindle_twin_flags INTERFACE -fsanitize=${SPINDLE_TWIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_compile_definitions(spindle_twin_flags INTERFACE _GLIBCXX_ASSERTIONS)  # empty optionals, ends of vectors

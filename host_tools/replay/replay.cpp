@@ -107,6 +107,11 @@ void replay_samples(firmware::Cycle& cycle, const firmware::CyclePlan& plan, con
 
 void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& log,
             const std::function<void(const ReplayedCycle&)>& on_cycle) {
+  replay(network, std::move(plan), log, on_cycle, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+}
+
+void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& log,
+            const std::function<void(const ReplayedCycle&)>& on_cycle, const firmware::MakeStepper& make_stepper) {
   for (std::size_t s = 0; s < plan.signals.size(); ++s) {
     firmware::SignalPlan& signal = plan.signals[s];
     if (!log.has_signal[s]) {
@@ -116,7 +121,7 @@ void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& lo
       if (log.cycle_s) signal = {SignalSource::device, signal.value, -1e300, 1e300, 0.0};  // it was judged already
     }
   }
-  firmware::Cycle cycle(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  firmware::Cycle cycle(network, plan, make_stepper);
   log.cycle_s ? replay_history(cycle, plan, log, on_cycle) : replay_samples(cycle, plan, log, on_cycle);
 }
 

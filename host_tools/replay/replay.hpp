@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/cycle/integrate.hpp"
 #include "firmware/cycle/plan.hpp"
 #include "firmware/cycle/snapshot.hpp"
 #include "host_tools/replay/log.hpp"
@@ -26,6 +27,10 @@ struct ReplayedCycle {
 /// firmware::Cycle does.
 void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& log,
             const std::function<void(const ReplayedCycle&)>& on_cycle);
+
+/// The same with another integrator than the daemon's: other settings, say.
+void replay(const rom::Network& network, firmware::CyclePlan plan, const Log& log,
+            const std::function<void(const ReplayedCycle&)>& on_cycle, const firmware::MakeStepper& make_stepper);
 
 /// A row per cycle: firmware::history_row, then predicted minus measured at the instant of the reading for every key
 /// point, empty where nothing was read.
