@@ -2,6 +2,7 @@
 # spindle-twin (host tool, spindles, documentation). `cpack --config build/CPackConfig.cmake` writes both;
 # `tests/packages/run` builds, checks and installs them in a bare Debian.
 include(GNUInstallDirs)
+find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 set(service ${PROJECT_SOURCE_DIR}/firmware/service)
 set(packed ${PROJECT_BINARY_DIR}/packed)
 
@@ -76,6 +77,23 @@ install(PROGRAMS host_tools/linuxcnc/spindle_twin_watch DESTINATION ${linuxcnc} 
 install(FILES ${packed}/spindle-twin/copyright ${packed}/spindle-twin/changelog.gz ${packed}/spindle-twin/CHANGELOG.md.gz
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin COMPONENT tools)
 spindle_twin_manual(${PROJECT_SOURCE_DIR}/host_tools/spindle-twin.1 1 tools)
+
+# What is inside, as SPDX: after all else of the package is where it will be, programs stripped. No Debian file of its own
+# may be missing from it, so it is made at the install, and only for a package: there all stands below DESTDIR.
+function(spindle_twin_list_contents program component)
+  install(CODE "
+    if(NOT \"\$ENV{DESTDIR}\" STREQUAL \"\")
+      set(list /usr/share/doc/${program}/${program}.spdx.json)
+      execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/cmake/list_contents.py --build ${PROJECT_BINARY_DIR}
+        --program ${program} --package ${program} --version ${PROJECT_VERSION} --root \$ENV{DESTDIR} -o \$ENV{DESTDIR}\${list}
+        \${CMAKE_INSTALL_MANIFEST_FILES} COMMAND_ERROR_IS_FATAL ANY)
+      list(APPEND CMAKE_INSTALL_MANIFEST_FILES \${list})
+    endif()" COMPONENT ${component})
+endfunction()
+spindle_twin_list_contents(spindle-twind daemon)
+if(SPINDLE_TWIN_OFFLINE)
+  spindle_twin_list_contents(spindle-twin tools)
+endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
