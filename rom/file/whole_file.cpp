@@ -118,7 +118,8 @@ void write_whole_file(const std::string& path, const std::string& text) {
 }
 
 std::vector<std::uint8_t> read_whole_file(const std::string& path, std::uint64_t largest_bytes) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Opening a pipe would otherwise wait until somebody writes to it.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) refuse(path, "cannot be opened for reading");
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) refuse(path, "cannot be read");

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 #include <sodium.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,7 +9,6 @@
 #include <random>
 
 #include "rom/file/rom_file.hpp"
-#include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/synthetic_network.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -244,22 +242,6 @@ TEST(RomFile, a_missing_file_or_folder_is_one_clear_error) {
   EXPECT_EQ(refusal_of([&] { write_network(small_network(), nowhere); }),
             nowhere + ": cannot be written: No such file or directory");
   expect_refused(refusal_of([&] { read_network(fs::path(missing).parent_path().string() + "/../x.rom/"); }), "cannot");
-}
-
-TEST(WholeFile, replaces_the_old_one_and_respects_the_bound) {
-  const spindle_twin::tests::TemporaryFolder folder;
-  const std::string path = folder.file("x.rom");
-  write_whole_file(path, std::string("first, longer"));
-  write_whole_file(path, std::string("second"));
-  const std::vector<std::uint8_t> bytes = read_whole_file(path, 6);
-  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "second");
-  expect_refused(refusal_of([&] { read_whole_file(path, 5); }), "6 bytes; at most 5 are allowed");
-  EXPECT_EQ(folder.files(), 1);
-  // A pipe of our own: a test with a fault in it must not replace a device of the machine.
-  const std::string pipe = folder.file("pipe");
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(refusal_of([&] { write_whole_file(pipe, std::string("x")); }),
-            pipe + ": cannot be written: it exists and is not a regular file");
 }
 
 }  // namespace rom_file_test
