@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstring>
 #include <utility>
 
 #include "firmware/acquire/read_address.hpp"
@@ -65,14 +66,21 @@ StreamDevice::~StreamDevice() {
 
 int StreamDevice::port() const { return port_of(listening_); }
 
+/// Without descriptors the connection would be offered again at once.
+void StreamDevice::wait_to_accept(int reason, std::int64_t now_ns) {
+  if (const auto before = troubles_.pass(now_ns)) {
+    spdlog::error("no node can be accepted at {}: {}{}", plan_.where(), std::strerror(reason), LogLimit::also(*before));
+  }
+  clock_.sleep_until_ns(now_ns + 100'000'000);
+}
+
 void StreamDevice::accept_all(std::int64_t now_ns) {
   sockaddr_in from{};
   socklen_t size = sizeof from;
   while (true) {
     const int socket = accept4(listening_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) {
-      // Without descriptors the connection would be offered again at once.
-      if (errno != EAGAIN && errno != EINTR) clock_.sleep_until_ns(now_ns + 100'000'000);
+      if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) wait_to_accept(errno, now_ns);
       return;
     }
     if (!is_allowed(plan_.allow, ntohl(from.sin_addr.s_addr))) {

@@ -52,6 +52,7 @@ class StreamDevice final : public Driver {
  private:
   struct Node;
   void accept_all(std::int64_t now_ns);
+  void wait_to_accept(int reason, std::int64_t now_ns);
   bool is_open(Node& node, DeviceReadings& readings);
   void take_messages(Node& node, std::int64_t now_ns, DeviceReadings& readings);
   void take(Node& node, const spindle_twin_stream_Readings& message, std::int64_t now_ns, DeviceReadings& readings);
@@ -62,6 +63,7 @@ class StreamDevice final : public Driver {
   int listening_ = -1;
   std::list<Node> nodes_;
   LogLimit strangers_;
+  LogLimit troubles_;
   std::string last_end_ = "no node has connected";
 };
 

@@ -2,10 +2,15 @@
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <memory>
+#include <sstream>
 
 #include "tests/firmware/acquire/stream_frames.hpp"
 
@@ -22,6 +27,42 @@ class SteppedClock final : public Clock {
   std::int64_t time_ns = static_cast<std::int64_t>(100 * second_ns);
 };
 
+/// No descriptor is left to this process while it lives.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const int next = ::dup(0);
+    ::close(next);
+    const rlimit none{static_cast<rlim_t>(next), before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &none);
+  }
+  ~NoDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+/// What is logged while it lives.
+class Logged {
+ public:
+  Logged() {
+    auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(lines_);
+    sink->set_pattern("%l %v");
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>("", std::move(sink)));
+  }
+  ~Logged() { spdlog::set_default_logger(before_); }
+  Logged(const Logged&) = delete;
+  Logged& operator=(const Logged&) = delete;
+  std::string text() const { return lines_.str(); }
+
+ private:
+  std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
+  std::ostringstream lines_;
+};
+
 class StreamDeviceTest : public testing::Test {
  protected:
   StreamDeviceTest() {
@@ -35,18 +76,25 @@ class StreamDeviceTest : public testing::Test {
     for (const int socket : sockets_) close(socket);
   }
 
-  int connect_from(const char* address) {
+  int open_socket(const char* address) {
     const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in here{};
     here.sin_family = AF_INET;
     inet_pton(AF_INET, address, &here.sin_addr);
     EXPECT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
+    sockets_.push_back(socket);
+    return socket;
+  }
+  void connect_to_device(int socket) {
     sockaddr_in there{};
     there.sin_family = AF_INET;
     there.sin_port = htons(static_cast<std::uint16_t>(device_->port()));
     inet_pton(AF_INET, "127.0.0.1", &there.sin_addr);
     EXPECT_EQ(connect(socket, reinterpret_cast<const sockaddr*>(&there), sizeof there), 0);
-    sockets_.push_back(socket);
+  }
+  int connect_from(const char* address) {
+    const int socket = open_socket(address);
+    connect_to_device(socket);
     step(2);
     return socket;
   }
@@ -185,6 +233,31 @@ TEST_F(StreamDeviceTest, a_node_that_floods_noise_is_only_counted) {
   node sender{};
   send_bytes(socket, frames::frame_of(sender, 0, {25.0F}));
   EXPECT_EQ(sensor(0).value, 25.0);
+}
+
+/// Another node waits in the backlog all the time, so that poll() returns at once.
+TEST_F(StreamDeviceTest, without_descriptors_it_says_so_serves_its_nodes_and_takes_others_later) {
+  const int first = connect_from("127.0.0.1");
+  node sender{};
+  send_bytes(first, frames::frame_of(sender, 0, {20.0F}));
+  const Logged logged;
+  const int second = open_socket("127.0.0.1");
+  const std::int64_t before_ns = clock_.time_ns;
+  {
+    const NoDescriptors none;
+    connect_to_device(second);
+    step(20);
+    EXPECT_GE(clock_.time_ns - before_ns, static_cast<std::int64_t>(1.9 * second_ns)) << "it spins";
+    send_bytes(first, frames::frame_of(sender, 2000, {21.0F}));
+    EXPECT_EQ(sensor(0).value, 21.0);
+  }
+  const std::string text = logged.text();
+  EXPECT_EQ(text.substr(0, text.find('\n')), "error no node can be accepted at 127.0.0.1:0: Too many open files");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << "three lines a minute";
+  step(2);
+  node other{};
+  send_bytes(second, frames::frame_of(other, 0, {22.0F}));
+  EXPECT_EQ(sensor(0).value, 22.0);
 }
 
 TEST(StreamDevice, a_port_that_is_taken_is_a_lost_device_with_its_reason) {
