@@ -127,7 +127,6 @@ void EstimatorCorrection::forget() {
   disturbance_width_ = disturbance_idle_;
   note_curvature();
   displacement_.pending = false;
-  tare_deviation_K_.setZero();
 }
 
 void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {

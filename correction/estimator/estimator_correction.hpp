@@ -182,7 +182,7 @@ class EstimatorCorrection {
   void adopt(const SquareRootFilter& other, const rom::OperatingState& operating);
 
   /// A tare was taken: the sensor's readings are lower by shift_K from now on, and its offset is 0 ± deviation_K, which
-  /// the next update takes in. deviation_K > 0.
+  /// the next update takes in, also when the estimate begins anew or stands by before that. deviation_K > 0.
   void note_tare(Eigen::Index sensor, double shift_K, double deviation_K);
 
   /// Starts θ at `theta` instead of the priors' mean, everything else as it is.

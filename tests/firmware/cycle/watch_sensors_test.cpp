@@ -4,70 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <random>
 
 #include "firmware/config/config.hpp"
-#include "firmware/keep/checkpoint.hpp"
 #include "firmware/serve/command_registers.hpp"
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/pack.hpp"
-#include "tests/firmware/support/machine.hpp"
-#include "tests/rom/heap_calls.hpp"
+#include "tests/firmware/support/watched.hpp"
 
 namespace spindle_twin::firmware {
 namespace cycle_watch_sensors_test {
-
-/// A twin and a machine whose sensors are noisy, have offsets and may be tampered with; one cycle a second.
-struct Watched {
-  Watched(const rom::Network& network, const CyclePlan& plan, double heat)
-      : cycle(network, plan, runtime), machine(network, heat) {}
-
-  void until(int seconds) {
-    for (; n < seconds; ++n) {
-      DeviceFrame frame = machine.frame(at_s(n));
-      for (std::size_t k = 0; k < 3; ++k) frame.sensors[k].value += offset_K[k] + noise_K * normal(random);
-      if (tamper) tamper(n, frame);
-      const long calls = rom::tests::heap_calls();
-      last = cycle.step(frame, command, at_s(n), 0);
-      heap_calls += rom::tests::heap_calls() - calls;
-      machine.advance(1.0);
-    }
-  }
-
-  /// The PLC orders, and the machine goes on for so long.
-  void give(SensorOrder order, int seconds) {
-    command.sensor_order = order;
-    ++command.sensor_orders;
-    until(n + seconds);
-  }
-
-  Cycle cycle;
-  Machine machine;
-  PlcCommand command;
-  Snapshot last;
-  std::function<void(int, DeviceFrame&)> tamper;
-  std::array<double, 3> offset_K{};
-  double noise_K = 0.03;
-  std::mt19937_64 random{8};
-  std::normal_distribution<double> normal{0.0, 1.0};
-  int n = 0;
-  long heap_calls = 0;
-};
-
-CyclePlan untared() {
-  CyclePlan plan = estimated();
-  plan.estimator->offset_deviation_K = 0.2;
-  for (SensorPlan& sensor : plan.sensors) sensor.offset_deviation_K = 0.2;
-  return plan;
-}
-
-CyclePlan at_rest(CyclePlan plan) {
-  plan.signals[0].value = 0.0;
-  plan.signals[1].value = 0.0;
-  plan.tare.rest_s = 900.0;
-  return plan;
-}
 
 TEST(WatchSensors, a_broken_wire_is_withheld_at_once_and_shown_and_the_others_go_on) {
   const rom::Network network = tests::small_network();
@@ -131,98 +76,6 @@ TEST(WatchSensors, a_repaired_sensor_returns_without_a_step_of_the_nose) {
   EXPECT_EQ(run.last.sensor_health[2].state, SensorState::good);
   EXPECT_LT(most_m, plan.slew_m_per_s);
   EXPECT_NEAR(run.last.sensor_update[2].offset, 0.5, 0.1) << "half a kelvin is the sensor's, not the machine's";
-}
-
-TEST(WatchSensors, the_tare_is_offered_at_rest_and_takes_the_offsets_away_without_a_step) {
-  const rom::Network network = tests::small_network();
-  const CyclePlan plan = at_rest(untared());
-  Watched run(network, plan, 0.0);
-  run.offset_K = {0.15, -0.2, 0.05};
-  run.until(800);
-  EXPECT_EQ(run.last.quality & bits(Quality::sensor_tare_offered), 0);
-  run.until(1000);
-  EXPECT_NE(run.last.quality & bits(Quality::sensor_tare_offered), 0);
-  EXPECT_EQ(run.last.state, State::running) << "an offer is no trouble";
-  const double before_m = run.last.deformation_raw_m[0];
-  run.command.sensor_order = SensorOrder::tare;
-  run.command.sensor_orders = 1;
-  run.until(1002);
-  EXPECT_EQ(run.last.sensor_tare_count, 1);
-  EXPECT_NEAR(run.last.deformation_raw_m[0], before_m, 2e-7);
-  for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_NEAR(run.last.sensor_tare_K[k], run.offset_K[k], 0.02);
-    EXPECT_NEAR(run.last.measured_K[k], start_K, 0.15);
-  }
-  run.until(1100);
-  for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_NEAR(run.last.sensor_update[k].offset, 0.0, 0.03);
-    EXPECT_LT(run.last.sensor_update[k].offset_deviation, 0.03);
-    EXPECT_EQ(run.last.sensor_health[k].state, SensorState::good) << "its readings have moved, but by our own hand";
-  }
-
-  Remembered remembered;
-  run.cycle.remember(remembered);
-  const Checkpoint kept = decode_checkpoint(encode_checkpoint({std::string(64, '0'), 0.0, remembered}), "x");
-  EXPECT_EQ(kept.remembered.sensor_tare.count, 1U);
-  Watched resumed(network, plan, 0.0);
-  resumed.offset_K = run.offset_K;
-  ASSERT_EQ(resumed.cycle.resume(kept.remembered, 10.0), Resumed::temperatures_and_estimator);
-  resumed.until(30);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(resumed.last.sensor_tare_K[k], run.last.sensor_tare_K[k]);
-  EXPECT_EQ(resumed.last.sensors_failed, 0);
-  remembered.sensor_tare.offset_K[0] = not_a_value;
-  Watched untared(network, plan, 0.0);
-  ASSERT_NE(untared.cycle.resume(remembered, 10.0), Resumed::nothing);
-  untared.until(30);
-  EXPECT_EQ(untared.last.sensor_tare_K[0], 0.0);
-  EXPECT_TRUE(std::isfinite(untared.last.measured_K[0]));
-
-  run.command.sensor_order = SensorOrder::clear_tare;
-  run.command.sensor_orders = 2;
-  run.until(1102);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(run.last.sensor_tare_K[k], 0.0);
-}
-
-TEST(WatchSensors, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {
-  const rom::Network network = tests::small_network();
-  const CyclePlan plan = at_rest(untared());
-  Watched run(network, plan, 0.0);
-  run.offset_K = {0.15, -0.2, 0.05};
-  run.noise_K = 0.0;
-  run.until(1003);
-  for (const SensorOrder order : {SensorOrder::tare, SensorOrder::clear_tare}) {
-    run.give(order, 1);
-    EXPECT_EQ(run.last.sensor_tare_count, run.command.sensor_orders);
-    const std::uint32_t updates = run.last.updates;
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(run.last.measured_K[k], run.last.raw_K[k] - run.last.sensor_tare_K[k]);
-    }
-    while (run.last.updates == updates) run.until(run.n + 1);
-    // Nothing has moved, so that one reading with the other tare would be all that the update sees.
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_NEAR(run.last.sensor_update[k].observation, run.last.measured_K[k], 1e-9);
-      EXPECT_NEAR(run.last.sensor_update[k].innovation, 0.0, 1e-3);
-    }
-  }
-}
-
-TEST(WatchSensors, a_tare_larger_than_any_jump_fails_no_sensor) {
-  const rom::Network network = tests::small_network();
-  const CyclePlan plan = at_rest(untared());
-  Watched run(network, plan, 0.0);
-  run.offset_K = {0.6, -0.05, 0.0};
-  run.until(1000);
-  for (const SensorOrder order : {SensorOrder::tare, SensorOrder::clear_tare}) {
-    run.give(order, 20);
-    EXPECT_EQ(run.last.sensor_tare_count, run.command.sensor_orders);
-    EXPECT_EQ(std::abs(run.last.sensor_tare_K[0]) > plan.health->jump_K, order == SensorOrder::tare);
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(run.last.sensor_health[k].state, SensorState::good) << k;
-      EXPECT_EQ(run.last.sensor_health[k].spikes, 0) << k;
-      EXPECT_EQ(run.last.sensor_quality[k], SensorQuality::good) << k;
-    }
-    EXPECT_FALSE(run.last.model_in_doubt);
-  }
 }
 
 TEST(WatchSensors, no_order_calls_the_heap_not_even_the_first_tare) {
