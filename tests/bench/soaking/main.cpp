@@ -14,9 +14,11 @@
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/pack.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/integrate/exact_stepper.hpp"
 #include "tests/firmware/support/daemon_plan.hpp"
 #include "tests/firmware/support/random_machine.hpp"
 #include "tests/rom/heap_calls.hpp"
+#include "tests/rom/metered_stepper.hpp"
 
 /// Weeks of the daemon's cycle on a clock of its own: another machine than the network, a random drive cycle, and each
 /// day other troubles of sensors and signals.
@@ -27,6 +29,8 @@ constexpr double day_s = 86400.0;
 constexpr double hour_s = 3600.0;
 constexpr double morning_s = 6.0 * hour_s;  // somebody acknowledges failed sensors
 constexpr long most_growth_kB = 1024;
+constexpr double most_heat_lost = 1e-9;      // of what is put in
+constexpr double most_by_quadrature = 1e-6;  // likewise; CVODE's tolerance is not counted out
 
 struct Options {
   double days = 30.0;
@@ -45,6 +49,7 @@ struct Score {
   double longest_s = 0.0;
   long resident_after_hour_kB = 0;
   long resident_kB = 0;
+  rom::tests::HeatBalance heat;  ///< of all models of the cycle together, between corrections; no steps: not asked
 };
 
 long resident_kB() {
@@ -106,6 +111,14 @@ DaemonLines lines_of(const rom::Network& network, const std::vector<std::size_t>
   return lines;
 }
 
+/// The daemon's own; where the network has neither laws nor circuits with meters of its heats.
+std::unique_ptr<rom::FallbackStepper> make_stepper(const rom::Network& network, rom::tests::HeatBalance& balance) {
+  if (!rom::tests::takes_meters(network)) return rom::make_runtime_stepper(network);
+  return std::make_unique<rom::FallbackStepper>(
+      std::make_unique<rom::tests::MeteredStepper>(network, balance),
+      std::make_unique<rom::ExactStepper>(std::make_shared<const rom::NetworkOperator>(network)));
+}
+
 Score soak(const Options& options) {
   Random random(options.seed);
   const rom::Network network = options.network.empty() ? random_network(random) : rom::read_network(options.network);
@@ -115,13 +128,13 @@ Score soak(const Options& options) {
   Days days(network, random());
   TroubledDevice device = troubled_for(options.days, sensors, random);
   machine.start(days.at(0.0).ambient_K);
+  Score score;
   Cycle cycle(network, daemon_plan(network, lines_of(network, sensors)),
-              [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+              [&score](const rom::Network& of) { return make_stepper(of, score.heat); });
   auto image = std::make_unique<RegisterImage>();
   std::printf("seed %lu: %zu nodes, %zu sensors, %.1f days of 1 s\n", static_cast<unsigned long>(options.seed),
               network.nodes.size(), sensors.size(), options.days);
 
-  Score score;
   PlcCommand command;
   std::uint64_t sequence = 0;
   for (double time_s = 0.0; time_s < options.days * day_s; time_s += 1.0) {
@@ -157,6 +170,19 @@ Score soak(const Options& options) {
   return score;
 }
 
+/// Whether the heat balance closes.
+bool report_heat(const rom::tests::HeatBalance& heat) {
+  if (heat.steps == 0) {
+    std::printf("heat balance: not asked, the network has physical laws or coolant circuits\n");
+    return true;
+  }
+  std::printf("heat: %.6g MJ put in, %.6g MJ given away, %.6g MJ stored in %ld steps\n", 1e-6 * heat.put_in_J,
+              1e-6 * heat.given_away_J, 1e-6 * heat.stored_J, heat.steps);
+  std::printf("  what is missing: %.1e of what is put in, %.1e J in the worst step; by quadrature %.1e\n", heat.share(),
+              heat.worst_J, heat.share_by_quadrature());
+  return heat.share() <= most_heat_lost && heat.share_by_quadrature() <= most_by_quadrature;
+}
+
 int report(const Score& score) {
   std::printf("%ld cycles, %ld missed, %.1f %% running, longest %.1f ms\n", score.cycles, score.missed,
               100.0 * static_cast<double>(score.running) / static_cast<double>(score.cycles), 1e3 * score.longest_s);
@@ -165,8 +191,10 @@ int report(const Score& score) {
               score.unfit);
   std::printf("resident memory after an hour and at the end: %ld and %ld kB\n", score.resident_after_hour_kB,
               score.resident_kB);
-  const bool is_good = score.missed == 0 && score.heap_calls == 0 && score.not_a_value == 0 && score.unfit == 0 &&
-                       score.resident_kB - score.resident_after_hour_kB <= most_growth_kB && score.running > 0;
+  const bool closes = report_heat(score.heat);
+  const bool is_good = closes && score.missed == 0 && score.heap_calls == 0 && score.not_a_value == 0 &&
+                       score.unfit == 0 && score.resident_kB - score.resident_after_hour_kB <= most_growth_kB &&
+                       score.running > 0;
   std::printf("%s\n", is_good ? "all limits kept" : "MISSED");
   return is_good ? 0 : 1;
 }
