@@ -7,31 +7,21 @@
 #include <CLI/Formatter.hpp>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <memory>
-#include <optional>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
-#include "firmware/acquire/device_thread.hpp"
-#include "firmware/config/config.hpp"
+#include "firmware/config/daemon_config.hpp"
 #include "firmware/config/expect_of_sensors.hpp"
-#include "firmware/config/load_network.hpp"
-#include "firmware/cycle/cycle.hpp"
-#include "firmware/keep/event_log.hpp"
-#include "firmware/keep/history_writer.hpp"
-#include "firmware/keep/keeper.hpp"
-#include "firmware/keep/order_keeper.hpp"
 #include "firmware/keep/state_files.hpp"
-#include "firmware/serve/modbus_server.hpp"
-#include "firmware/show/http_server.hpp"
-#include "firmware/watch/clock.hpp"
+#include "firmware/run/daemon.hpp"
+#include "firmware/run/prepare.hpp"
 #include "firmware/watch/log.hpp"
 #include "firmware/watch/memory_lock.hpp"
-#include "firmware/watch/service_manager.hpp"
 
 namespace {
 
@@ -75,145 +65,6 @@ int wait_for_the_end(const sigset_t& signals) {
   }
 }
 
-/// The files that this configuration has written.
-std::vector<std::string> state_files(const Config& config) {
-  std::vector<std::string> files;
-  for (const std::string& path :
-       {config.keep.orders_path, config.keep.checkpoint_path, config.history.path, config.keep.parameters_path}) {
-    if (!path.empty()) files.push_back(path);
-  }
-  return files;
-}
-
-std::string signer(const rom::RomFile& file) {
-  return file.signed_by ? "signed by " + rom::to_hex(*file.signed_by) : "not signed";
-}
-
-/// A number that passed for itself may still be none together with the others, or with this network.
-void make_cycle(const Config& config, const rom::Network& network, const CyclePlan& plan, std::optional<Cycle>& cycle) {
-  try {
-    cycle.emplace(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
-  } catch (const std::exception& error) {
-    throw rom::InputError({config.path, 0}, "correction, health", error.what());
-  }
-}
-
-/// All parts and the threads that they run in.
-class Daemon {
- public:
-  Daemon(const Config& config, const rom::RomFile& file, const DaemonPlan& plan, Cycle& cycle, Troubles& troubles)
-      : config_(config),
-        file_(file),
-        plan_(plan),
-        cycle_(cycle),
-        troubles_(troubles),
-        order_keeper_(config.keep.orders_path, file.sha256, desk_, troubles),
-        events_(file.network) {
-    for (std::size_t d = 0; d < plan.devices.size(); ++d) {
-      if (plan.devices[d].channels.empty()) continue;
-      devices_.push_back(std::make_unique<DeviceThread>(plan.devices[d], d, clock_, readings_.of(d)));
-    }
-    if (!config.history.path.empty()) history_ = make_history(config.history, file.network, troubles);
-  }
-  ~Daemon() { stop(); }
-  Daemon(const Daemon&) = delete;
-  Daemon& operator=(const Daemon&) = delete;
-
-  /// Clients are answered before the cycle runs: a long pause since the checkpoint takes seconds to go through. Gives
-  /// up where end() is called meanwhile, in another thread.
-  void start() {
-    const std::optional<Checkpoint> checkpoint = look_for_checkpoint(config_.keep);
-    const StandingOrders orders = recall_orders(config_.keep.orders_path, file_.sha256, checkpoint);
-    order_keeper_.begin_with(orders);
-    server_.emplace(plan_.serve, clock_, snapshots_, signals_, desk_);
-    run([this] { server_->run(); });
-    spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}", file_.network.spindle,
-                 file_.network.nodes.size(), plan_.cycle.period_s, plan_.cycle.clock_rate, plan_.serve.address,
-                 server_->port());
-    if (plan_.show.enabled) {
-      shown_.emplace(plan_.show, names_of(file_.network), clock_);
-      run([this] { shown_->run(); });
-      spdlog::info("http on {}:{}", plan_.show.address, shown_->port());
-    }
-    const Resumed resumed = resume_from_checkpoint(
-        config_.keep, checkpoint, {file_.sha256, plan_.cycle.clock_rate, unix_now_s()}, cycle_, &stop_);
-    if (resumed == Resumed::given_up) return;
-    cycle_.stand_by_orders(orders);
-    keeper_.emplace(config_.keep, file_.sha256, plan_.cycle.clock_rate, cycle_, &order_keeper_, &troubles_);
-
-    for (const auto& device : devices_) run([this, &device] { device->run(stop_); });
-    if (history_) after_cycle([this] { history_->run(stop_after_cycle_); });
-    after_cycle([this] { order_keeper_.run(stop_after_cycle_); });
-    after_cycle([this] { events_.run(stop_after_cycle_); });
-    run([this] { keeper_->run(stop_); });
-    run([this] { manager_.run(stop_); });
-    run([this] { run_cycle(cycle_, plan_.cycle, clock_, ports(), stop_); });
-  }
-
-  /// No work is begun any more, and start() returns soon.
-  void end() { stop_.store(true); }
-
-  /// Ends all threads and keeps what the cycle knows. Not while start() runs.
-  void stop() {
-    end();
-    if (!server_) return;
-    server_->stop();
-    if (shown_) shown_->stop();
-    for (std::thread& thread : threads_) thread.join();
-    stop_after_cycle_.store(true);
-    for (std::thread& thread : after_cycle_) thread.join();
-    if (keeper_) keeper_->keep_last(cycle_);
-    server_.reset();
-  }
-
- private:
-  template <class Work>
-  void run(Work work) {
-    threads_.emplace_back(std::move(work));
-  }
-  template <class Work>
-  void after_cycle(Work work) {
-    after_cycle_.emplace_back(std::move(work));
-  }
-  CyclePorts ports() {
-    return {readings_,
-            signals_,
-            snapshots_,
-            history_ ? &history_->ring() : nullptr,
-            history_ ? &history_->lost() : nullptr,
-            &keeper_->remembered(),
-            &desk_,
-            &events_.tap(),
-            &troubles_,
-            &pulse_,
-            shown_ ? &shown_->tap() : nullptr};
-  }
-
-  const Config& config_;
-  const rom::RomFile& file_;
-  const DaemonPlan& plan_;
-  Cycle& cycle_;
-  Troubles& troubles_;
-  MonotonicClock clock_;
-  DeviceInbox readings_;
-  Latest<PlcSignals> signals_;
-  Latest<Snapshot> snapshots_;
-  OrderDesk desk_;
-  OrderKeeper order_keeper_;
-  std::vector<std::unique_ptr<DeviceThread>> devices_;
-  EventLog events_;
-  std::unique_ptr<HistoryWriter> history_;
-  std::optional<ModbusServer> server_;
-  std::optional<HttpServer> shown_;
-  std::optional<Keeper> keeper_;
-  Pulse pulse_;
-  ServiceManager manager_{pulse_, plan_.cycle.period_s / plan_.cycle.clock_rate};
-  std::atomic<bool> stop_{false};
-  std::atomic<bool> stop_after_cycle_{false};
-  std::vector<std::thread> threads_;
-  std::vector<std::thread> after_cycle_;  ///< until nothing more comes from the cycle
-};
-
 /// Until a signal ends it. The start is in a thread of its own, so that a signal is heard meanwhile. Throws what the
 /// start threw.
 int run_until_signal(Daemon& daemon, const sigset_t& signals) {
@@ -235,36 +86,44 @@ int run_until_signal(Daemon& daemon, const sigset_t& signals) {
   return signal;
 }
 
+void say_ok(const std::string& config_path, const PreparedSpindle& spindle) {
+  const rom::Network& network = spindle.file.network;
+  const std::string who =
+      spindle.name.empty() ? "" : " " + spindle.name + " (unit " + std::to_string(spindle.unit) + "):";
+  std::printf("%s:%s ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), who.c_str(), network.spindle.c_str(),
+              network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",
+              signer(spindle.file).c_str());
+  std::fputs(expect_of_sensors(network, spindle.plan.cycle).c_str(), stdout);
+}
+
+void log_network(const PreparedSpindle& spindle) {
+  const LogName name(spindle.name);
+  const std::string& path = spindle.config.network.path;
+  spdlog::info("{}: SHA-256 {}, {}", path, spindle.file.sha256, signer(spindle.file));
+  if (spindle.file.network.certificate.cases == 0) {
+    spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set", path);
+  }
+}
+
 int run(const std::string& config_path, bool only_check) {
-  const Config config = read_config(config_path);
-  const rom::RomFile file = load_network(config.network);
-  const rom::Network& network = file.network;
-  const DaemonPlan plan = bind_config(config, network);
-  std::optional<Cycle> made;
-  make_cycle(config, network, plan.cycle, made);
-  Cycle& cycle = *made;
+  const DaemonConfig config = read_daemon_config(config_path);
+  std::vector<std::unique_ptr<PreparedSpindle>> spindles;
+  std::vector<std::string> files;
+  for (const ConfiguredSpindle& spindle : config.spindles) {
+    spindles.push_back(prepare(spindle));
+    for (const std::string& file : state_files(spindle.config)) files.push_back(file);
+  }
   if (only_check) {
-    std::printf("%s: ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), network.spindle.c_str(),
-                network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",
-                signer(file).c_str());
-    std::fputs(expect_of_sensors(network, plan.cycle).c_str(), stdout);
+    for (const auto& spindle : spindles) say_ok(config_path, *spindle);
     return 0;
   }
-  const std::vector<std::string> files = state_files(config);
   const StateLock lock(files);
   const sigset_t signals = block_signals();
-  Troubles troubles;
-  const Log log(config.log_level, STDERR_FILENO, troubles.log_lines_dropped);
+  std::atomic<std::uint64_t> log_lines_dropped{0};
+  const Log log(config.log_level, STDERR_FILENO, log_lines_dropped);
   lock_memory(lockable_bytes());
-  for (const std::string& path : files) {
-    if (const int removed = remove_left_overs(path)) spdlog::info("{}: {} unfinished files removed", path, removed);
-  }
-  Daemon daemon(config, file, plan, cycle, troubles);
-  spdlog::info("{}: SHA-256 {}, {}", config.network.path, file.sha256, signer(file));
-  if (network.certificate.cases == 0) {
-    spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set",
-                 config.network.path);
-  }
+  Daemon daemon(config, spindles, log_lines_dropped);
+  for (const auto& spindle : spindles) log_network(*spindle);
   const int signal = run_until_signal(daemon, signals);
   spdlog::info("stopped by {}", name_of(signal));
   return 0;

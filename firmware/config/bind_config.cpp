@@ -48,7 +48,7 @@ void check_surroundings(const Config& config, const rom::Network& network) {
 
 /// Tells the device where its channel goes.
 void connect(const ConfiguredChannel& channel, Channel::Kind kind, std::size_t index, const std::string& name,
-             DaemonPlan& plan) {
+             SpindlePlan& plan) {
   plan.devices[channel.device].channels[channel.number] = {kind, index, name, channel.conversion, channel.filter};
 }
 
@@ -61,7 +61,7 @@ double resolution_K(const std::optional<ConfiguredChannel>& channel) {
 }
 
 void bind_signal(const ConfiguredSignal& configured, std::size_t signal, const rom::Network& network,
-                 DaemonPlan& plan) {
+                 SpindlePlan& plan) {
   plan.cycle.signals[signal] = configured.plan;
   limit_signal(configured, signal, network, plan.cycle.signals[signal]);
   if (configured.channel) connect(*configured.channel, Channel::Kind::signal, signal, configured.field, plan);
@@ -74,7 +74,7 @@ void check_followed(const ConfiguredSignal& signal, bool followed, const std::st
                         "no heat of the network follows it; only those of the law \"" + law + "\" do");
 }
 
-void bind_flows(const Config& config, const rom::Network& network, DaemonPlan& plan) {
+void bind_flows(const Config& config, const rom::Network& network, SpindlePlan& plan) {
   const auto& circuits = network.boundaries.circuits;
   const Eigen::VectorXd& operating_kg_per_s = network.boundaries.operating.flow_kg_per_s;
   for (std::size_t c = 0; c < circuits.size(); ++c) {
@@ -91,7 +91,7 @@ void bind_flows(const Config& config, const rom::Network& network, DaemonPlan& p
   }
 }
 
-void bind_heats(const Config& config, const rom::Network& network, DaemonPlan& plan) {
+void bind_heats(const Config& config, const rom::Network& network, SpindlePlan& plan) {
   std::vector<rom::HeatSource> measured;
   for (const std::size_t heat : rom::measured_heats(network.boundaries)) {
     measured.push_back(network.boundaries.sources[heat]);
@@ -121,10 +121,10 @@ void bind_start(const Config& config, const rom::Network& network, CyclePlan& cy
 
 }  // namespace
 
-DaemonPlan bind_config(const Config& config, const rom::Network& network) {
+SpindlePlan bind_config(const Config& config, const rom::Network& network) {
   check_network(config, network);
   check_surroundings(config, network);
-  DaemonPlan plan{config.cycle, config.devices, config.serve, config.show};
+  SpindlePlan plan{config.cycle, config.devices};
   for (const ConfiguredSensor& sensor : config.sensors) {
     const std::size_t k = find_by_name(network.key_points, sensor.key_point, "key point", sensor.where, sensor.field);
     SensorPlan& slot = plan.cycle.sensors[k];

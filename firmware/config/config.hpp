@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "firmware/acquire/driver.hpp"
+#include "firmware/config/listeners.hpp"
 #include "firmware/config/read_devices.hpp"
 #include "firmware/cycle/plan.hpp"
 #include "firmware/keep/keep_plan.hpp"
@@ -130,13 +131,15 @@ struct Config {  // NOLINT(public-members): the configuration as read, a member 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.
 Config read_config(const std::string& path);
 Config parse_config(const std::string& text, const std::string& path);
+/// Of one spindle among several: without what all have together, which stands in the file `list`. Its devices' ports
+/// are noted in `listeners`.
+Config read_config_of_one(const rom::TomlTable& root, const std::string& path, const std::string& list,
+                          Listeners& listeners);
 
-/// What the daemon's parts are made from.
-struct DaemonPlan {
+/// What the parts of one spindle are made from.
+struct SpindlePlan {
   CyclePlan cycle;
   std::vector<DevicePlan> devices;
-  ServePlan serve;
-  ShowPlan show;
 };
 
 /// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating
@@ -144,6 +147,6 @@ struct DaemonPlan {
 /// or node that the network does not have (its message lists those it has), for a current or power that no heat of the
 /// network follows, for no coolant or ambient signal where the network has such a surrounding, and for a network with
 /// more outputs than the register map has room for.
-DaemonPlan bind_config(const Config& config, const rom::Network& network);
+SpindlePlan bind_config(const Config& config, const rom::Network& network);
 
 }  // namespace spindle_twin::firmware

@@ -7,6 +7,7 @@
 #include "firmware/config/read_correction.hpp"
 #include "firmware/config/read_files.hpp"
 #include "firmware/config/read_health.hpp"
+#include "firmware/config/read_served.hpp"
 #include "rom/read/strict_toml.hpp"
 #include "rom/units.hpp"
 
@@ -121,32 +122,6 @@ std::vector<ConfiguredLimit> read_limits(const TomlTable& output) {
   const TomlTable table = output.table("limit_um");
   for (const std::string& name : table.free_keys()) add(table, name, name);
   return limits;
-}
-
-ServePlan read_serve(const TomlTable& table) {
-  ServePlan serve;
-  serve.address = read_ipv4(table, serve.address);
-  serve.port = static_cast<int>(table.integer_or("port", serve.port, 1, 65535));
-  serve.connections = static_cast<int>(table.integer_or("connections", serve.connections, 1, 256));
-  serve.connections_per_host =
-      static_cast<int>(table.integer_or("connections_per_host", serve.connections_per_host, 1, 256));
-  serve.idle_s = table.number_or("idle_s", serve.idle_s, rom::between(1.0, 86400.0));
-  serve.frame_deadline_s = table.number_or("frame_deadline_s", serve.frame_deadline_s, rom::between(0.05, 60.0));
-  serve.allow = read_allow(table);
-  serve.write = read_allow_or(table, "allow_write", serve.allow);
-  return serve;
-}
-
-/// [http]; /healthz calls a cycle dead that is three periods late, or five seconds where that is longer.
-ShowPlan read_http(const TomlTable& table, const CyclePlan& cycle) {
-  ShowPlan show;
-  show.enabled = true;
-  show.address = read_ipv4(table, show.address);
-  show.port = static_cast<int>(table.integer_or("port", show.port, 1, 65535));
-  show.allow = read_allow(table);
-  if (table.has("names")) show.names = table.strings("names");
-  show.stale_after_s = std::max(show.stale_after_s, 3.0 * cycle.period_s / cycle.clock_rate);
-  return show;
 }
 
 ConfiguredSensor read_sensor(const TomlTable& table, Config& config) {
@@ -288,21 +263,8 @@ void read_start_temperature(const TomlTable& root, Config& config) {
   if (start) config.cycle.start_wait_s = start->number_or("wait_s", config.cycle.start_wait_s, rom::positive);
 }
 
-Config read_root(const TomlTable& root, const std::string& path) {
-  Config config;
-  config.path = path;
-  config.network = read_network_table(root, path);
-  config.log_level = root.choice_or("log_level", config.log_level, {"debug", "info", "warning", "error"});
-  read_cycle(root, config.cycle);
-  const TomlTable serve = root.table("serve");
-  config.serve = read_serve(serve);
-  config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", 10.0, rom::between(0.0, 86400.0));
-  Listeners listeners;
-  listeners.add("[serve]", {config.serve.address, config.serve.port}, serve);
-  if (const auto http = root.optional_table("http")) {
-    config.show = read_http(*http, config.cycle);
-    listeners.add("[http]", {config.show.address, config.show.port}, *http);
-  }
+/// The tables that every spindle has, alone or among several.
+void read_spindle(const TomlTable& root, Config& config, Listeners& listeners) {
   read_inputs(root, config, listeners);
   read_signals(root, config);
   read_correction(root.optional_table("correction"), config);
@@ -312,6 +274,26 @@ Config read_root(const TomlTable& root, const std::string& path) {
   read_start_temperature(root, config);
   read_files(root, config);
   root.finish();
+}
+
+constexpr double plc_timeout_s = 10.0;
+
+void read_plc_timeout(const TomlTable& serve, Config& config) {
+  config.cycle.plc_timeout_s = serve.number_or("plc_timeout_s", plc_timeout_s, rom::between(0.0, 86400.0));
+}
+
+Config read_root(const TomlTable& root, const std::string& path) {
+  Config config;
+  config.path = path;
+  config.network = read_network_table(root, path);
+  config.log_level = read_log_level(root);
+  read_cycle(root, config.cycle);
+  Listeners listeners;
+  const TomlTable serve = root.table("serve");
+  config.serve = read_serve(serve, listeners);
+  read_plc_timeout(serve, config);
+  config.show = read_http(root.optional_table("http"), listeners);
+  read_spindle(root, config, listeners);
   return config;
 }
 
@@ -321,6 +303,29 @@ Config read_config(const std::string& path) { return read_root(TomlTable::read(p
 
 Config parse_config(const std::string& text, const std::string& path) {
   return read_root(TomlTable::parse(text, path), path);
+}
+
+Config read_config_of_one(const TomlTable& root, const std::string& path, const std::string& list,
+                          Listeners& listeners) {
+  const auto of_all = [&](const TomlTable& table, const std::string& key) {
+    table.fail(key, "is of all spindles and stands in " + list + " only");
+  };
+  for (const char* key : {"log_level", "http", "spindle"}) {
+    if (root.has(key)) of_all(root, key);
+  }
+  Config config;
+  config.path = path;
+  config.network = read_network_table(root, path);
+  read_cycle(root, config.cycle);
+  config.cycle.plc_timeout_s = plc_timeout_s;
+  if (const auto serve = root.optional_table("serve")) {
+    read_plc_timeout(*serve, config);
+    for (const std::string& key : serve->free_keys()) {
+      if (key != "plc_timeout_s") of_all(*serve, key);
+    }
+  }
+  read_spindle(root, config, listeners);
+  return config;
 }
 
 }  // namespace spindle_twin::firmware

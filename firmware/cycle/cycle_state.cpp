@@ -149,7 +149,8 @@ void Cycle::stand_by_orders(const StandingOrders& orders) {
 void Cycle::note_troubles(const Troubles& troubles) {
   outside_faults_ = troubles.faults();
   snapshot_.history_rows_lost = troubles.history_rows_lost.load(std::memory_order_relaxed);
-  snapshot_.log_lines_dropped = troubles.log_lines_dropped.load(std::memory_order_relaxed);
+  if (troubles.log_lines_dropped)
+    snapshot_.log_lines_dropped = troubles.log_lines_dropped->load(std::memory_order_relaxed);
 }
 
 void Cycle::guard_prediction() {

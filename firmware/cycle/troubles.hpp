@@ -20,7 +20,7 @@ class Troubles {
   std::uint16_t faults() const { return faults_.load(std::memory_order_relaxed); }
 
   std::atomic<std::uint64_t> history_rows_lost{0};
-  std::atomic<std::uint64_t> log_lines_dropped{0};
+  const std::atomic<std::uint64_t>* log_lines_dropped = nullptr;  ///< of the whole program; null: nobody counts
 
  private:
   std::atomic<std::uint16_t> faults_{0};

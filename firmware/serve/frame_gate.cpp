@@ -69,7 +69,15 @@ bool overlap(WriteRange a, WriteRange b) { return a.address < b.address + b.coun
 
 }  // namespace
 
-Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable, WriteRange holding_only) {
+Units units_of_one_spindle() {
+  constexpr std::size_t without_setting = 255;
+  Units units;
+  units.set(0).set(1).set(without_setting);
+  return units;
+}
+
+Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable, WriteRange holding_only,
+                 const Units& units) {
   if (received.size() < mbap_bytes) return {Verdict::wait, mbap_bytes, 0, {}};
   const int protocol = word_at(received, 2);
   const int length = word_at(received, 4);
@@ -77,8 +85,7 @@ Gate judge_frame(std::span<const std::uint8_t> received, WriteRange writable, Wr
   const std::size_t bytes = 6 + static_cast<std::size_t>(length);
   if (received.size() < bytes) return {Verdict::wait, bytes, 0, {}};
 
-  const std::uint8_t unit = received[6];
-  if (unit != 0 && unit != 1 && unit != 255) return refused(bytes, MODBUS_EXCEPTION_GATEWAY_TARGET);
+  if (!units.test(unit_of(received))) return refused(bytes, MODBUS_EXCEPTION_GATEWAY_TARGET);
 
   const auto pdu = received.subspan(mbap_bytes, bytes - mbap_bytes);
   switch (pdu[0]) {

@@ -12,14 +12,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <new>
 #include <utility>
 
 #include "firmware/serve/command_registers.hpp"
 #include "firmware/serve/device_identification.hpp"
-#include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/listen.hpp"
 
 namespace spindle_twin::firmware {
@@ -28,11 +26,6 @@ namespace {
 /// Orders, checkpoint, history and parameters are written through descriptors of their own, two at a time; and the
 /// device is dialled again.
 constexpr int kept_for_files = 8;
-
-std::uint16_t code_of(SwitchOrder order) {
-  if (order == SwitchOrder::as_configured) return not_present_code;
-  return order == SwitchOrder::on ? 1 : 0;
-}
 
 /// Descriptors are given from the lowest: after this one so few are left that a file could not be opened.
 bool crowds_out_files(int descriptor) {
@@ -48,17 +41,6 @@ constexpr int descriptor_limit = 1024;
 constexpr int unread_bytes = 16384;
 
 constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
-constexpr int talks_cyclically = 3;                       ///< a client that goes on after it told a signal
-
-/// Input registers end with the last block that is not the command block; that one lies between them, and the gate
-/// keeps it out.
-constexpr int input_registers() {
-  int end = 0;
-  for (const RegisterBlock& block : register_blocks) {
-    if (!block.command) end = std::max(end, block.address + block.length);
-  }
-  return end;
-}
 
 bool can_take_an_answer(int socket) {
   pollfd writable{socket, POLLOUT, 0};
@@ -67,18 +49,13 @@ bool can_take_an_answer(int socket) {
 
 }  // namespace
 
-ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots,
-                           Latest<PlcSignals>& signals, OrderDesk& orders)
+ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vector<SpindlePorts>& spindles)
     : plan_(plan),
       clock_(clock),
-      snapshots_(snapshots),
-      signals_(signals),
-      orders_(orders),
       listener_(listen_on(plan.address, plan.port)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      modbus_(modbus_new_tcp(nullptr, 0)),
-      mapping_(modbus_mapping_new(0, 0, static_cast<int>(image_size()), input_registers())) {
-  if (modbus_ == nullptr || mapping_ == nullptr || wake_.get() < 0) throw std::bad_alloc();
+      modbus_(modbus_new_tcp(nullptr, 0)) {
+  if (modbus_ == nullptr || wake_.get() < 0) throw std::bad_alloc();
   // libmodbus sleeps for the response timeout before some of its exceptions; a whole frame is there, so the byte
   // timeout has nothing to wait for either.
   modbus_set_response_timeout(modbus_, 0, 1);
@@ -86,20 +63,14 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>
   modbus_set_indication_timeout(modbus_, 0, 1000);
   modbus_set_error_recovery(modbus_, MODBUS_ERROR_RECOVERY_NONE);
   connections_.reserve(static_cast<std::size_t>(plan.connections));
-  clear_commands(image_);
-  const PlcCommand first = orders.first_command();
-  switched_ = {code_of(first.correction), code_of(first.compensation)};
-  image_[entry_of(Register::command_correction).address] = switched_.correction;
-  image_[entry_of(Register::command_compensation).address] = switched_.compensation;
-  const WriteRange writable = writable_registers();
-  std::copy_n(image_.begin() + writable.address, writable.count, mapping_->tab_registers + writable.address);
-  fill_image(snapshot_, clock_.now_ns(), image_);
+  spindles_.reserve(spindles.size());
+  for (const SpindlePorts& ports : spindles) {
+    spindles_.emplace_back(ports, clock);
+    units_ |= ports.units;
+  }
 }
 
-ModbusServer::~ModbusServer() {
-  modbus_mapping_free(mapping_);
-  modbus_free(modbus_);
-}
+ModbusServer::~ModbusServer() { modbus_free(modbus_); }
 
 int ModbusServer::port() const { return port_of(listener_.get()); }
 
@@ -183,6 +154,7 @@ void ModbusServer::accept_all() {
     connection.host = host;
     connection.may_write = is_allowed(plan_.write, host);
     connection.asked_ns = now_ns;
+    connection.talks.resize(spindles_.size());
   }
 }
 
@@ -210,16 +182,18 @@ bool ModbusServer::make_room_for(std::uint32_t host) {
   return true;
 }
 
-/// Who told signals and goes on talking is watched: when it falls silent its signals are no longer believed. Who wrote
-/// once and never came back is a tool, or writes on change only.
-void ModbusServer::note_request(Connection& connection, bool told_signals) {
+/// `told`: the spindle that the request has told signals. Who talks to one spindle is there for the others too.
+void ModbusServer::note_request(Connection& connection, const SpindleRegisters* told) {
   connection.asked_ns = clock_.now_ns();
-  connection.tells_signals = connection.tells_signals || told_signals;
-  if (!connection.tells_signals) return;
-  connection.requests = std::min(connection.requests + 1, talks_cyclically);
-  const bool is_watched = told_.alive_ns != 0;
-  if (connection.requests >= talks_cyclically || (is_watched && told_signals)) told_.alive_ns = connection.asked_ns;
-  if (told_signals || told_.alive_ns == connection.asked_ns) signals_.write(told_);
+  for (std::size_t s = 0; s < spindles_.size(); ++s) {
+    spindles_[s].note_request(connection.talks[s], &spindles_[s] == told);
+  }
+}
+
+/// The gate has let only units of spindles pass.
+SpindleRegisters& ModbusServer::spindle_of(std::uint8_t unit) {
+  return *std::find_if(spindles_.begin(), spindles_.end(),
+                       [&](const SpindleRegisters& each) { return each.units().test(unit); });
 }
 
 void ModbusServer::await(Connection& connection, std::size_t bytes) {
@@ -245,7 +219,7 @@ void ModbusServer::look_at(Connection& connection, short events) {
   }
   const auto received = std::span<const std::uint8_t>(frame).first(static_cast<std::size_t>(peeked));
   const WriteRange commands = writable_registers();
-  const Gate gate = judge_frame(received, connection.may_write ? commands : WriteRange{}, commands);
+  const Gate gate = judge_frame(received, connection.may_write ? commands : WriteRange{}, commands, units_);
   if (gate.verdict == Verdict::wait) {
     if ((events & (POLLRDHUP | POLLHUP)) != 0) connection.open = false;  // the rest will never come
     if (connection.deadline_ns == 0) {
@@ -266,10 +240,10 @@ void ModbusServer::look_at(Connection& connection, short events) {
 void ModbusServer::answer(Connection& connection, const Gate& gate, std::span<const std::uint8_t> frame) {
   const int fd = connection.socket.get();
   if (gate.verdict == Verdict::hand_over) {
-    connection.open = hand_over(connection, gate);
+    connection.open = hand_over(connection, gate, unit_of(frame));
     return;
   }
-  note_request(connection, false);
+  note_request(connection);
   std::array<std::uint8_t, longest_frame> taken{};
   if (recv(fd, taken.data(), frame.size(), 0) != static_cast<ssize_t>(frame.size())) {
     connection.open = false;
@@ -286,39 +260,21 @@ void ModbusServer::answer(Connection& connection, const Gate& gate, std::span<co
   }
 }
 
-bool ModbusServer::hand_over(Connection& connection, const Gate& gate) {
+bool ModbusServer::hand_over(Connection& connection, const Gate& gate, std::uint8_t unit) {
   modbus_set_socket(modbus_, connection.socket.get());
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> query{};
   const int length = modbus_receive(modbus_, query.data());
   if (length <= 0) return false;
-  if (may_order(gate.write) && !orders_.has_room_for(most_orders)) {
-    note_request(connection, false);
+  SpindleRegisters& spindle = spindle_of(unit);
+  if (!spindle.has_room_for(gate.write)) {
+    note_request(connection);
     return modbus_reply_exception(modbus_, query.data(), MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY) > 0;
   }
-  refresh();
-  const int sent = modbus_reply(modbus_, query.data(), length, mapping_);
+  const int sent = modbus_reply(modbus_, query.data(), length, spindle.renew());
   constexpr int exception_bytes = 9;
   const bool wrote = gate.write.count > 0 && sent > exception_bytes;
-  note_request(connection, wrote && take_written(gate.write));
+  note_request(connection, wrote && spindle.take(gate.write) ? &spindle : nullptr);
   return sent > 0;
-}
-
-bool ModbusServer::take_written(WriteRange written) {
-  const WriteRange writable = writable_registers();
-  std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
-  for (const Order& order : take_orders(written, switched_, image_)) {
-    if (order.kind == OrderKind::correction) switched_.correction = order.code;
-    if (order.kind == OrderKind::compensation) switched_.compensation = order.code;
-    orders_.give(order);
-  }
-  return take_signals(written, clock_.now_ns(), image_, told_);
-}
-
-void ModbusServer::refresh() {
-  snapshots_.read(snapshot_);
-  fill_image(snapshot_, clock_.now_ns(), image_);
-  std::copy(image_.begin(), image_.end(), mapping_->tab_registers);
-  std::copy_n(image_.begin(), input_registers(), mapping_->tab_input_registers);
 }
 
 }  // namespace spindle_twin::firmware

@@ -8,29 +8,26 @@
 #include <span>
 #include <vector>
 
-#include "firmware/cycle/hand_over.hpp"
-#include "firmware/cycle/order_desk.hpp"
-#include "firmware/cycle/snapshot.hpp"
-#include "firmware/serve/command_registers.hpp"
 #include "firmware/serve/descriptor.hpp"
 #include "firmware/serve/frame_gate.hpp"
-#include "firmware/serve/register_map.hpp"
 #include "firmware/serve/serve_plan.hpp"
+#include "firmware/serve/spindle_registers.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
 
-/// Serves the register map by Modbus/TCP to any number of clients in the one thread that calls run().
+/// Serves the register map of each spindle, by its units, by Modbus/TCP to any number of clients in the one thread that
+/// calls run().
 /// Every socket is non-blocking, every request passes judge_frame() before libmodbus sees it, and only whole requests
 /// are handed over; a request that is not whole within the deadline ends its connection. So no client can hold up
 /// another one. A connection that is idle for too long is closed, and the longest idle one makes room for a new client.
 /// One request is answered from one snapshot. Signals go to the cycle as the newest, orders one by one.
 class ModbusServer {
  public:
-  /// Listens. Throws rom::InputError naming address and port if that is not possible.
-  ModbusServer(const ServePlan& plan, Clock& clock, Latest<Snapshot>& snapshots, Latest<PlcSignals>& signals,
-               OrderDesk& orders);
+  /// Listens. No two spindles may have a unit in common. Throws rom::InputError naming address and port if listening is
+  /// not possible.
+  ModbusServer(const ServePlan& plan, Clock& clock, const std::vector<SpindlePorts>& spindles);
   ~ModbusServer();
   ModbusServer(const ModbusServer&) = delete;
   ModbusServer& operator=(const ModbusServer&) = delete;
@@ -47,40 +44,32 @@ class ModbusServer {
     std::int64_t deadline_ns = 0;  ///< of the frame that has begun; 0: none has
     std::size_t awaited = 1;       ///< bytes below which poll() stays quiet
     bool open = true;
-    std::uint32_t host = 0;      ///< IPv4 address, host byte order
-    bool may_write = false;      ///< the command block; else a write is exception 2, as to any other register
-    std::int64_t asked_ns = 0;   ///< last request, or the connection itself
-    int requests = 0;            ///< since it first told a signal; saturates
-    bool tells_signals = false;  ///< it has written a signal
+    std::uint32_t host = 0;     ///< IPv4 address, host byte order
+    bool may_write = false;     ///< the command block; else a write is exception 2, as to any other register
+    std::int64_t asked_ns = 0;  ///< last request, or the connection itself
+    std::vector<Talk> talks;    ///< by spindle
   };
 
   void accept_all();
   bool make_room_for(std::uint32_t host);
   void wait_for_descriptors(int reason);
-  void note_request(Connection& connection, bool told_signals);
+  void note_request(Connection& connection, const SpindleRegisters* told = nullptr);
   void look_at(Connection& connection, short events);
   void await(Connection& connection, std::size_t bytes);
   void answer(Connection& connection, const Gate& gate, std::span<const std::uint8_t> frame);
-  bool hand_over(Connection& connection, const Gate& gate);
-  bool take_written(WriteRange written);
+  bool hand_over(Connection& connection, const Gate& gate, std::uint8_t unit);
+  SpindleRegisters& spindle_of(std::uint8_t unit);
   std::int64_t idle_ns() const { return static_cast<std::int64_t>(1e9 * plan_.idle_s); }
-  void refresh();
   int poll_timeout_ms() const;
 
   ServePlan plan_;
   Clock& clock_;
-  Latest<Snapshot>& snapshots_;
-  Latest<PlcSignals>& signals_;
-  OrderDesk& orders_;
+  std::vector<SpindleRegisters> spindles_;
+  Units units_;  ///< of all spindles
   Descriptor listener_;
   Descriptor wake_;
   std::vector<Connection> connections_;
   modbus_t* modbus_ = nullptr;
-  modbus_mapping_t* mapping_ = nullptr;
-  Snapshot snapshot_;
-  PlcSignals told_;
-  RegisterImage image_{};
-  Switched switched_;                ///< by the last orders
   std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then
   LogLimit strangers_, refusals_, troubles_;
 };

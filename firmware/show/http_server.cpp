@@ -15,11 +15,8 @@
 #include <new>
 #include <utility>
 
-#include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/listen.hpp"
-#include "firmware/show/json_text.hpp"
 #include "firmware/show/routes.hpp"
-#include "firmware/show/state_json.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -31,25 +28,26 @@ constexpr std::int64_t viewer_takes_within_ns = 10 * ns_per_s;
 constexpr int send_buffer_bytes = 32768;  ///< what a client that reads nothing may hold of the system's memory
 constexpr int look_for_cycles_ms = 50;    ///< while somebody watches
 
-std::string index_text() {
+template <class Routes>
+std::string index_text(const Routes& routes) {
+  std::size_t widest = 0;
+  for (const Route& route : routes) widest = std::max(widest, std::string_view(route.path).size());
   std::string text = "spindle-twind " SPINDLE_TWIN_VERSION "\n\n";
-  for (const Route& route : routes) text += fmt::format("{:<16}{}\n", route.path, route.doc);
+  for (const Route& route : routes) text += fmt::format("{:<{}}{}\n", route.path, widest + 2, route.doc);
   return text;
 }
 
-std::string error_json(const char* reason) { return "{\"error\":" + json_text(reason) + "}\n"; }
-
 }  // namespace
 
-HttpServer::HttpServer(const ShowPlan& plan, ShownNames names, Clock& clock)
+HttpServer::HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles, Clock& clock)
     : plan_(plan),
-      names_(std::move(names)),
       clock_(clock),
       listener_(listen_on(plan.address, plan.port)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       answerer_([this](const std::string& path) { return page(path); }, plan.names) {
   if (wake_.get() < 0) throw std::bad_alloc();
   connections_.reserve(most_connections);
+  for (SpindleToShow& spindle : spindles) spindles_.push_back(std::make_unique<ShownSpindle>(std::move(spindle)));
 }
 
 int HttpServer::port() const { return port_of(listener_.get()); }
@@ -186,7 +184,9 @@ void HttpServer::take(Connection& connection) {
     begin_answer(connection, HttpAnswerer::too_long());
   } else if (end != std::string::npos) {
     connection.in.resize(length);
-    begin_answer(connection, answerer_.answer(connection.in));
+    HttpAnswer answer = answerer_.answer(connection.in);
+    if (answer.is_stream) connection.spindle = asked_for_;
+    begin_answer(connection, std::move(answer));
   }
 }
 
@@ -222,50 +222,85 @@ void HttpServer::flush(Connection& connection) {
 void HttpServer::send_events() {
   const std::int64_t now_ns = clock_.now_ns();
   if (viewers() == 0 || now_ns < next_event_ns_) return;
-  refresh();
-  const auto is_due = [&](const Connection& each) {
-    return each.open && each.stage == Stage::watching && each.out.empty() && each.seen != snapshot_.sequence;
+  renew();
+  const auto is_due = [](const Connection& each) {
+    return each.open && each.stage == Stage::watching && each.out.empty() && each.seen != each.spindle->sequence();
   };
   if (std::none_of(connections_.begin(), connections_.end(), is_due)) return;
   // In step with the cycles: counted from when it was due, so that looking late does not add up.
   next_event_ns_ = now_ns - next_event_ns_ < ns_per_s ? next_event_ns_ + ns_per_s : now_ns + ns_per_s;
-  const std::string event =
-      fmt::format("id: {}\nevent: state\ndata: {}\n\n", snapshot_.sequence, state_json(image_, names_));
-  for (Connection& connection : connections_) {
-    if (!is_due(connection)) continue;
-    connection.seen = snapshot_.sequence;
-    connection.out = event;
-    connection.deadline_ns = now_ns + viewer_takes_within_ns;
-    flush(connection);
+  for (const auto& spindle : spindles_) {
+    std::string event;
+    for (Connection& connection : connections_) {
+      if (connection.spindle != spindle.get() || !is_due(connection)) continue;
+      if (event.empty()) {
+        event = fmt::format("id: {}\nevent: state\ndata: {}\n\n", spindle->sequence(), spindle->state());
+      }
+      connection.seen = spindle->sequence();
+      connection.out = event;
+      connection.deadline_ns = now_ns + viewer_takes_within_ns;
+      flush(connection);
+    }
   }
 }
 
-void HttpServer::refresh() {
-  tap_.read(snapshot_);
-  fill_image(snapshot_, clock_.now_ns(), image_);
+void HttpServer::renew() {
+  for (const auto& spindle : spindles_) spindle->renew(clock_.now_ns());
 }
 
 Page HttpServer::page(const std::string& path) {
-  if (path == "/") return {200, "text/plain; charset=utf-8", index_text()};
-  refresh();
-  if (path == "/api/v1/state") return {200, "application/json", state_json(image_, names_) + "\n"};
-  if (path == "/healthz") {
-    const double age_s = 1e-9 * static_cast<double>(clock_.now_ns() - snapshot_.time_ns);
-    const bool is_usable = snapshot_.state == State::running || snapshot_.state == State::degraded;
-    if (!is_usable) return {503, "application/json", error_json("no prediction that may be used")};
-    if (age_s > plan_.stale_after_s) return {503, "application/json", error_json("the cycle does not run")};
-    return {200, "application/json", "{\"ok\":true}\n"};
+  const bool is_one = spindles_.size() == 1 && spindles_[0]->name().empty();
+  if (path == "/") {
+    return {200, "text/plain; charset=utf-8", is_one ? index_text(routes) : index_text(routes_of_several)};
   }
-  if (path == "/metrics") {
-    counts_.connections = connections_.size();
-    counts_.viewers = viewers();
-    return {200, "text/plain; version=0.0.4; charset=utf-8", metrics_text(image_, names_, counts_)};
-  }
-  if (path == "/api/v1/events") {
-    if (viewers() >= most_viewers) return {503, "application/json", error_json("there are 8 viewers already")};
-    return {200, "text/event-stream", "", true};
+  renew();
+  if (path == "/metrics") return metrics();
+  if (path == "/healthz") return all_healthy();
+  const std::string of_one = "/api/v1/";
+  if (is_one) return path.starts_with(of_one) ? page_of(*spindles_[0], path.substr(of_one.size())) : Page{404};
+  if (path == "/api/v1/spindles") return list();
+  for (const auto& spindle : spindles_) {
+    const std::string folder = "/api/v1/spindles/" + spindle->name() + "/";
+    if (!path.starts_with(folder)) continue;
+    const std::string what = path.substr(folder.size());
+    return what == "healthz" ? spindle->health(clock_.now_ns()) : page_of(*spindle, what);
   }
   return {404};
+}
+
+Page HttpServer::page_of(ShownSpindle& spindle, const std::string& what) {
+  if (what == "state") return {200, "application/json", spindle.state() + "\n"};
+  if (what != "events") return {404};
+  if (viewers() >= most_viewers) return {503, "application/json", error_json("there are 8 viewers already")};
+  asked_for_ = &spindle;
+  return {200, "text/event-stream", "", true};
+}
+
+Page HttpServer::metrics() {
+  counts_.connections = connections_.size();
+  counts_.viewers = viewers();
+  std::vector<ShownRegisters> all;
+  for (const auto& spindle : spindles_) all.push_back(spindle->registers());
+  return {200, "text/plain; version=0.0.4; charset=utf-8", metrics_text(all, counts_)};
+}
+
+/// The first that is not healthy says why.
+Page HttpServer::all_healthy() const {
+  Page page;
+  for (const auto& spindle : spindles_) {
+    page = spindle->health(clock_.now_ns());
+    if (page.status != 200) break;
+  }
+  return page;
+}
+
+Page HttpServer::list() const {
+  std::string json;
+  for (const auto& spindle : spindles_) {
+    if (!json.empty()) json += ',';
+    json += spindle->summary();
+  }
+  return {200, "application/json", "{\"spindles\":[" + json + "]}\n"};
 }
 
 }  // namespace spindle_twin::firmware

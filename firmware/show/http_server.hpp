@@ -3,39 +3,39 @@
 #include <poll.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "firmware/cycle/hand_over.hpp"
-#include "firmware/cycle/snapshot.hpp"
 #include "firmware/serve/descriptor.hpp"
-#include "firmware/serve/register_map.hpp"
 #include "firmware/show/http_answer.hpp"
 #include "firmware/show/metrics.hpp"
 #include "firmware/show/show_plan.hpp"
-#include "firmware/show/shown_names.hpp"
+#include "firmware/show/shown_spindle.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
 
-/// Shows by HTTP what stands in the registers, read-only, in the one thread that calls run(); the cycle thread only
-/// leaves its snapshots. Every socket is non-blocking. A request has 2 s from its connection to its empty line and 8
-/// KiB of room, an answer 5 s to be taken; the connection ends with it. Of 32 connections the oldest that is no viewer
-/// makes room for a new one. An event stream gets the newest cycle, at most one event a second, only when the one
-/// before was taken, and ends when that lasts 10 s; the ninth viewer gets 503. So memory is bounded, and nobody waits
-/// for a client.
+/// Shows by HTTP what stands in the registers of each spindle, read-only, in the one thread that calls run(); the cycle
+/// thread only leaves its snapshots. Every socket is non-blocking. A request has 2 s from its connection to its empty
+/// line and 8 KiB of room, an answer 5 s to be taken; the connection ends with it. Of 32 connections the oldest that is
+/// no viewer makes room for a new one. An event stream gets the newest cycle, at most one event a second, only when the
+/// one before was taken, and ends when that lasts 10 s; the ninth viewer gets 503. So memory is bounded, and nobody
+/// waits for a client.
 class HttpServer {
  public:
   static constexpr std::size_t most_connections = 32;
   static constexpr std::size_t most_viewers = 8;
   static constexpr std::size_t longest_request = 8192;  ///< bytes
 
-  /// Listens. Throws rom::InputError naming address and port if that is not possible.
-  HttpServer(const ShowPlan& plan, ShownNames names, Clock& clock);
+  /// Listens. One spindle without a name is at routes, several with names at routes_of_several. Throws rom::InputError
+  /// naming address and port if listening is not possible.
+  HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles, Clock& clock);
 
   int port() const;
-  Latest<Snapshot>& tap() { return tap_; }
+  /// Of the spindle of this number; for its cycle.
+  Latest<Snapshot>& tap(std::size_t spindle) { return spindles_[spindle]->tap(); }
   /// Until stop(); a failing poll() is tried again.
   void run();
   /// Ends run(), open event streams or not; from any thread.
@@ -48,8 +48,9 @@ class HttpServer {
     Stage stage = Stage::asking;
     std::int64_t deadline_ns = 0;  ///< of the stage; of a viewer only while it owes us a read
     std::string in;
-    std::string out;         ///< not sent yet
-    std::uint64_t seen = 0;  ///< by a viewer: the last cycle that it was sent
+    std::string out;                        ///< not sent yet
+    const ShownSpindle* spindle = nullptr;  ///< of a viewer
+    std::uint64_t seen = 0;                 ///< by a viewer: the last cycle that it was sent
     bool open = true;
   };
 
@@ -62,18 +63,20 @@ class HttpServer {
   void begin_answer(Connection& connection, HttpAnswer answer);
   void flush(Connection& connection);
   void send_events();
-  void refresh();
+  void renew();
   Page page(const std::string& path);
+  Page page_of(ShownSpindle& spindle, const std::string& what);
+  Page metrics();
+  Page all_healthy() const;
+  Page list() const;
   std::size_t viewers() const;
 
   ShowPlan plan_;
-  ShownNames names_;
   Clock& clock_;
+  std::vector<std::unique_ptr<ShownSpindle>> spindles_;
+  const ShownSpindle* asked_for_ = nullptr;  ///< by the last request for events
   Descriptor listener_;
   Descriptor wake_;
-  Latest<Snapshot> tap_;
-  Snapshot snapshot_;
-  RegisterImage image_{};
   HttpAnswerer answerer_;
   HttpCounts counts_;
   std::vector<Connection> connections_;  ///< oldest first

@@ -79,20 +79,28 @@ void write(std::string& out, const std::string& name, const char* type, std::str
   }
 }
 
-std::vector<Sample> samples_of(const RegisterImage& image, Register which, const ShownNames& names) {
+/// Labels with a comma between them.
+std::string joined(const std::string& one, const std::string& other) {
+  return one.empty() || other.empty() ? one + other : one + "," + other;
+}
+
+std::string name_label(std::string_view name) {
+  return name.empty() ? "" : fmt::format("spindle_name=\"{}\"", escaped(name));
+}
+
+void add_samples(const ShownRegisters& spindle, Register which, std::vector<Sample>& samples) {
   const RegisterEntry& entry = entry_of(which);
-  const std::vector<std::string>* slot_names = names.of(entry.slot_names);
+  const std::vector<std::string>* slot_names = spindle.names.of(entry.slot_names);
   const std::size_t count =
       slot_names != nullptr ? std::min<std::size_t>(slot_names->size(), entry.slots) : entry.slots;
   const double factor = find_unit(entry.unit)->factor;
-  std::vector<Sample> samples;
   for (std::size_t slot = 0; slot < count; ++slot) {
-    const double value = shown_value(image, which, static_cast<int>(slot));
+    const double value = shown_value(spindle.image, which, static_cast<int>(slot));
     if (std::isnan(value)) continue;
-    std::string labels;
+    std::string labels = name_label(spindle.name);
     if (entry.slots > 1) {
-      labels = fmt::format("{}=\"{}\"", label_of(entry.slot_names),
-                           slot_names != nullptr ? escaped((*slot_names)[slot]) : std::to_string(slot));
+      labels = joined(labels, fmt::format("{}=\"{}\"", label_of(entry.slot_names),
+                                          slot_names != nullptr ? escaped((*slot_names)[slot]) : std::to_string(slot)));
     }
     if (!entry.codes_are_bits) {
       samples.push_back({labels, factor * value});
@@ -100,11 +108,9 @@ std::vector<Sample> samples_of(const RegisterImage& image, Register which, const
     }
     for (const CodeName& bit : entry.codes) {
       const bool is_set = (static_cast<unsigned>(value) & bit.value) != 0;
-      samples.push_back(
-          {fmt::format("{}{}bit=\"{}\"", labels, labels.empty() ? "" : ",", bit.name), is_set ? 1.0 : 0.0});
+      samples.push_back({joined(labels, fmt::format("bit=\"{}\"", bit.name)), is_set ? 1.0 : 0.0});
     }
   }
-  return samples;
 }
 
 void add_counts(std::string& out, const HttpCounts& counts) {
@@ -133,15 +139,22 @@ std::string metric_name(const RegisterEntry& entry) {
   return "spindle_twin_" + name + (entry.metric == Metric::counter ? "_total" : "");
 }
 
-std::string metrics_text(const RegisterImage& image, const ShownNames& names, const HttpCounts& counts) {
+std::string metrics_text(const std::vector<ShownRegisters>& spindles, const HttpCounts& counts) {
   std::string out;
-  write(out, "spindle_twin_build_info", "gauge", "always 1; which program, and which spindle",
-        {{fmt::format("version=\"{}\",spindle=\"{}\"", SPINDLE_TWIN_VERSION, escaped(names.spindle)), 1.0}});
+  std::vector<Sample> samples;
+  for (const ShownRegisters& spindle : spindles) {
+    const std::string what =
+        fmt::format("version=\"{}\",spindle=\"{}\"", SPINDLE_TWIN_VERSION, escaped(spindle.names.spindle));
+    samples.push_back({joined(name_label(spindle.name), what), 1.0});
+  }
+  write(out, "spindle_twin_build_info", "gauge", "always 1; which program, and which spindle", samples);
   for (std::size_t r = 0; r < register_entries.size(); ++r) {
     const RegisterEntry& entry = register_entries[r];
     if (entry.command || entry.metric == Metric::none) continue;
     const char* type = entry.metric == Metric::counter ? "counter" : "gauge";
-    write(out, metric_name(entry), type, entry.doc, samples_of(image, static_cast<Register>(r), names));
+    samples.clear();
+    for (const ShownRegisters& spindle : spindles) add_samples(spindle, static_cast<Register>(r), samples);
+    write(out, metric_name(entry), type, entry.doc, samples);
   }
   add_counts(out, counts);
   return out;

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware/serve/register_map.hpp"
 #include "firmware/show/shown_names.hpp"
@@ -18,10 +19,17 @@ struct HttpCounts {
   std::uint64_t viewers = 0;             ///< of these, with an event stream
 };
 
+/// The registers of one spindle, for the time of a call.
+struct ShownRegisters {
+  const RegisterImage& image;
+  const ShownNames& names;
+  std::string_view name = {};  ///< of the spindle among several, as label `spindle_name`; empty: no such label
+};
+
 /// All registers but the command block in Prometheus' text format 0.0.4, in base units, then the counts. Names are
 /// metric_name(); slots have their names as label, bits are one sample each (0 or 1) with the label `bit`; what is not
 /// present has no sample. Allocates.
-std::string metrics_text(const RegisterImage& image, const ShownNames& names, const HttpCounts& counts);
+std::string metrics_text(const std::vector<ShownRegisters>& spindles, const HttpCounts& counts);
 
 /// "nose_float32" in um: "spindle_twin_nose_meters"; counters end in _total.
 std::string metric_name(const RegisterEntry& entry);

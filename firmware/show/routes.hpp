@@ -17,4 +17,15 @@ inline constexpr std::array<Route, 5> routes{{
     {"/metrics", "the same for Prometheus, text format 0.0.4"},
 }};
 
+/// Of a daemon with several spindles, whose names stand in the place of {NAME}.
+inline constexpr std::array<Route, 7> routes_of_several{{
+    {"/", "this list"},
+    {"/healthz", "200 while the predictions of all spindles may be used, 503 while one may not"},
+    {"/api/v1/spindles", "the names of the spindles, their units and states"},
+    {"/api/v1/spindles/{NAME}/healthz", "200 while the prediction of this spindle may be used, else 503"},
+    {"/api/v1/spindles/{NAME}/state", "every register of its map as JSON, of one cycle"},
+    {"/api/v1/spindles/{NAME}/events", "the same as server-sent events, at most one a second"},
+    {"/metrics", "the registers of all spindles for Prometheus, text format 0.0.4, with the label spindle_name"},
+}};
+
 }  // namespace spindle_twin::firmware

@@ -14,7 +14,6 @@ struct ShowPlan {
   int port = 9502;                    ///< 0 takes a free one (tests)
   std::vector<AddressRange> allow;    ///< clients that are answered
   std::vector<std::string> names;     ///< of this computer, beside its own name; small letters
-  double stale_after_s = 5.0;         ///< clock time; a cycle older than that makes /healthz 503
 
   bool operator==(const ShowPlan&) const = default;
 };

@@ -1,6 +1,7 @@
 #include "firmware/watch/log.hpp"
 
 #include <poll.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
@@ -110,6 +111,21 @@ const char* severity(spdlog::level::level_enum level) {
   }
 }
 
+/// What LogName says of this thread. A line is formatted by the thread that writes it.
+thread_local std::string name_of_thread;
+
+class NameFlag final : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& /*message*/, const std::tm& /*time*/,
+              spdlog::memory_buf_t& line) override {
+    if (name_of_thread.empty()) return;
+    line.append(name_of_thread.data(), name_of_thread.data() + name_of_thread.size());
+    constexpr std::string_view mark = ": ";
+    line.append(mark.data(), mark.data() + mark.size());
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<NameFlag>(); }
+};
+
 template <class Shared>
 class Sink final : public spdlog::sinks::base_sink<std::mutex> {
  public:
@@ -135,11 +151,16 @@ Log::Log(const std::string& level, int descriptor, std::atomic<std::uint64_t>& d
   const bool to_journal = is_journal(descriptor);  // which has time and severity of its own
   auto logger = std::make_shared<spdlog::logger>("spindle-twind", std::make_shared<Sink<Shared>>(lines_, to_journal));
   logger->set_level(spdlog::level::from_str(level));
-  logger->set_pattern(to_journal ? "%v" : "%Y-%m-%d %H:%M:%S.%e %l %v");
+  auto form = std::make_unique<spdlog::pattern_formatter>();
+  form->add_flag<NameFlag>('*').set_pattern(to_journal ? "%*%v" : "%Y-%m-%d %H:%M:%S.%e %l %*%v");
+  logger->set_formatter(std::move(form));
   spdlog::set_default_logger(logger);
   // Not joined: it may hang in a write that nobody reads, and then goes with the program.
   std::thread([lines = lines_] { write_lines(lines); }).detach();
 }
+
+LogName::LogName(const std::string& name) : before_(std::exchange(name_of_thread, name)) {}
+LogName::~LogName() { name_of_thread = std::move(before_); }
 
 Log::~Log() {
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("ended"));

@@ -26,4 +26,16 @@ class Log {
   std::shared_ptr<Lines> lines_;
 };
 
+/// While it lives, lines of the log that this thread writes begin with "NAME: "; an empty name adds nothing.
+class LogName {
+ public:
+  explicit LogName(const std::string& name);
+  ~LogName();
+  LogName(const LogName&) = delete;
+  LogName& operator=(const LogName&) = delete;
+
+ private:
+  std::string before_;
+};
+
 }  // namespace spindle_twin::firmware

@@ -25,24 +25,40 @@ double asked_for_s() {
 
 }  // namespace
 
-ServiceManager::ServiceManager(const Pulse& pulse, double cycle_s, double watchdog_s, Notify notify)
-    : pulse_(pulse),
-      notify_(std::move(notify)),
+ServiceManager::ServiceManager(std::vector<const Pulse*> pulses, double cycle_s, double watchdog_s, Notify notify)
+    : notify_(std::move(notify)),
       cycle_s_(cycle_s),
       watchdog_s_(watchdog_s > 0.0 ? std::max(watchdog_s, cycles_missed * cycle_s) : 0.0),
       look_s_(watchdog_s > 0.0 ? std::min(rarest_look_s, watchdog_s / looks_a_watchdog) : rarest_look_s) {
+  for (const Pulse* pulse : pulses) spindles_.push_back({pulse});
   if (watchdog_s_ > watchdog_s) notify_("WATCHDOG_USEC=" + microseconds(watchdog_s_));
 }
 
-ServiceManager::ServiceManager(const Pulse& pulse, double cycle_s)
-    : ServiceManager(pulse, cycle_s, asked_for_s(), [](const std::string& state) { sd_notify(0, state.c_str()); }) {}
+ServiceManager::ServiceManager(std::vector<const Pulse*> pulses, double cycle_s)
+    : ServiceManager(std::move(pulses), cycle_s, asked_for_s(),
+                     [](const std::string& state) { sd_notify(0, state.c_str()); }) {}
+
+/// Whether each has made a cycle since this last said so.
+bool ServiceManager::all_beat() {
+  for (Watched& each : spindles_) {
+    const std::uint64_t cycles = each.pulse->cycles.load(std::memory_order_acquire);
+    if (cycles != std::exchange(each.seen, cycles)) each.beats = true;
+  }
+  if (!std::all_of(spindles_.begin(), spindles_.end(), [](const Watched& each) { return each.beats; })) return false;
+  for (Watched& each : spindles_) each.beats = false;
+  return true;
+}
 
 void ServiceManager::look() {
-  const std::uint64_t cycles = pulse_.cycles.load(std::memory_order_acquire);
-  const bool beats = cycles != std::exchange(seen_, cycles);
-  if (!beats) return;
-  const bool waits = pulse_.waits.load(std::memory_order_relaxed);
-  if (!ready_ && !waits && !pulse_.predicts.load(std::memory_order_relaxed)) {
+  if (!all_beat()) return;
+  bool waits = false;   // one of them
+  bool settled = true;  // each of them predicts or waits
+  for (const Watched& each : spindles_) {
+    const bool this_waits = each.pulse->waits.load(std::memory_order_relaxed);
+    waits = waits || this_waits;
+    settled = settled && (this_waits || each.pulse->predicts.load(std::memory_order_relaxed));
+  }
+  if (!ready_ && !settled) {
     notify_("EXTEND_TIMEOUT_USEC=" + microseconds(start_extension_s + cycle_s_) +
             "\nSTATUS=waits for the first good readings");
     return;

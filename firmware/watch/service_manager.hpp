@@ -4,27 +4,29 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "firmware/watch/pulse.hpp"
 
 namespace spindle_twin::firmware {
 
-/// Tells the service manager how the daemon is (sd_notify(3)):
-///   READY=1      after the first cycle with a prediction, or with the fault that nothing can be predicted from
-///   WATCHDOG=1   when cycles were made since the last one: a cycle that hangs is not covered up by a thread that lives
+/// Tells the service manager how the daemon is (sd_notify(3)), by the pulse of each spindle:
+///   READY=1      after the first cycle with a prediction, or with the fault that nothing can be predicted from, of all
+///   WATCHDOG=1   when each has made a cycle since the last one: a cycle that hangs is not covered up by a thread that
+///                lives, nor by another spindle
 ///   STATUS=      what `systemctl status` shows
 /// Where there is no service manager nothing happens.
 class ServiceManager {
  public:
   using Notify = std::function<void(const std::string&)>;
 
-  /// cycle_s: clock time from cycle to cycle. watchdog_s: what the service manager asks for, 0: nothing; it is asked
-  /// for three cycles instead where that is longer. `pulse` must outlive this.
-  ServiceManager(const Pulse& pulse, double cycle_s, double watchdog_s, Notify notify);
+  /// cycle_s: clock time from cycle to cycle, of the slowest. watchdog_s: what the service manager asks for, 0:
+  /// nothing; it is asked for three cycles instead where that is longer. The pulses must outlive this.
+  ServiceManager(std::vector<const Pulse*> pulses, double cycle_s, double watchdog_s, Notify notify);
   /// With the service manager of this process.
-  ServiceManager(const Pulse& pulse, double cycle_s);
+  ServiceManager(std::vector<const Pulse*> pulses, double cycle_s);
 
-  /// Looks at the pulse once; each look_s() or more often.
+  /// Looks at each pulse once; each look_s() or more often.
   void look();
   double look_s() const { return look_s_; }
 
@@ -32,12 +34,18 @@ class ServiceManager {
   void run(const std::atomic<bool>& stop);
 
  private:
-  const Pulse& pulse_;
+  struct Watched {
+    const Pulse* pulse;
+    std::uint64_t seen = 0;
+    bool beats = false;  ///< since the last WATCHDOG=1
+  };
+  bool all_beat();
+
+  std::vector<Watched> spindles_;
   Notify notify_;
   double cycle_s_;
   double watchdog_s_;
   double look_s_;
-  std::uint64_t seen_ = 0;
   bool ready_ = false;
   bool told_ = false;  // that it waits
 };

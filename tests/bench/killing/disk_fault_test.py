@@ -165,6 +165,7 @@ def trials_of(lane, share, chance):
     """All, or a share of them."""
     lane.make_files()
     counts = {calls: lane.count_calls(calls) for calls in {calls for _, _, calls, _ in MODES.values()}}
+    demand(min(counts.values()) > 0, f"calls that the seam has seen, {counts}: was it loaded?")
     print(f"{lane.history}: {counts[seam.ALL]} calls in a run", flush=True)
     trials = [(mode, number, (mode, number))
               for mode, (_, _, calls, _) in MODES.items() for number in range(1, counts[calls] + 1)]

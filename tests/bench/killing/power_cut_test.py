@@ -242,6 +242,7 @@ def main():
         for history in ("history.csv", "history.sqlite"):
             lanes = [Lane(programs, pathlib.Path(name) / f"{history}.{n}", device.port, history) for n in range(options.lanes)]
             base, calls = lanes[0].record()
+            demand(calls, "calls that the seam has seen: was it loaded?")
             cuts = cuts_of(lanes[0].twin.files, base, calls, chance)
             totals[f"{history}: calls"] = len(calls)
             if history.endswith(".sqlite"):

@@ -93,7 +93,9 @@ struct Device {
   ModbusServer server;
   std::thread thread;
 
-  explicit Device(int port) : server(plan(port), clock, snapshots, signals, orders), thread([this] { server.run(); }) {}
+  explicit Device(int port)
+      : server(plan(port), clock, {{units_of_one_spindle(), snapshots, signals, orders}}),
+        thread([this] { server.run(); }) {}
   ~Device() {
     server.stop();
     thread.join();

@@ -43,7 +43,7 @@ std::string error_of(const std::string& text) {
 
 TEST(Config, values_come_in_si) {
   const Config config = parse_config(good, "/etc/twin.toml");
-  const DaemonPlan plan = bind_config(config, tests::small_network());
+  const SpindlePlan plan = bind_config(config, tests::small_network());
   EXPECT_EQ(config.network.path, "/etc/small.rom");
   EXPECT_TRUE(plan.cycle.sensors[0].configured);
   EXPECT_FALSE(plan.cycle.sensors[1].configured);
@@ -63,7 +63,7 @@ TEST(Config, values_come_in_si) {
   EXPECT_DOUBLE_EQ(plan.cycle.paper->relaxation, 0.5);
   ASSERT_EQ(plan.cycle.paper->groups.size(), 1U);
   EXPECT_EQ(plan.cycle.paper->groups[0].key_points, (std::vector<int>{0, 2}));
-  EXPECT_EQ(plan.serve.address, "127.0.0.1");
+  EXPECT_EQ(config.serve.address, "127.0.0.1");
 }
 
 TEST(Config, without_an_allow_list_only_this_machine_is_answered) {
@@ -79,7 +79,7 @@ TEST(Config, estimator_corrects_by_default_and_each_sensor_may_have_its_own_nois
   std::string own = text;
   own.replace(own.find("scale = 0.01"), 12,
               "scale = 0.01\nnoise_K = 0.1\noffset_K = 0.2\nlag_s = 20.0\ninterval_s = 10.0");
-  const DaemonPlan plan = bind_config(parse_config(own, "twin.toml"), tests::small_network());
+  const SpindlePlan plan = bind_config(parse_config(own, "twin.toml"), tests::small_network());
   ASSERT_TRUE(plan.cycle.estimator.has_value());
   EXPECT_FALSE(plan.cycle.paper.has_value());
   EXPECT_TRUE(plan.cycle.estimator_corrects);
@@ -132,7 +132,7 @@ TEST(ConfigErrors, the_published_laws_options_say_what_is_allowed) {
 TEST(Config, a_probe_stands_at_a_deformation_output) {
   const std::string probe =
       "[[displacement]]\noutput = \"nose\"\nregister = 20\nscale = 0.1\nsd_um = 0.5\ninterval_s = 30.0\n";
-  const DaemonPlan plan = bind_config(parse_config(good + probe, "twin.toml"), tests::small_network());
+  const SpindlePlan plan = bind_config(parse_config(good + probe, "twin.toml"), tests::small_network());
   EXPECT_TRUE(plan.cycle.probes[0].configured);
   EXPECT_FALSE(plan.cycle.probes[1].configured);
   EXPECT_DOUBLE_EQ(plan.cycle.probes[0].deviation_m, 0.5e-6);
@@ -149,7 +149,7 @@ TEST(Config, a_probe_stands_at_a_deformation_output) {
 TEST(Config, groups_name_sensors_and_sources) {
   const std::string text =
       good + "[[correction.group]]\nname = \"rear\"\nsensors = [\"sleeve_outer\"]\nsources = [\"bearing\"]\n";
-  const DaemonPlan plan = bind_config(parse_config(text, "twin.toml"), tests::small_network());
+  const SpindlePlan plan = bind_config(parse_config(text, "twin.toml"), tests::small_network());
   EXPECT_EQ(plan.cycle.paper->groups[0].key_points, (std::vector<int>{2}));
   EXPECT_EQ(plan.cycle.paper->groups[0].sources, (std::vector<int>{0}));
 }

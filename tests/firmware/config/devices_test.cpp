@@ -47,7 +47,7 @@ std::string error_of(const std::string& text) {
 }
 
 TEST(Devices, each_has_its_own_period_delay_and_back_off_and_gives_the_channels_that_name_it) {
-  const DaemonPlan plan = bind_config(parse_config(devices, "twin.toml"), tests::small_network());
+  const SpindlePlan plan = bind_config(parse_config(devices, "twin.toml"), tests::small_network());
   ASSERT_EQ(plan.devices.size(), 2U);
   const DevicePlan& cabinet = plan.devices[0];
   EXPECT_EQ(cabinet.name, "cabinet");
@@ -71,7 +71,7 @@ TEST(Devices, each_has_its_own_period_delay_and_back_off_and_gives_the_channels_
 }
 
 TEST(Devices, a_preset_knows_register_table_type_and_scale) {
-  const DaemonPlan plan = bind_config(parse_config(devices, "twin.toml"), tests::small_network());
+  const SpindlePlan plan = bind_config(parse_config(devices, "twin.toml"), tests::small_network());
   const auto& nose = dynamic_cast<const ModbusPlan&>(*plan.devices[1].driver);
   ASSERT_EQ(nose.sources.size(), 1U);
   EXPECT_EQ(nose.sources[0].address, 1540);
@@ -79,7 +79,7 @@ TEST(Devices, a_preset_knows_register_table_type_and_scale) {
   EXPECT_EQ(nose.sources[0].type, RegisterType::int16);
   EXPECT_DOUBLE_EQ(convert(plan.devices[1].channels[0].conversion, 253.0).value, 298.45);
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].resolution_K, 0.1);
-  const DaemonPlan other =
+  const SpindlePlan other =
       bind_config(parse_config(with("moxa_e1260", "isma_sfar_s_6ti"), "twin.toml"), tests::small_network());
   EXPECT_EQ(dynamic_cast<const ModbusPlan&>(*other.devices[1].driver).sources[0].address, 56);
 }
@@ -99,7 +99,7 @@ load = { source = "plc" }
 coolant = { source = "constant", value = 27.0 }
 ambient = { source = "constant", value = 22.0 }
 )";
-  const DaemonPlan plan = bind_config(parse_config(text, "twin.toml"), tests::small_network());
+  const SpindlePlan plan = bind_config(parse_config(text, "twin.toml"), tests::small_network());
   ASSERT_EQ(plan.devices.size(), 1U);
   EXPECT_EQ(plan.devices[0].name, "device");
   EXPECT_EQ(plan.devices[0].channels.size(), 1U);

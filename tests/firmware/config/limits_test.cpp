@@ -11,7 +11,7 @@ namespace config_limits_test {
 
 constexpr double at_rest_K = 300.15;  // of the description's coolant and ambient
 
-DaemonPlan plan_of(const std::string& signals, const std::string& more = "") {
+SpindlePlan plan_of(const std::string& signals, const std::string& more = "") {
   const std::string text =
       "network = \"x.rom\"\n[serve]\nport = 1502\n[device]\nport = 1503\n[start]\ntemperature_degC = "
       "20.0\n[signals]\n" +
@@ -77,22 +77,21 @@ TEST(Limits, outputs_have_limits_by_default_of_all_or_one_by_one) {
 }
 
 TEST(Limits, of_the_server_and_of_a_silent_plc) {
-  const auto plan = [](const std::string& serve) {
-    return bind_config(
-        parse_config("network = \"x.rom\"\n[serve]\n" + serve +
-                         "[start]\ntemperature_degC = 20.0\n[signals]\nspeed = { source = \"plc\" }\nload "
-                         "= { source = \"plc\" }\ncoolant = { source = \"plc\" }\nambient = { source = "
-                         "\"plc\" }\n",
-                     "x.toml"),
-        tests::small_network());
+  const auto config = [](const std::string& serve) {
+    return parse_config("network = \"x.rom\"\n[serve]\n" + serve +
+                            "[start]\ntemperature_degC = 20.0\n[signals]\nspeed = { source = \"plc\" }\nload "
+                            "= { source = \"plc\" }\ncoolant = { source = \"plc\" }\nambient = { source = "
+                            "\"plc\" }\n",
+                        "x.toml");
   };
+  const auto plan = [&](const std::string& serve) { return bind_config(config(serve), tests::small_network()); };
   EXPECT_EQ(plan("").cycle.plc_timeout_s, 10.0) << "on by default";
-  EXPECT_EQ(plan("").serve.idle_s, 300.0);
-  EXPECT_EQ(plan("").serve.connections_per_host, 16);
-  const DaemonPlan other = plan("plc_timeout_s = 0\nidle_s = 60\nconnections_per_host = 2\n");
-  EXPECT_EQ(other.cycle.plc_timeout_s, 0.0);
-  EXPECT_EQ(other.serve.idle_s, 60.0);
-  EXPECT_EQ(other.serve.connections_per_host, 2);
+  EXPECT_EQ(config("").serve.idle_s, 300.0);
+  EXPECT_EQ(config("").serve.connections_per_host, 16);
+  const std::string own = "plc_timeout_s = 0\nidle_s = 60\nconnections_per_host = 2\n";
+  EXPECT_EQ(plan(own).cycle.plc_timeout_s, 0.0);
+  EXPECT_EQ(config(own).serve.idle_s, 60.0);
+  EXPECT_EQ(config(own).serve.connections_per_host, 2);
 }
 
 TEST(Limits, deviations_are_nothing_at_all_or_what_a_covariance_can_hold) {

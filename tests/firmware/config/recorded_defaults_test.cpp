@@ -87,19 +87,19 @@ void add_ranges(const std::string& name, const std::vector<AddressRange>& ranges
   for (const AddressRange& range : ranges) lines.add(name, range.address, range.mask);
 }
 
-void add_ports(const DaemonPlan& plan, Lines& lines) {
-  const ServePlan& serve = plan.serve;
+void add_ports(const Config& config, Lines& lines) {
+  const ServePlan& serve = config.serve;
   lines.add("serve", serve.address, serve.port);
   lines.add("serve.connections, _per_host", serve.connections, serve.connections_per_host);
   lines.add("serve.idle_s, frame_deadline_s", serve.idle_s, serve.frame_deadline_s);
   add_ranges("serve.allow", serve.allow, lines);
   add_ranges("serve.allow_write", serve.write, lines);
-  const ShowPlan& show = plan.show;
-  lines.add("http", show.enabled, show.address, show.port, show.names.size(), show.stale_after_s);
+  const ShowPlan& show = config.show;
+  lines.add("http", show.enabled, show.address, show.port, show.names.size());
   add_ranges("http.allow", show.allow, lines);
 }
 
-void add_devices(const DaemonPlan& plan, Lines& lines) {
+void add_devices(const SpindlePlan& plan, Lines& lines) {
   for (const DevicePlan& device : plan.devices) {
     lines.add("device", device.name);
     lines.add("device.poll_s, delay_s", device.poll_s, device.delay_s);
@@ -190,14 +190,14 @@ void add_files(const Config& config, Lines& lines) {
 
 std::string defaults_of(const std::string& text) {
   const Config config = parse_config(text, "/etc/twin.toml");
-  const DaemonPlan plan = bind_config(config, rom::tests::make_network_with_laws());
+  const SpindlePlan plan = bind_config(config, rom::tests::make_network_with_laws());
   Lines lines;
   add_files(config, lines);
   lines.add("cycle.period_s, clock_rate, compare_uncorrected", plan.cycle.period_s, plan.cycle.clock_rate,
             plan.cycle.compare_uncorrected);
   lines.add("serve.plc_timeout_s", plan.cycle.plc_timeout_s);
   lines.add("start: temperature, wait_s", plan.cycle.start_temperature_K.has_value(), plan.cycle.start_wait_s);
-  add_ports(plan, lines);
+  add_ports(config, lines);
   add_devices(plan, lines);
   add_inputs(plan.cycle, lines);
   add_laws(plan.cycle, lines);

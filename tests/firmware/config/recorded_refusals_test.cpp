@@ -6,6 +6,7 @@
 #include <string>
 
 #include "firmware/config/config.hpp"
+#include "firmware/show/shown_spindle.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/rom/law_network.hpp"
 #include "tests/support/recorded.hpp"
@@ -220,13 +221,14 @@ double sum_of_cycle(const CyclePlan& plan) {
   return sum.value();
 }
 
-double sum_of_rest(const DaemonPlan& plan, const Config& config) {
+double sum_of_rest(const SpindlePlan& plan, const Config& config) {
   Sum sum;
-  const ServePlan& serve = plan.serve;
+  const ServePlan& serve = config.serve;
   sum(serve.address)(serve.port, serve.allow.size(), serve.write.size(), serve.connections, serve.connections_per_host,
                      serve.idle_s, serve.frame_deadline_s);
-  const ShowPlan& show = plan.show;
-  sum(show.address)(show.enabled, show.port, show.allow.size(), show.names.size(), show.stale_after_s);
+  const ShowPlan& show = config.show;
+  sum(show.address)(show.enabled, show.port, show.allow.size(), show.names.size(),
+                    stale_after_s(plan.cycle.period_s / plan.cycle.clock_rate));
   sum(config.history.path)(config.history.segment_bytes, config.history.most_bytes, config.history.most_days);
   sum(config.keep.checkpoint_path)(config.keep.interval_s, config.keep.max_age_s)(config.keep.parameters_path);
   sum(config.keep.orders_path)(config.log_level)(config.network.path);
@@ -240,7 +242,7 @@ double sum_of_rest(const DaemonPlan& plan, const Config& config) {
 std::string answer(const std::string& text, const rom::Network& network) {
   try {
     const Config config = parse_config(text, "/etc/twin.toml");
-    const DaemonPlan plan = bind_config(config, network);
+    const SpindlePlan plan = bind_config(config, network);
     char numbers[64];
     std::snprintf(numbers, sizeof numbers, "taken %.14g %.14g", sum_of_cycle(plan.cycle), sum_of_rest(plan, config));
     return numbers;

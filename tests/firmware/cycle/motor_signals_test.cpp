@@ -194,7 +194,7 @@ TEST(MotorSignals, the_winding_of_the_twin_follows_a_drive_that_the_load_does_no
 }
 
 TEST(MotorSignals, device_registers_come_in_ampere_and_watt) {
-  const DaemonPlan plan = bind_config(
+  const SpindlePlan plan = bind_config(
       parse_config(config_with("current = { source = \"device\", register = 9, type = \"uint16\", scale = 0.01 }\n"),
                    "twin.toml"),
       by_current());

@@ -167,7 +167,7 @@ TEST(ModbusServer, the_longest_idle_connection_makes_room_and_one_address_has_it
   OrderDesk orders;
   ServePlan plan = Serving::plan();
   plan.connections_per_host = 2;
-  ModbusServer server(plan, clock, snapshots, signals, orders);
+  ModbusServer server(plan, clock, {{units_of_one_spindle(), snapshots, signals, orders}});
   std::thread thread([&] { server.run(); });
   Client first(server.port());
   EXPECT_EQ(payload(first.ask(read_known)), known_words);
@@ -273,7 +273,7 @@ TEST(ModbusServer, a_busy_port_is_one_clear_error) {
   Latest<PlcSignals> signals;
   OrderDesk orders;
   try {
-    const ModbusServer second(plan, clock, snapshots, signals, orders);
+    const ModbusServer second(plan, clock, {{units_of_one_spindle(), snapshots, signals, orders}});
     FAIL() << "no error";
   } catch (const rom::InputError& error) {
     EXPECT_EQ(std::string(error.what()),

@@ -17,7 +17,7 @@ namespace show_metrics_test {
 std::string metrics_of(const Snapshot& snapshot, ShownNames names = names_of(tests::small_network())) {
   RegisterImage image{};
   fill_image(snapshot, 0, image);
-  return metrics_text(image, names, {});
+  return metrics_text({{image, names}}, {});
 }
 
 TEST(Metrics, names_are_prometheus_names_and_none_stands_twice) {
@@ -58,6 +58,23 @@ TEST(Metrics, a_name_with_quotes_backslashes_and_line_ends_is_escaped) {
   ShownNames names = names_of(tests::small_network());
   names.key_points[0] = "a\"b\\c\nd";
   EXPECT_NE(metrics_of(snapshot, names).find("{key_point=\"a\\\"b\\\\c\\nd\"}"), std::string::npos);
+}
+
+TEST(Metrics, of_several_spindles_stand_together_with_a_label_each) {
+  Snapshot one = first_snapshot(tests::small_network()), other = one;
+  one.nose_m = 1e-6;
+  other.nose_m = 2e-6;
+  other.fault = bits(Fault::orders_lost);
+  const ShownNames names = names_of(tests::small_network());
+  RegisterImage one_image{}, other_image{};
+  fill_image(one, 0, one_image);
+  fill_image(other, 0, other_image);
+  const std::string text = metrics_text({{one_image, names, "left"}, {other_image, names, "right"}}, {});
+  EXPECT_NE(text.find("spindle_twin_nose_meters{spindle_name=\"left\"} 1e-06\n"
+                      "spindle_twin_nose_meters{spindle_name=\"right\"} 2e-06\n"),
+            std::string::npos);
+  EXPECT_NE(text.find("spindle_twin_fault{spindle_name=\"right\",bit=\"orders_lost\"} 1\n"), std::string::npos);
+  EXPECT_EQ(text.find("# TYPE spindle_twin_nose_meters"), text.rfind("# TYPE spindle_twin_nose_meters"));
 }
 
 }  // namespace show_metrics_test

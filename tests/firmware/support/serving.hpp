@@ -30,7 +30,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// A server in its own thread on a free port.
 struct Serving {
-  explicit Serving(ServePlan the_plan = plan()) : server(the_plan, clock, snapshots, signals, orders) {
+  explicit Serving(ServePlan the_plan = plan())
+      : server(the_plan, clock, {{units_of_one_spindle(), snapshots, signals, orders}}) {
     thread = std::thread([this] { server.run(); });
   }
   ~Serving() {

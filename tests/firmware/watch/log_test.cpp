@@ -48,6 +48,30 @@ struct Pipe {
   std::array<int, 2> ends{};
 };
 
+TEST(Log, lines_of_a_thread_begin_with_the_name_that_it_was_given) {
+  const KeepLogger keep;
+  Pipe pipe;
+  std::atomic<std::uint64_t> dropped{0};
+  {
+    const Log log("info", pipe.ends[1], dropped);
+    const LogName left("left");
+    std::thread([] {
+      const LogName right("right");
+      {
+        const LogName inner("inner");
+        spdlog::info("a");
+      }
+      spdlog::warn("b");
+    }).join();
+    spdlog::info("c");
+    std::thread([] { spdlog::info("d"); }).join();
+  }
+  const std::string text = pipe.read_all();
+  for (const char* line : {" info inner: a\n", " warning right: b\n", " info left: c\n", " info d\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << text;
+  }
+}
+
 TEST(Log, writes_what_is_said_at_its_level) {
   const KeepLogger keep;
   Pipe pipe;

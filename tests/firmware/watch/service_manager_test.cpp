@@ -12,7 +12,7 @@ namespace watch_service_manager_test {
 class ServiceManagerTest : public testing::Test {
  protected:
   ServiceManager with(double cycle_s, double watchdog_s) {
-    return {pulse_, cycle_s, watchdog_s, [this](const std::string& state) { told_.push_back(state); }};
+    return {{&pulse_}, cycle_s, watchdog_s, [this](const std::string& state) { told_.push_back(state); }};
   }
   void cycle(bool predicts) {
     pulse_.predicts = predicts;
@@ -76,6 +76,32 @@ TEST_F(ServiceManagerTest, asks_for_three_cycles_where_the_watchdog_is_faster) {
   told_.clear();
   const ServiceManager quick = with(1.0, 10.0);
   EXPECT_TRUE(told_.empty());
+}
+
+TEST_F(ServiceManagerTest, one_spindle_that_stands_is_not_covered_up_by_another) {
+  Pulse other;
+  ServiceManager manager({&pulse_, &other}, 1.0, 20.0, [this](const std::string& state) { told_.push_back(state); });
+  cycle(true);
+  manager.look();
+  EXPECT_TRUE(told_.empty()) << "the other has made no cycle yet";
+  ++other.cycles;
+  manager.look();
+  EXPECT_EQ(count("READY=1"), 0) << "it has no prediction yet";
+  EXPECT_EQ(count("EXTEND_TIMEOUT_USEC"), 1);
+  other.predicts = true;
+  ++other.cycles;
+  cycle(true);
+  manager.look();
+  EXPECT_EQ(count("READY=1\nSTATUS=predicts"), 1);
+  EXPECT_EQ(count("WATCHDOG=1"), 1);
+  for (int k = 0; k < 5; ++k) {
+    cycle(true);
+    manager.look();
+  }
+  EXPECT_EQ(count("WATCHDOG=1"), 1) << "the other stands still";
+  ++other.cycles;
+  manager.look();
+  EXPECT_EQ(count("WATCHDOG=1"), 2);
 }
 
 }  // namespace watch_service_manager_test

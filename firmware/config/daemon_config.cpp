@@ -1,0 +1,103 @@
+#include "firmware/config/daemon_config.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "firmware/config/read_files.hpp"
+#include "firmware/config/read_served.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+using rom::TomlTable;
+
+constexpr std::size_t most_spindles = 32;
+constexpr int last_unit = 247;  // those above are reserved, MODBUS over Serial Line 2.2
+
+DaemonConfig of_one(const std::string& path) {
+  ConfiguredSpindle spindle{"", 1, read_config(path)};
+  DaemonConfig daemon{spindle.config.log_level, spindle.config.serve, spindle.config.show, {}};
+  daemon.spindles.push_back(std::move(spindle));
+  return daemon;
+}
+
+/// What two spindles must not have in common, with who has it.
+class Taken {
+ public:
+  void take(const std::string& thing, const std::string& who, const TomlTable& table, const std::string& key) {
+    const auto [entry, is_new] = owners_.try_emplace(thing, who);
+    if (!is_new) table.fail(key, thing + " is that of \"" + entry->second + "\" already; each spindle needs its own");
+  }
+
+ private:
+  std::map<std::string, std::string> owners_;
+};
+
+/// For a path of HTTP, a label and a line of the log.
+std::string read_name(const TomlTable& table) {
+  const std::string name = table.string("name");
+  const bool is_plain = std::all_of(name.begin(), name.end(),
+                                    [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+  constexpr std::size_t longest = 32;
+  if (name.empty() || name.size() > longest || !is_plain) {
+    table.fail("name", "must be 1 to 32 letters, digits, '_' or '-', is \"" + name + "\"");
+  }
+  return name;
+}
+
+/// However a path is written, and whether the file is there yet or not.
+std::string one_way_to(const std::string& path) {
+  std::error_code unknown;
+  const std::filesystem::path way = std::filesystem::weakly_canonical(path, unknown);
+  return unknown ? path : way.string();
+}
+
+ConfiguredSpindle read_one(const TomlTable& table, const std::string& list, Listeners& listeners, Taken& taken) {
+  ConfiguredSpindle spindle;
+  spindle.name = read_name(table);
+  taken.take("the name " + spindle.name, spindle.name, table, "name");
+  spindle.unit = static_cast<int>(table.integer("unit", 1, last_unit));
+  taken.take("unit " + std::to_string(spindle.unit), spindle.name, table, "unit");
+  const std::string path = beside(list, table.string("config"));
+  spindle.config = read_config_of_one(TomlTable::read(path), path, list, listeners);
+  for (const std::string& file : state_files(spindle.config)) {
+    taken.take("the file " + one_way_to(file), spindle.name, table, "config");
+  }
+  return spindle;
+}
+
+DaemonConfig of_several(const TomlTable& root, const std::string& path) {
+  DaemonConfig daemon;
+  daemon.log_level = read_log_level(root);
+  Listeners listeners;
+  daemon.serve = read_serve(root.table("serve"), listeners);
+  daemon.show = read_http(root.optional_table("http"), listeners);
+  Taken taken;
+  for (const TomlTable& table : root.tables("spindle")) {
+    if (daemon.spindles.size() == most_spindles) table.fail("name", "is one too many; at most 32 spindles are allowed");
+    daemon.spindles.push_back(read_one(table, path, listeners, taken));
+  }
+  root.finish();
+  return daemon;
+}
+
+}  // namespace
+
+std::vector<std::string> state_files(const Config& config) {
+  std::vector<std::string> files;
+  for (const std::string& path :
+       {config.keep.orders_path, config.keep.checkpoint_path, config.history.path, config.keep.parameters_path}) {
+    if (!path.empty()) files.push_back(path);
+  }
+  return files;
+}
+
+DaemonConfig read_daemon_config(const std::string& path) {
+  const TomlTable root = TomlTable::read(path);
+  return root.has("spindle") ? of_several(root, path) : of_one(path);
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,76 @@
+#include "firmware/run/daemon.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <future>
+#include <utility>
+
+#include "firmware/show/shown_names.hpp"
+#include "firmware/watch/log.hpp"
+
+namespace spindle_twin::firmware {
+
+Daemon::Daemon(const DaemonConfig& config, const std::vector<std::unique_ptr<PreparedSpindle>>& spindles,
+               const std::atomic<std::uint64_t>& log_lines_dropped)
+    : serve_(config.serve), show_(config.show), spindles_(spindles) {
+  double slowest_s = 0.0;
+  std::vector<const Pulse*> pulses;
+  for (const auto& spindle : spindles) {
+    runs_.push_back(std::make_unique<SpindleRun>(*spindle, clock_, log_lines_dropped));
+    pulses.push_back(&runs_.back()->pulse());
+    slowest_s = std::max(slowest_s, spindle->cycle_s());
+  }
+  manager_.emplace(std::move(pulses), slowest_s);
+}
+
+void Daemon::listen() {
+  std::vector<SpindlePorts> ports;
+  for (const auto& run : runs_) ports.push_back(run->ports());
+  server_.emplace(serve_, clock_, ports);
+  threads_.emplace_back([this] { server_->run(); });
+  for (const auto& spindle : spindles_) {
+    const LogName name(spindle->name);
+    const CyclePlan& plan = spindle->plan.cycle;
+    spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}{}", spindle->file.network.spindle,
+                 spindle->file.network.nodes.size(), plan.period_s, plan.clock_rate, serve_.address, server_->port(),
+                 spindle->name.empty() ? "" : fmt::format(", unit {}", spindle->unit));
+  }
+  if (!show_.enabled) return;
+  std::vector<SpindleToShow> shown;
+  for (const auto& spindle : spindles_) {
+    shown.push_back({spindle->name, spindle->unit, names_of(spindle->file.network), stale_after_s(spindle->cycle_s())});
+  }
+  shown_.emplace(show_, std::move(shown), clock_);
+  threads_.emplace_back([this] { shown_->run(); });
+  spdlog::info("http on {}:{}", show_.address, shown_->port());
+}
+
+void Daemon::start() {
+  for (const auto& run : runs_) run->recall();
+  listen();
+  // One whose pause was long keeps no other waiting.
+  std::vector<std::future<void>> begun;
+  for (std::size_t r = 0; r < runs_.size(); ++r) {
+    Latest<Snapshot>* const tap = shown_ ? &shown_->tap(r) : nullptr;
+    begun.push_back(std::async(std::launch::async, [this, r, tap] { runs_[r]->begin(tap); }));
+  }
+  threads_.emplace_back([this] { manager_->run(stop_); });
+  for (std::future<void>& each : begun) each.get();
+}
+
+void Daemon::end() {
+  stop_.store(true);
+  for (const auto& run : runs_) run->end();
+}
+
+void Daemon::stop() {
+  end();
+  if (server_) server_->stop();
+  if (shown_) shown_->stop();
+  for (std::thread& thread : std::exchange(threads_, {})) thread.join();
+  for (const auto& run : runs_) run->stop();
+  server_.reset();
+}
+
+}  // namespace spindle_twin::firmware

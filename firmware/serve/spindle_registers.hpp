@@ -1,0 +1,65 @@
+#pragma once
+
+#include <modbus.h>
+
+#include <cstdint>
+#include <memory>
+
+#include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/order_desk.hpp"
+#include "firmware/cycle/snapshot.hpp"
+#include "firmware/serve/command_registers.hpp"
+#include "firmware/serve/frame_gate.hpp"
+#include "firmware/serve/register_map.hpp"
+#include "firmware/watch/clock.hpp"
+
+namespace spindle_twin::firmware {
+
+/// What the server needs of one spindle: under which units it is asked, and what passes to and from its cycle, which
+/// must outlive the server.
+struct SpindlePorts {
+  Units units;
+  Latest<Snapshot>& snapshots;
+  Latest<PlcSignals>& signals;
+  OrderDesk& orders;
+};
+
+/// What one connection has said to one spindle.
+struct Talk {
+  int requests = 0;            ///< since it first told a signal; saturates
+  bool tells_signals = false;  ///< it has written a signal
+};
+
+/// The registers of one spindle: read from the newest snapshot, written by clients. For the server's thread.
+class SpindleRegisters {
+ public:
+  SpindleRegisters(const SpindlePorts& ports, Clock& clock);
+
+  const Units& units() const { return ports_.units; }
+  /// Whether all orders that this request may bring would be taken.
+  bool has_room_for(WriteRange written) const;
+  /// The newest snapshot, for libmodbus to read from and to write to. Of this object.
+  modbus_mapping_t* renew();
+  /// Takes over what a request wrote to the mapping: signals are the newest, orders are queued one by one. True where
+  /// it told signals.
+  bool take(WriteRange written);
+  /// A request has come by the connection of this talk; `told_signals` of this spindle with it. Who told signals and
+  /// goes on talking is watched: when it falls silent its signals are no longer believed. Who wrote once and never came
+  /// back is a tool, or writes on change only.
+  void note_request(Talk& talk, bool told_signals);
+
+ private:
+  struct FreeMapping {
+    void operator()(modbus_mapping_t* mapping) const { modbus_mapping_free(mapping); }
+  };
+
+  SpindlePorts ports_;
+  Clock& clock_;
+  std::unique_ptr<modbus_mapping_t, FreeMapping> mapping_;
+  Snapshot snapshot_;
+  PlcSignals told_;
+  RegisterImage image_{};
+  Switched switched_;  ///< by the last orders
+};
+
+}  // namespace spindle_twin::firmware

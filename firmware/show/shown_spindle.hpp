@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/snapshot.hpp"
+#include "firmware/serve/register_map.hpp"
+#include "firmware/show/http_answer.hpp"
+#include "firmware/show/metrics.hpp"
+#include "firmware/show/shown_names.hpp"
+#include "firmware/watch/clock.hpp"
+
+namespace spindle_twin::firmware {
+
+/// What the HTTP port is told of a spindle.
+struct SpindleToShow {
+  std::string name;            ///< among several; empty: the only one
+  int unit = 1;                ///< by which Modbus clients ask for it
+  ShownNames names;            ///< of its network
+  double stale_after_s = 5.0;  ///< clock time; a cycle older than that is no longer healthy
+};
+
+/// A cycle is called dead that is three periods late, or five seconds where that is longer.
+double stale_after_s(double cycle_s);
+
+/// One spindle as the HTTP port shows it. tap() is for its cycle, all else for the port's thread.
+class ShownSpindle {
+ public:
+  explicit ShownSpindle(SpindleToShow spindle) : spindle_(std::move(spindle)) {}
+
+  Latest<Snapshot>& tap() { return tap_; }
+  const std::string& name() const { return spindle_.name; }
+  /// Takes the newest cycle.
+  void renew(std::int64_t now_ns);
+  /// Number of the cycle taken.
+  std::uint64_t sequence() const { return snapshot_.sequence; }
+  /// 200, or 503 with the reason.
+  Page health(std::int64_t now_ns) const;
+  /// All its registers on one line.
+  std::string state() const;
+  /// {"name": ..., "unit": ..., "spindle": ..., "state": ...}
+  std::string summary() const;
+  ShownRegisters registers() const { return {image_, spindle_.names, spindle_.name}; }
+
+ private:
+  SpindleToShow spindle_;
+  Latest<Snapshot> tap_;
+  Snapshot snapshot_;
+  RegisterImage image_{};
+};
+
+/// {"error": reason} as a line.
+std::string error_json(const std::string& reason);
+
+}  // namespace spindle_twin::firmware
