@@ -81,12 +81,12 @@ bool ModbusDevice::connect() {
 /// False where the connection is of no more use; reason_ says why.
 bool ModbusDevice::ask(const ReadQuestion& question, std::span<std::uint8_t> frame, CheckedAnswer& answer) {
   const int socket = modbus_get_socket(context_->modbus);
+  const std::int64_t deadline_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * plan_.timeout_s);
   const auto sent = encode(question);
   if (send(socket, sent.data(), sent.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(sent.size())) {
     reason_ = std::strerror(errno);
     return false;
   }
-  const std::int64_t deadline_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * plan_.timeout_s);
   std::size_t received = 0;
   while (true) {
     const std::int64_t left_ms = (deadline_ns - clock_.now_ns()) / 1'000'000;
@@ -99,6 +99,12 @@ bool ModbusDevice::ask(const ReadQuestion& question, std::span<std::uint8_t> fra
     if (got < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (got <= 0) {
       reason_ = got == 0 ? "it closed the connection" : std::strerror(errno);
+      return false;
+    }
+    // What came while the process stood still is no reading of now.
+    answered_ns_ = clock_.now_ns();
+    if (answered_ns_ > deadline_ns) {
+      reason_ = "no answer in time";
       return false;
     }
     received += static_cast<std::size_t>(got);
@@ -142,11 +148,10 @@ bool ModbusDevice::poll(DeviceReadings& readings) {
     }
     readings.accept();
     for (std::size_t i = 0; i < request.count; ++i) words[i] = word_of(frame, i);
-    const std::int64_t now_ns = clock_.now_ns();
     for (const std::size_t channel : request.channels) {
       const RegisterSource& source = plan_.sources[channel];
       const std::size_t at = static_cast<std::size_t>(source.address - request.address);
-      readings.take(channel, decode(source, std::span(words).subspan(at)), now_ns);
+      readings.take(channel, decode(source, std::span(words).subspan(at)), answered_ns_);
     }
   }
   return true;

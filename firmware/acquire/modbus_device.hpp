@@ -55,7 +55,8 @@ class ModbusDevice final : public Driver {
   std::vector<ReadRequest> requests_;
   std::vector<std::uint8_t> refused_;  ///< exception that each request got last; 0: none
   std::uint16_t transaction_ = 0;
-  std::string reason_;  ///< why the device does not answer
+  std::int64_t answered_ns_ = 0;  ///< when the last answer came
+  std::string reason_;            ///< why the device does not answer
   LogLimit changes_{6, 60.0};
   std::unique_ptr<Context> context_;
 };

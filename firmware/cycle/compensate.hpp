@@ -43,6 +43,11 @@ class Compensation {
   void order(SwitchOrder order) { order_ = order; }
   SwitchOrder ordered() const { return order_; }
 
+  /// gap_s of model time in which no cycle ran: a loss goes on, the value stays where it is.
+  void pass(double gap_s) {
+    if (lost_s_ > 0.0) lost_s_ += gap_s;
+  }
+
   /// After all else of the cycle is in the snapshot, advance_s of model time after the last one. `good`, `configured`:
   /// how many sensors are in use, and how many there are.
   void step(std::size_t good, std::size_t configured, double advance_s, Snapshot& snapshot);

@@ -9,10 +9,12 @@ namespace spindle_twin::firmware {
 
 const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
                             std::int64_t missed) {
-  const double advance_s = plan_.period_s * static_cast<double>(1 + missed);
+  const double period_s = plan_.period_s;
+  const double gap_s = period_s * static_cast<double>(missed);
   if (!has_stepped_) first_ns_ = now_ns;
   has_stepped_ = true;
   snapshot_.clock_ns = now_ns - first_ns_;
+  const double since_s = catch_up(gap_s);
 
   sense(plan_, frame, command, now_ns, sensed_);
   take_orders(command);  // before the tare is subtracted: an order to change it counts for these readings already
@@ -20,8 +22,8 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   judge(plan_, sensed_, judgement_);
   set_operating(network_, judgement_, operating_);
   if (started_) {
-    const Period period{snapshot_.model_time_s, advance_s};
-    watch_sensors({network_, plan_, sensed_, model_, uncorrected_, period}, watch_, corrector_, judgement_);
+    const Period since{snapshot_.model_time_s, since_s};
+    watch_sensors({network_, plan_, sensed_, model_, uncorrected_, since}, watch_, corrector_, judgement_);
   }
   publish_inputs(sensed_, judgement_, snapshot_);
   snapshot_.quality = judgement_.quality;
@@ -29,27 +31,27 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   if (started_ || ready_to_start()) {
     take_probes(plan_, sensed_, snapshot_.tare_m, corrector_);
     const CorrectedInputs inputs =
-        correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, advance_s}, model_, corrector_);
+        correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, period_s}, model_, corrector_);
     watch_update(network_, operating_, model_, watch_, corrector_);
-    note(integrate(network_, inputs.operating, inputs.factors, advance_s, model_));
+    note(integrate(network_, inputs.operating, inputs.factors, period_s, model_));
     predict(network_, model_);
     if (plan_.compare_uncorrected) {
-      integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
+      integrate(network_, operating_, corrector_.none, period_s, uncorrected_);
       predict(network_, uncorrected_);
       guard_prediction();
       publish_uncorrected(uncorrected_, snapshot_);
     }
-    publish_corrected(model_, plan_.slew_m_per_s * advance_s, plan_.output_limit_m, snapshot_);
+    publish_corrected(model_, plan_.slew_m_per_s * period_s, plan_.output_limit_m, snapshot_);
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
     publish_health(watch_, corrector_, snapshot_);
     if (forecast_) forecast_->step(model_, inputs.operating, inputs.factors);
-    snapshot_.model_time_s += advance_s;
+    snapshot_.model_time_s += period_s;
   } else {
-    waited_s_ += advance_s;
+    waited_s_ += gap_s + period_s;
   }
   label(missed);
-  compensation_.step(judgement_.good, judgement_.configured, advance_s, snapshot_);
+  compensation_.step(judgement_.good, judgement_.configured, period_s, snapshot_);
   if (forecast_) publish_forecast(*forecast_, plan_.compensation, snapshot_);
   return snapshot_;
 }

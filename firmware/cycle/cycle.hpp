@@ -29,7 +29,8 @@ class Cycle {
   /// `network` must outlive this. Allocates. Throws rom::InputError for a correction option out of range.
   Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
 
-  /// One cycle at now_ns after `missed` periods without one; these are integrated together with this one.
+  /// One cycle at now_ns after `missed` periods without one. The model first goes through these with the inputs of the
+  /// cycle before, so that readings are compared with the model of now; what is published moves by one period's slew.
   /// No allocation after the first ones, no lock, no blocking call.
   const Snapshot& step(const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns, std::int64_t missed);
 
@@ -64,6 +65,8 @@ class Cycle {
   void start_from(double temperature_K);
   void start();
   std::optional<Eigen::VectorXd> stand_still(double gap_s, const std::atomic<bool>* stop);
+  /// Through gap_s of model time without a reading. Gives the time since sensors were looked at last. Once started.
+  double catch_up(double gap_s);
   void take_orders(const PlcCommand& command);
   OrderResult take_length(const PlcCommand& command);
   OrderResult take_tare(const PlcCommand& command);

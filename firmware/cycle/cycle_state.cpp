@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/cycle/plausible.hpp"
@@ -55,6 +56,33 @@ void Cycle::start() {
     predict(network_, *model);
   }
   started_ = true;
+}
+
+double Cycle::catch_up(double gap_s) {
+  if (gap_s == 0.0 || !started_) return plan_.period_s;
+  constexpr double longest_step_s = 60.0;
+  constexpr double most_steps = 60.0;
+  const int steps = static_cast<int>(std::clamp(std::ceil(gap_s / longest_step_s), 1.0, most_steps));
+  const double advance_s = gap_s / steps;
+  double since_s = plan_.period_s;
+  sensed_ = {};
+  judgement_.sensors.fill(SensorQuality::never_read);
+  for (int step = 0; step < steps; ++step) {
+    const Period since{snapshot_.model_time_s, std::exchange(since_s, advance_s)};
+    watch_gap({network_, plan_, sensed_, model_, uncorrected_, since}, watch_, corrector_, judgement_);
+    const CorrectedInputs inputs =
+        correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, advance_s}, model_, corrector_);
+    watch_update(network_, operating_, model_, watch_, corrector_);
+    integrate(network_, inputs.operating, inputs.factors, advance_s, model_);
+    predict(network_, model_);
+    if (plan_.compare_uncorrected) {
+      integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
+      predict(network_, uncorrected_);
+    }
+    snapshot_.model_time_s += advance_s;
+  }
+  compensation_.pass(gap_s);
+  return since_s;
 }
 
 void Cycle::take_orders(const PlcCommand& command) {

@@ -197,6 +197,14 @@ void watch_sensors(const WatchInputs& inputs, SensorWatch& watch, Corrector& cor
   note_corrected(inputs.network, inputs.model, watch);
 }
 
+void watch_gap(const WatchInputs& inputs, SensorWatch& watch, const Corrector& corrector, const Judgement& judgement) {
+  if (watch.health) {
+    sample(inputs, corrector, judgement, watch);
+    watch.health->step(watch.samples.health, inputs.period.start_s, inputs.period.advance_s);
+  }
+  note_corrected(inputs.network, inputs.model, watch);
+}
+
 void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
                   Corrector& corrector) {
   note_corrected(network, model, watch);

@@ -67,6 +67,10 @@ void subtract_tare(const SensorWatch& watch, SensedInputs& sensed);
 /// loses its quality `good`. A repeat of a reading is as good as that was. Runs in the cycle, once the model runs.
 void watch_sensors(const WatchInputs& inputs, SensorWatch& watch, Corrector& corrector, Judgement& judgement);
 
+/// Time in which nobody looked at a sensor, none of which is `good` in the judgement: what the model moved in it
+/// belongs to each sensor's course. Runs in the cycle, once the model runs.
+void watch_gap(const WatchInputs& inputs, SensorWatch& watch, const Corrector& corrector, const Judgement& judgement);
+
 /// After correct(): what the update said of each sensor. The estimator goes over to the filter without a sensor that
 /// failed by it, which changes the model's state. Runs in the cycle.
 void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,

@@ -35,6 +35,8 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.sensor_tare_deviation_K = attach<way>(remembered.sensor_tare.deviation_K);
   message.sensor_tares = remembered.sensor_tare.count;
   message.order_revision = checkpoint.order_revision;
+  message.boot = attach<way>(checkpoint.saved.boot);
+  message.saved_boot_s = checkpoint.saved.s;
   return message;
 }
 
@@ -62,6 +64,7 @@ Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::
   }
   checkpoint.saved_unix_s = message.saved_unix_s;
   checkpoint.order_revision = message.order_revision;
+  checkpoint.saved.s = message.saved_boot_s;
   checkpoint.remembered.started = true;
   checkpoint.remembered.model_time_s = message.model_time_s;
   checkpoint.remembered.tare_m = message.tare_m;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "firmware/cycle/remember.hpp"
+#include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -15,6 +16,7 @@ struct Checkpoint {
   double saved_unix_s = 0.0;
   Remembered remembered;             ///< without `parameters`, which the estimator's state has in it
   std::uint32_t order_revision = 0;  ///< how many orders were on the disk then
+  BootTime saved = {};               ///< its time within the boot; without a name in checkpoints of before
 };
 
 inline constexpr std::uint64_t largest_checkpoint_bytes = std::uint64_t{1} << 26;

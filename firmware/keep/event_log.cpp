@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "firmware/watch/clock.hpp"
@@ -38,9 +39,25 @@ void EventLog::run(const std::atomic<bool>& stop) {
   while (true) {
     const bool last = stop.load(std::memory_order_acquire);
     if (tap_.read(snapshot)) note(snapshot, MonotonicClock().now_ns());
+    note_clock(unix_now_s(), MonotonicClock().now_ns());
     if (last) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+}
+
+void EventLog::note_clock(double unix_s, std::int64_t now_ns) {
+  constexpr double least_s = 1.0;  // less is how long this thread may be kept from running between the two clocks
+  const double offset_s = unix_s - 1e-9 * static_cast<double>(now_ns);
+  const double moved_s = offset_s - clock_offset_s_.value_or(offset_s);
+  if (clock_offset_s_ && std::abs(moved_s) < least_s) return;
+  const bool first = !clock_offset_s_;
+  clock_offset_s_ = offset_s;
+  if (first) return;
+  const auto held_back = clock_.pass(now_ns);
+  if (!held_back) return;
+  spdlog::warn(
+      "the clock on the wall was set {} by {:.0f} s: times of the log and of histories jump, no prediction does{}",
+      moved_s > 0.0 ? "forward" : "back", std::abs(moved_s), LogLimit::also(*held_back));
 }
 
 void EventLog::note(const Snapshot& snapshot, std::int64_t now_ns) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ class EventLog {
   /// Compares with the snapshot before. now_ns: monotonic.
   void note(const Snapshot& snapshot, std::int64_t now_ns);
 
+  /// A line where the clock on the wall, which says unix_s now, was set by a second or more since the call before.
+  void note_clock(double unix_s, std::int64_t now_ns);
+
  private:
   void note_state(const Snapshot& now, std::int64_t now_ns);
   void note_faults(const Snapshot& now, std::int64_t now_ns);
@@ -39,8 +43,10 @@ class EventLog {
   Latest<Snapshot> tap_;
   Snapshot before_;
   bool first_ = true;
+  std::optional<double> clock_offset_s_;  ///< of the clock on the wall to the monotonic one
   std::array<OrderRecord, order_records> told_{};
-  LogLimit states_{10, 60.0}, faults_{10, 60.0}, sensors_{16, 60.0}, orders_{20, 60.0}, overruns_{1, 60.0};
+  LogLimit states_{10, 60.0}, faults_{10, 60.0}, sensors_{16, 60.0}, orders_{20, 60.0}, overruns_{1, 60.0},
+      clock_{6, 60.0};
 };
 
 }  // namespace spindle_twin::firmware

@@ -48,7 +48,8 @@ Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpo
                                const StartingPoint& start, Cycle& cycle, const std::atomic<bool>* stop) {
   if (!checkpoint) return Resumed::nothing;
   const std::string& path = plan.checkpoint_path;
-  const double age_s = start.now_unix_s - checkpoint->saved_unix_s;
+  const bool same_boot = !start.now.boot.empty() && checkpoint->saved.boot == start.now.boot;
+  const double age_s = same_boot ? start.now.s - checkpoint->saved.s : start.now_unix_s - checkpoint->saved_unix_s;
   std::string reason = objection(*checkpoint, plan, start.network_sha256, age_s);
   const Resumed resumed =
       reason.empty() ? cycle.resume(checkpoint->remembered, age_s * start.clock_rate, stop) : Resumed::nothing;
@@ -79,7 +80,8 @@ std::chrono::steady_clock::time_point next_checkpoint(std::chrono::steady_clock:
                                                       std::chrono::steady_clock::time_point now,
                                                       std::chrono::steady_clock::duration interval, bool kept) {
   constexpr std::chrono::seconds patience(1);
-  return kept ? due + interval : std::min(due + interval, now + patience);
+  const auto next = due + interval > now ? due + interval : now + interval;
+  return kept ? next : std::min(next, now + patience);
 }
 
 bool Keeper::keep(bool say) {
@@ -89,7 +91,7 @@ bool Keeper::keep(bool say) {
   try {
     if (!plan_.checkpoint_path.empty()) {
       const std::uint32_t revision = orders_ != nullptr ? orders_->revision() : 0;
-      write_checkpoint({network_sha256_, unix_now_s(), now, revision}, plan_.checkpoint_path);
+      write_checkpoint({network_sha256_, unix_now_s(), now, revision, boot_now()}, plan_.checkpoint_path);
     }
     if (!plan_.parameters_path.empty() && !parameters_.empty()) {
       rom::write_whole_file(plan_.parameters_path, parameters_csv(parameters_, now.parameters));

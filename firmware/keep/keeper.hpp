@@ -19,8 +19,9 @@ std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan);
 /// Where and when the daemon starts.
 struct StartingPoint {
   const std::string& network_sha256;
-  double clock_rate = 1.0;  ///< model seconds per second of the clock
-  double now_unix_s = 0.0;  ///< by the clock that the checkpoint's time was taken from
+  double clock_rate = 1.0;    ///< model seconds per second of the clock
+  double now_unix_s = 0.0;    ///< by the clock that the checkpoint's time was taken from
+  BootTime now = boot_now();  ///< in the checkpoint's boot this counts: the clock on the wall may have been set since
 };
 
 /// Before the cycle's first step: goes on from the checkpoint where there is one that fits, and says in the log what
@@ -29,8 +30,8 @@ struct StartingPoint {
 Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpoint>& checkpoint,
                                const StartingPoint& start, Cycle& cycle, const std::atomic<bool>* stop = nullptr);
 
-/// When the next checkpoint is due behind one that was due at `due`: an interval later; where it was not `kept`, a
-/// second after `now` if that is sooner. The keeper's thread only.
+/// When the next checkpoint is due behind one that was due at `due`: an interval later, an interval after `now` where
+/// that has passed; where it was not `kept`, a second after `now` if that is sooner. The keeper's thread only.
 std::chrono::steady_clock::time_point next_checkpoint(std::chrono::steady_clock::time_point due,
                                                       std::chrono::steady_clock::time_point now,
                                                       std::chrono::steady_clock::duration interval, bool kept);

@@ -142,9 +142,13 @@ void SqliteHistory::add(const Snapshot& snapshot, double clock_offset_s) {
 /// The id up to which rows go: the too old ones, and where there are too many an eighth; a few at a time, as the rows
 /// that come meanwhile wait in the ring. 0: none.
 std::int64_t SqliteHistory::last_to_remove() {
-  Statement too_old = database_->prepare(fmt::format(
-      "SELECT max(id) FROM (SELECT id FROM cycle WHERE unix_s < ? ORDER BY unix_s LIMIT {})", removed_at_once));
-  too_old.bind(0, unix_now_s() - seconds_per_day * plan_.most_days);
+  // Not one behind a younger row: where the clock on the wall was set, times are not in the order of the rows.
+  Statement too_old = database_->prepare(
+      fmt::format("WITH first AS (SELECT id, unix_s FROM cycle ORDER BY id LIMIT {}) SELECT max(id) FROM first "
+                  "WHERE id < coalesce((SELECT min(id) FROM first WHERE unix_s >= ?), 9223372036854775807)",
+                  removed_at_once));
+  const double now_s = began_unix_s_ + 1e-9 * static_cast<double>(MonotonicClock().now_ns() - began_ns_);
+  too_old.bind(0, now_s - seconds_per_day * plan_.most_days);
   too_old.step();
   const std::int64_t pages = database_->whole("PRAGMA page_count") - database_->whole("PRAGMA freelist_count");
   if (pages * database_->whole("PRAGMA page_size") <= static_cast<std::int64_t>(most_bytes_)) return too_old.whole(0);

@@ -7,6 +7,7 @@
 
 #include "firmware/keep/database.hpp"
 #include "firmware/keep/history_writer.hpp"
+#include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -42,6 +43,9 @@ class SqliteHistory final : public HistoryWriter {
   std::vector<std::string> columns_;
   std::optional<Database> database_;
   std::optional<Statement> insert_;
+  /// Rows grow old by the time since then: what happens to the clock on the wall meanwhile makes none older.
+  double began_unix_s_ = unix_now_s();
+  std::int64_t began_ns_ = MonotonicClock().now_ns();
   bool is_damaged_ = false;
   std::uint64_t most_bytes_ = 0;  ///< of this file
   std::int64_t next_id_ = 1;

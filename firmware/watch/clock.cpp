@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <ctime>
+#include <fstream>
 
 namespace spindle_twin::firmware {
 
@@ -9,6 +10,15 @@ double unix_now_s() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+BootTime boot_now() {
+  BootTime now;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), now.boot);
+  timespec since{};
+  clock_gettime(CLOCK_BOOTTIME, &since);
+  now.s = static_cast<double>(since.tv_sec) + 1e-9 * static_cast<double>(since.tv_nsec);
+  return now;
 }
 
 std::int64_t MonotonicClock::now_ns() const {

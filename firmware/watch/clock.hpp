@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 namespace spindle_twin::firmware {
 
@@ -8,6 +9,13 @@ inline constexpr std::int64_t ns_per_s = 1'000'000'000;
 
 /// Seconds since 1970 by the clock on the wall, which may be set; for labels and for the age of files.
 double unix_now_s();
+
+/// A time that nobody can set: seconds since a boot, sleeps of the computer included.
+struct BootTime {
+  std::string boot;  ///< the system's name for the boot; empty: not known
+  double s = 0.0;
+};
+BootTime boot_now();
 
 /// The seam through which the daemon sees time; tests replace it. Never steps back.
 class Clock {

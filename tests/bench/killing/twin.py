@@ -41,13 +41,15 @@ AMBIENT_DEGC = 22.0
 class Twin:
     """In a folder of its own, its files in `files` below it, one start after the other."""
 
-    def __init__(self, programs, folder, device_port, more="", clock_rate=100.0, runs_behind_seam=True):
+    environment = None  # of a daemon without the seam; None: this process's
+
+    def __init__(self, programs, folder, device_port, more="", clock_rate=100.0, runs_behind_seam=True, config=CONFIG):
         self.programs, self.folder, self.files = programs, folder, folder / "files"
         self.files.mkdir(parents=True)
         subprocess.run([programs["make_network"], folder / "small.rom"], check=True)
         self.port = free_port()
         self.config = folder / "twin.toml"
-        self.config.write_text(CONFIG.format(port=self.port, device=device_port, more=more, clock_rate=clock_rate))
+        self.config.write_text(config.format(port=self.port, device=device_port, more=more, clock_rate=clock_rate))
         self.seam = Seam(self.files, folder) if runs_behind_seam else None
         self.checkpoint, self.orders = self.files / "twin.checkpoint", self.files / "twin.checkpoint.orders"
         self.log_path, self.log_from = folder / "log", 0
@@ -59,7 +61,7 @@ class Twin:
         self.log_from = self.log_path.stat().st_size
         with open(self.log_path, "a") as log:
             self.daemon = subprocess.Popen([self.programs["daemon"], self.config], stderr=log,
-                                           env=self.seam.environment() if self.seam else None)
+                                           env=self.seam.environment() if self.seam else self.environment)
         self.client = ModbusTcpClient("127.0.0.1", port=self.port)
 
     def wait_until_it_answers(self):

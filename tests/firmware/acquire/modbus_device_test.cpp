@@ -152,5 +152,39 @@ TEST(ModbusDevice, reads_reports_a_loss_and_connects_again) {
   thread.join();
 }
 
+/// Of a process that stands still for half a minute right before it looks at the clock for the n-th time.
+struct StoppedClock final : Clock {
+  explicit StoppedClock(int stops_before) : left(stops_before) {}
+  std::int64_t now_ns() const override {
+    if (left-- == 0) stopped_ns = 30 * ns_per_s;
+    return MonotonicClock().now_ns() + stopped_ns;
+  }
+  void sleep_until_ns(std::int64_t) override {}
+
+  mutable int left;
+  mutable std::int64_t stopped_ns = 0;
+};
+
+TEST(ModbusDevice, an_answer_that_waited_while_the_process_stood_still_is_no_reading_of_now) {
+  Device device(0);
+  ModbusPlan plan;
+  plan.port = device.server.port();
+  plan.timeout_s = 0.5;
+  plan.sources = {source(RegisterTable::input, 2, RegisterType::float32)};
+  int read = 0;
+  for (int stops_before = 0; stops_before < 8; ++stops_before) {
+    StoppedClock clock(stops_before);
+    ModbusDevice driver(plan, clock);
+    DeviceReadings readings("device", 0, {{Channel::Kind::sensor, 0, "sensor", {}, {}}}, 0.0);
+    const bool stopped_before_it_asked = stops_before == 0;
+    const std::int64_t before_ns = MonotonicClock().now_ns();
+    if (driver.step(readings).is == Step::Is::lost) continue;
+    ++read;
+    const std::int64_t said_ns = readings.frame().sensors[0].time_ns;
+    EXPECT_TRUE(stopped_before_it_asked || said_ns <= before_ns + ns_per_s / 2) << stops_before;
+  }
+  EXPECT_GE(read, 2) << "stopped before the question or behind the answer";
+}
+
 }  // namespace acquire_modbus_device_test
 }  // namespace spindle_twin::firmware

@@ -282,6 +282,29 @@ TEST(Keeper, what_could_not_be_written_is_tried_again_in_a_second_and_else_after
   EXPECT_EQ(next_checkpoint(due, due + 3s, 300s, true), due + 300s);
   EXPECT_EQ(next_checkpoint(due, due + 3s, 300s, false), due + 4s) << "not after five minutes without a checkpoint";
   EXPECT_EQ(next_checkpoint(due, due + 10ms, 500ms, false), due + 500ms);
+  EXPECT_EQ(next_checkpoint(due, due + 3600s, 300s, true), due + 3900s) << "one behind a long stop, not twelve";
+  EXPECT_EQ(next_checkpoint(due, due + 3600s, 300s, false), due + 3601s);
+}
+
+TEST(Keeper, within_a_boot_the_age_of_a_checkpoint_is_not_the_clock_on_the_walls) {
+  const rom::Network network = tests::small_network();
+  Ran ran(network);
+  const InFolder folder;
+  ran.checkpoint.saved = {"one", 5000.0};
+  write_checkpoint(ran.checkpoint, folder.plan.checkpoint_path);
+  const auto nose_m = [&](double now_s, const BootTime& now) {
+    Cycle cycle(network, estimated(), runtime);
+    const Resumed resumed =
+        resume_from_checkpoint(folder.plan, look_for_checkpoint(folder.plan), {sha256, 1.0, now_s, now}, cycle);
+    return resumed == Resumed::nothing ? not_a_value : cycle.step({}, {}, at_s(0), 0).deformation_m[0];
+  };
+  const double wanted_m = nose_m(saved_unix_s + 60.0, {"one", 5060.0});
+  EXPECT_EQ(nose_m(saved_unix_s - 9e8, {"one", 5060.0}), wanted_m) << "the clock was set back";
+  EXPECT_EQ(nose_m(saved_unix_s + 9e8, {"one", 5060.0}), wanted_m) << "the clock was set forward";
+  EXPECT_EQ(nose_m(saved_unix_s + 60.0, {"other", 9.0}), wanted_m)
+      << "after a boot there is only the clock on the wall";
+  EXPECT_TRUE(std::isnan(nose_m(saved_unix_s - 1.0, {"other", 9.0})));
+  EXPECT_TRUE(std::isnan(nose_m(saved_unix_s - 1.0, {})));
 }
 
 TEST(Keeper, asks_the_cycle_thread_and_writes_what_it_gets) {

@@ -148,6 +148,18 @@ TEST_F(SqliteFile, rows_older_than_most_days_go_and_runs_without_rows_with_them)
   EXPECT_EQ(runs()[0].id, 101);
 }
 
+TEST_F(SqliteFile, rows_of_a_clock_that_was_wrong_for_a_while_take_no_younger_ones_with_them) {
+  HistoryPlan plan{path_};
+  plan.most_days = 2.0;
+  SqliteHistory history(plan, network_, troubles_);
+  write_cycles(history, 1, 100);
+  change_ = [](Snapshot& snapshot) { snapshot.time_ns -= std::int64_t{9000} * 86400 * 1'000'000'000; };
+  write_cycles(history, 101, 110);
+  change_ = [](Snapshot&) {};
+  write_cycles(history, 111, 200);
+  EXPECT_EQ(table().rows(), 200U);
+}
+
 TEST_F(SqliteFile, one_of_other_columns_and_a_damaged_one_are_put_aside) {
   write_run(3);
   network_.key_points[0].name = "renamed";

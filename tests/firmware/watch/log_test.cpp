@@ -217,5 +217,21 @@ TEST(EventLog, of_each_cause_so_many_lines_a_minute_and_the_next_minute_says_how
   EXPECT_EQ(lines("(and 99 times that were not logged)"), 1);
 }
 
+TEST(EventLog, a_clock_that_is_set_is_said_and_one_that_is_steered_is_not) {
+  const std::string text = log_of([](EventLog& events) {
+    constexpr std::int64_t s_ns = 1'000'000'000;
+    double unix_s = 1.7e9;
+    for (int n = 0; n < 100; ++n) events.note_clock(unix_s += 1.001, n * s_ns);  // by a millisecond a second
+    unix_s += 3600.0;
+    events.note_clock(unix_s += 1.0, 100 * s_ns);
+    events.note_clock(unix_s += 1.0, 101 * s_ns);
+    unix_s -= 86400.0;
+    events.note_clock(unix_s += 1.0, 102 * s_ns);
+  });
+  EXPECT_EQ(lines_with(text, "the clock on the wall was set forward by 3600 s"), 1) << text;
+  EXPECT_EQ(lines_with(text, "the clock on the wall was set back by 86400 s"), 1);
+  EXPECT_EQ(lines_with(text, "the clock on the wall"), 2);
+}
+
 }  // namespace watch_log_test
 }  // namespace spindle_twin::firmware
