@@ -39,14 +39,17 @@ void EventLog::run(const std::atomic<bool>& stop) {
   while (true) {
     const bool last = stop.load(std::memory_order_acquire);
     if (tap_.read(snapshot)) note(snapshot, MonotonicClock().now_ns());
-    note_clock(unix_now_s(), MonotonicClock().now_ns());
+    const std::int64_t before_ns = MonotonicClock().now_ns();
+    const double unix_s = unix_now_s();
+    const std::int64_t now_ns = MonotonicClock().now_ns();
+    if (now_ns - before_ns < ns_per_s / 10) note_clock(unix_s, now_ns);  // else this thread stood still between them
     if (last) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 
 void EventLog::note_clock(double unix_s, std::int64_t now_ns) {
-  constexpr double least_s = 1.0;  // less is how long this thread may be kept from running between the two clocks
+  constexpr double least_s = 1.0;
   const double offset_s = unix_s - 1e-9 * static_cast<double>(now_ns);
   const double moved_s = offset_s - clock_offset_s_.value_or(offset_s);
   if (clock_offset_s_ && std::abs(moved_s) < least_s) return;

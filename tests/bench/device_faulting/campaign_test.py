@@ -267,7 +267,8 @@ class Lane:
         time.sleep(self.options.hold)
         demand(self.watcher.states == {RUNNING}, f"clock set {way}: states {self.watcher.states}")
         demand(self.rows() >= rows, f"clock set {way}: {rows} rows before, {self.rows()} now")
-        demand(self.watcher.overruns - overruns < 10, f"clock set {way}: cycles missed")
+        missed, cycles = self.watcher.overruns - overruns, self.options.hold * CLOCK_RATE / PERIOD_S
+        demand(missed < 0.5 * cycles, f"clock set {way}: {missed} cycles missed")
         self.check(f"clock set {way}")
         self.watcher.end()
         self.note_watched()

@@ -103,6 +103,15 @@ TEST(ImageValues, a_twin_that_has_done_nothing_has_counted_nothing_and_says_noth
   expect_values(Snapshot{}, values);
 }
 
+TEST(ImageValues, numbers_of_cycles_go_round_without_the_one_that_says_not_present) {
+  Snapshot snapshot;
+  for (const auto& [sequence, shown] : std::vector<std::pair<std::uint64_t, double>>{
+           {0xFFFFFFFEU, 0xFFFFFFFEU}, {0xFFFFFFFFU, 0.0}, {0x100000000U, 1.0}, {3 * 0xFFFFFFFFULL + 5, 5.0}}) {
+    snapshot.sequence = sequence;
+    expect_values(snapshot, {{Register::sequence, shown}, {Register::compensation_sequence, shown}});
+  }
+}
+
 TEST(ImageValues, of_the_cycle_stand_in_their_units) {
   Snapshot snapshot;
   snapshot.time_ns = 7'000'000'000;

@@ -1,6 +1,7 @@
 #include "firmware/serve/modbus_server.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
@@ -50,6 +51,23 @@ TEST(ModbusServer, requests_sent_at_once_are_answered_in_order) {
   client.send(both);
   EXPECT_EQ(payload(client.receive()), known_words);
   EXPECT_EQ(payload(client.receive()), (Bytes{0x12, 0x34}));
+}
+
+/// poll() refuses more descriptors than a process may have.
+TEST(ModbusServer, goes_on_behind_a_poll_that_failed) {
+  Serving serving;
+  Client client(serving.server.port());
+  EXPECT_EQ(payload(client.ask(read_known)), known_words);
+  rlimit before{};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{2, before.rlim_max};
+  ::setrlimit(RLIMIT_NOFILE, &none);
+  client.send(Client::framed(read_known));  // the poll after this one fails
+  EXPECT_EQ(payload(client.receive()), known_words);
+  client.send(Client::framed(read_known));
+  std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(payload(client.receive()), known_words);
 }
 
 TEST(ModbusServer, a_client_that_drips_is_closed_at_the_deadline_and_others_are_served_meanwhile) {
