@@ -59,6 +59,18 @@ void Channel::fail_swapped(int partner) {
   record_.partner = partner;
 }
 
+KeptHealth Channel::kept() const {
+  return {is_out() ? record_.fault : HealthFault::none, latched_, record_.partner, record_.failures};
+}
+
+void Channel::resume(const KeptHealth& from) {
+  record_.failures = from.failures;
+  if (from.fault == HealthFault::none) return;
+  record_.failures = std::max(0, from.failures - 1);  // the failure itself is counted again
+  fail(from.fault, from.latched);
+  record_.partner = from.partner;
+}
+
 void Channel::acknowledge() {
   latched_ = false;
   review_.dismiss();

@@ -60,6 +60,9 @@ class Channel {
   void fail_by_evidence(HealthFault fault, double misfit_K, double deviation_K, bool model_in_doubt);
   /// Fails because it shows the temperature of `partner`, the other one's index. Latched.
   void fail_swapped(int partner);
+  KeptHealth kept() const;
+  /// Before the first sample: is as out as it was. Whatever it is out for, it returns by the way of the probation.
+  void resume(const KeptHealth& from);
   /// A latched channel may return by way of the probation; failures are counted anew.
   void acknowledge();
 

@@ -38,4 +38,12 @@ struct HealthRecord {
   double since_s = 0.0;                    ///< time of the last change of state
 };
 
+/// What of a channel outlives a restart.
+struct KeptHealth {
+  HealthFault fault = HealthFault::none;  ///< that it is out for; none: it is in use
+  bool latched = false;                   ///< out until acknowledged
+  int partner = -1;
+  int failures = 0;
+};
+
 }  // namespace spindle_twin::correction

@@ -44,6 +44,10 @@ class SensorHealth {
   /// Latched channels may return, by way of the probation; counters of failures begin anew. May run in the cycle.
   void acknowledge();
 
+  KeptHealth kept(std::size_t channel) const { return channels_[channel].kept(); }
+  /// Before the first step: as Channel::resume(). May run in the cycle.
+  void resume(std::size_t channel, const KeptHealth& from) { channels_[channel].resume(from); }
+
   const HealthRecord& record(std::size_t channel) const { return channels_[channel].record(); }
   std::size_t count() const { return channels_.size(); }
   const HealthLimits& limits() const { return limits_; }

@@ -56,6 +56,7 @@ void Cycle::remember(Remembered& to) const {
   to.model_time_s = snapshot_.model_time_s;
   to.tare_m = snapshot_.tare_m;
   to.sensor_tare = watch_.tare;
+  keep_health(watch_, to.sensor_health);
   to.signals = judgement_.signals;
   copy(model_.stepper->temperatures_K(), to.nodes_K);
   copy(uncorrected_.stepper->temperatures_K(), to.uncorrected_K);
@@ -97,6 +98,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
   if (fits(from.sensor_tare.offset_K, tared) && fits(from.sensor_tare.deviation_K, tared)) {
     watch_.tare = from.sensor_tare;
   }
+  resume_health(from.sensor_health, watch_);
   const std::optional<Eigen::VectorXd> unseen_K = stand_still(gap_s, stop);
   if (!unseen_K) return Resumed::given_up;
   if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), *unseen_K);

@@ -17,6 +17,9 @@ struct Remembered {
   double model_time_s = 0.0;
   double tare_m = 0.0;
   correction::SensorTare sensor_tare;  ///< per key point
+  /// Four of each key point: SensorFault that it is out for, whether until acknowledged, its partner, its failures.
+  /// Empty where no health is watched.
+  std::vector<double> sensor_health;
   std::array<double, signal_count> signals = not_values;
   std::vector<double> nodes_K;
   std::vector<double> uncorrected_K;

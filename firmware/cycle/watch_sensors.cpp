@@ -9,6 +9,8 @@ namespace {
 static_assert(bits(SensorState::returning) == bits(correction::HealthState::returning));
 static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::implausible));
 
+constexpr std::size_t kept_of_a_sensor = 4;  ///< numbers
+
 /// The channel of the estimator at a key point, -1 without one.
 Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point) {
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
@@ -286,6 +288,37 @@ void set_tare(const correction::SensorTare& tare, const CyclePlan& plan, SensorW
   const bool same = watch.tare.offset_K == tare.offset_K && watch.tare.deviation_K == tare.deviation_K;
   watch.tare = tare;
   if (!same) tell_estimator(before_K, plan, watch, corrector);
+}
+
+void keep_health(const SensorWatch& watch, std::vector<double>& to) {
+  if (!watch.health) return;
+  to.resize(kept_of_a_sensor * watch.health->count());
+  for (std::size_t k = 0; k < watch.health->count(); ++k) {
+    const correction::KeptHealth kept = watch.health->kept(k);
+    double* of = to.data() + kept_of_a_sensor * k;
+    of[0] = static_cast<double>(kept.fault);
+    of[1] = kept.latched ? 1.0 : 0.0;
+    of[2] = kept.partner;
+    of[3] = kept.failures;
+  }
+}
+
+void resume_health(const std::vector<double>& from, SensorWatch& watch) {
+  if (!watch.health || from.size() != kept_of_a_sensor * watch.health->count()) return;
+  const auto sensors = static_cast<double>(watch.health->count());
+  const auto is_kept = [&](const double* of) {
+    constexpr double most_failures = 1e6;
+    return of[0] >= 0.0 && of[0] <= bits(SensorFault::implausible) && of[2] >= -1.0 && of[2] < sensors &&
+           of[3] >= 0.0 && of[3] <= most_failures;
+  };
+  for (std::size_t at = 0; at < from.size(); at += kept_of_a_sensor) {
+    if (!is_kept(from.data() + at)) return;
+  }
+  for (std::size_t k = 0; k < watch.health->count(); ++k) {
+    const double* of = from.data() + kept_of_a_sensor * k;
+    watch.health->resume(k, {static_cast<correction::HealthFault>(of[0]), of[1] != 0.0, static_cast<int>(of[2]),
+                             static_cast<int>(of[3])});
+  }
 }
 
 void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot) {

@@ -84,6 +84,13 @@ bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement
 /// Runs in the cycle.
 void set_tare(const correction::SensorTare& tare, const CyclePlan& plan, SensorWatch& watch, Corrector& corrector);
 
+/// What of the sensors' health outlives a restart, as Remembered has it. Sizes `to` on the first call.
+void keep_health(const SensorWatch& watch, std::vector<double>& to);
+
+/// Before the first step: sensors that were out are out. Does nothing where `from` is none that keep_health() wrote of
+/// as many key points.
+void resume_health(const std::vector<double>& from, SensorWatch& watch);
+
 /// Into the snapshot, and the quality bits. Runs in the cycle.
 void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot);
 

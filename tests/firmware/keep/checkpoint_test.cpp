@@ -93,6 +93,7 @@ TEST(Checkpoint, comes_back_bit_for_bit) {
   EXPECT_EQ(b.estimator.lagged, a.estimator.lagged);
   EXPECT_EQ(b.estimator.channels, a.estimator.channels);
   EXPECT_EQ(b.estimator.start, a.estimator.start);
+  EXPECT_EQ(b.sensor_health, a.sensor_health);
 }
 
 TEST(Checkpoint, no_damaged_bit_and_no_cut_is_taken_for_a_checkpoint) {
