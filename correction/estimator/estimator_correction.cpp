@@ -36,10 +36,11 @@ std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, cons
   return sensors;
 }
 
-EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorOptions options)
+EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorOptions options,
+                                         std::shared_ptr<const rom::NetworkOperator> shared)
     : network_(&network),
       options_(checked(network, std::move(options))),
-      coordinates_(std::make_shared<const rom::NetworkOperator>(network)),
+      coordinates_(shared ? std::move(shared) : std::make_shared<const rom::NetworkOperator>(network)),
       parameters_(network, options_.priors),
       sensitivities_(network, coordinates_, parameters_),
       outputs_(network, sensitivities_, parameters_, options_.curvature > 0.0),

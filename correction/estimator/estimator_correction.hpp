@@ -121,8 +121,10 @@ struct EstimatorState {
 /// a period.
 class EstimatorCorrection {
  public:
-  /// `network` must outlive this. Throws rom::InputError naming the option for one out of range.
-  EstimatorCorrection(const rom::Network& network, EstimatorOptions options);
+  /// `network` must outlive this. `shared`: its operator where others have it already; null: one of its own. Throws
+  /// rom::InputError naming the option for one out of range.
+  EstimatorCorrection(const rom::Network& network, EstimatorOptions options,
+                      std::shared_ptr<const rom::NetworkOperator> shared = nullptr);
 
   /// Starts anew at time_s from these nodes: priors, no sensitivities but those of the start. Where the first readings
   /// say that the spindle does not stand at these temperatures, the start is opened as far as they do

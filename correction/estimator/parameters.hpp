@@ -72,7 +72,7 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
     constexpr double ln = 2.0;  // most deviation of a ln factor
     visit(zero_or_some("heat", "of each heat source for itself", ln), priors.heat);
     visit(zero_or_some("heat_common",
-                       "of all sources together: where all are wrong by the same cause, 0.5 beside heat = 0.15", ln),
+                       "of all sources together: where all are wrong by the same cause, 0.8 beside heat = 0.15", ln),
           priors.heat_common);
     visit(zero_or_some("contact", "", ln), priors.contact);
     visit(zero_or_some("film", "", ln), priors.film);

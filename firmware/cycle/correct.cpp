@@ -13,7 +13,8 @@ static_assert(bits(CorrectionFreeze::base_failed) == bits(correction::Freeze::ba
 
 constexpr double reading_slack_s = 1e-3;
 
-void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector& corrector) {
+void add_estimator(const rom::Network& network, const CyclePlan& plan,
+                   std::shared_ptr<const rom::NetworkOperator> shared, Corrector& corrector) {
   correction::EstimatorOptions options = *plan.estimator;
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     const SensorPlan& sensor = plan.sensors[k];
@@ -23,7 +24,7 @@ void add_estimator(const rom::Network& network, const CyclePlan& plan, Corrector
     corrector.channels.push_back({k, sensor.interval_s, 0});
   }
   if (options.sensors.empty() && network.key_points.empty()) return;  // nowhere to look at
-  corrector.estimator.emplace(network, std::move(options));
+  corrector.estimator.emplace(network, std::move(options), std::move(shared));
 }
 
 /// A reading that was taken before, or is a repeat of one, would count twice.
@@ -100,7 +101,8 @@ CorrectedInputs run_paper(const SensedInputs& sensed, const Judgement& judgement
 
 }  // namespace
 
-Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper) {
+Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper,
+                         std::shared_ptr<const rom::NetworkOperator> shared) {
   Corrector corrector;
   corrector.none = rom::no_correction(network.boundaries);
   corrector.operating = network.boundaries.operating;
@@ -110,7 +112,7 @@ Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, con
   if (plan.paper) {
     corrector.paper.emplace(network, *plan.paper, [&] { return make_stepper(network); });
   } else if (plan.estimator) {
-    add_estimator(network, plan, corrector);
+    add_estimator(network, plan, std::move(shared), corrector);
     // Of the same sizes as the estimator's, so that switching it off and on allocates nothing.
     if (corrector.estimator) corrector.none = corrector.estimator->parameters().make_factors(network);
     if (corrector.estimator) readings = static_cast<Eigen::Index>(corrector.estimator->sensors().size());

@@ -62,7 +62,9 @@ struct CorrectedInputs {
 };
 
 /// Allocates. Throws rom::InputError for an option out of range.
-Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
+/// `shared` as in Cycle.
+Corrector make_corrector(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper,
+                         std::shared_ptr<const rom::NetworkOperator> shared = nullptr);
 
 /// Gives the law what was measured and what the model says of this instant; sets the model's state when the law
 /// corrects it, and returns the inputs for the coming period: the law's, and those as read with all factors 1 while

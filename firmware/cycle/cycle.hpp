@@ -26,8 +26,10 @@ enum class Resumed { nothing, implausible, temperatures, temperatures_and_estima
 /// The prediction that a cycle publishes is for the end of the period that begins with it.
 class Cycle {
  public:
-  /// `network` must outlive this. Allocates. Throws rom::InputError for a correction option out of range.
-  Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper);
+  /// `network` must outlive this. `shared`: its operator where the steppers share one, for the estimator too; null:
+  /// each has its own. Allocates. Throws rom::InputError for a correction option out of range.
+  Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper,
+        std::shared_ptr<const rom::NetworkOperator> shared = nullptr);
 
   /// One cycle at now_ns after `missed` periods without one. The model first goes through these with the inputs of the
   /// cycle before, so that readings are compared with the model of now; what is published moves by one period's slew.
@@ -77,6 +79,7 @@ class Cycle {
   void label(std::int64_t missed);
 
   const rom::Network& network_;
+  std::shared_ptr<const rom::NetworkOperator> shared_operator_;
   CyclePlan plan_;
   Model model_;
   Model uncorrected_;

@@ -7,12 +7,14 @@
 
 namespace spindle_twin::firmware {
 
-Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper)
+Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepper& make_stepper,
+             std::shared_ptr<const rom::NetworkOperator> shared)
     : network_(network),
+      shared_operator_(std::move(shared)),
       plan_(plan),
       model_(make_model(network, make_stepper)),
       uncorrected_(make_model(network, make_stepper)),
-      corrector_(make_corrector(network, plan, make_stepper)),
+      corrector_(make_corrector(network, plan, make_stepper, shared_operator_)),
       watch_(make_watch(network, plan, corrector_)),
       judgement_(first_judgement(plan)),
       operating_(network.boundaries.operating),

@@ -113,7 +113,9 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
 
 /// What the spindle would be warmer now if it had run at the operating state all the time.
 std::optional<Eigen::VectorXd> Cycle::stand_still(double gap_s, const std::atomic<bool>* stop) {
-  Model running = make_model(network_, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  Model running = make_model(network_, [this](const rom::Network& of) {
+    return shared_operator_ ? rom::make_runtime_stepper(shared_operator_) : rom::make_runtime_stepper(of);
+  });
   running.stepper->set_temperatures(model_.stepper->temperatures_K());
   rom::OperatingState operating = operating_;
   operating.speed_rpm = network_.boundaries.operating.speed_rpm;

@@ -1,5 +1,6 @@
 #include "firmware/run/daemon.hpp"
 
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -57,6 +58,7 @@ void Daemon::start() {
   }
   threads_.emplace_back([this] { manager_->run(stop_); });
   for (std::future<void>& each : begun) each.get();
+  malloc_trim(0);  // what reading the networks took
 }
 
 void Daemon::end() {

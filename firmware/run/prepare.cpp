@@ -11,7 +11,8 @@ namespace {
 /// A number that passed for itself may still be none together with the others, or with this network.
 Cycle make_cycle(const Config& config, const rom::Network& network, const CyclePlan& plan) {
   try {
-    return {network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); }};
+    const auto shared = std::make_shared<const rom::NetworkOperator>(network);
+    return {network, plan, [&](const rom::Network&) { return rom::make_runtime_stepper(shared); }, shared};
   } catch (const std::exception& error) {
     throw rom::InputError({config.path, 0}, "correction, health", error.what());
   }

@@ -24,7 +24,11 @@ StepStatus FallbackStepper::advance(double period_s, const BoundaryValues& value
 }
 
 std::unique_ptr<FallbackStepper> make_runtime_stepper(const Network& network, const CvodeSettings& settings) {
-  const auto shared = std::make_shared<const NetworkOperator>(network);
+  return make_runtime_stepper(std::make_shared<const NetworkOperator>(network), settings);
+}
+
+std::unique_ptr<FallbackStepper> make_runtime_stepper(std::shared_ptr<const NetworkOperator> shared,
+                                                      const CvodeSettings& settings) {
   return std::make_unique<FallbackStepper>(std::make_unique<CvodeStepper>(shared, settings),
                                            std::make_unique<ExactStepper>(shared));
 }

@@ -34,5 +34,9 @@ class FallbackStepper final : public Stepper {
 /// CVODE with the exact stepper behind it: what daemon, simulation and replay run. Throws std::invalid_argument for a
 /// network that NetworkOperator refuses. Allocates.
 std::unique_ptr<FallbackStepper> make_runtime_stepper(const Network& network, const CvodeSettings& settings = {});
+/// The same with an operator that others use too: of a network of 200 nodes it is the largest part of what a stepper
+/// needs.
+std::unique_ptr<FallbackStepper> make_runtime_stepper(std::shared_ptr<const NetworkOperator> shared,
+                                                      const CvodeSettings& settings = {});
 
 }  // namespace spindle_twin::rom
