@@ -25,11 +25,8 @@ struct Problem {
   /// 1 / capacity factor that it has, all 1 where there are none.
   Eigen::VectorXd taken_inverse_capacity;
   bool restarted;
+  double tolerated_share;
 };
-
-/// Share by which conductances may differ from those in Newton's matrix when CVODE starts anew; each iteration of
-/// Newton leaves at most that share of the error. CVODE asks for a new matrix when they converge too slowly.
-constexpr double tolerated_share = 0.1;
 
 int right_hand_side(realtype, N_Vector x, N_Vector dx, void* user_data) {
   static_cast<const Problem*>(user_data)->rhs->evaluate(NV_DATA_S(x), NV_DATA_S(dx));
@@ -73,8 +70,9 @@ int newton_matrix(realtype, N_Vector x, N_Vector, SUNMatrix, booleantype serves,
   const Eigen::VectorXd& wanted_W_per_m2K = problem.rhs->conductance_W_per_m2K();
   const Eigen::VectorXd& inverse_capacity = problem.rhs->inverse_capacity();
   const bool taken = problem.newton->decompositions() > 0;
-  const bool near = problem.restarted && !jumped(problem.taken_W_per_m2K, wanted_W_per_m2K, tolerated_share) &&
-                    !jumped_from(problem.taken_inverse_capacity, inverse_capacity, 1.0, tolerated_share);
+  const double share = problem.tolerated_share;
+  const bool near = problem.restarted && !jumped(problem.taken_W_per_m2K, wanted_W_per_m2K, share) &&
+                    !jumped_from(problem.taken_inverse_capacity, inverse_capacity, 1.0, share);
   problem.restarted = false;
   const bool same =
       taken && problem.taken_W_per_m2K == wanted_W_per_m2K && same_as(problem.taken_inverse_capacity, inverse_capacity);
@@ -172,7 +170,12 @@ CvodeStepper::Impl::Impl(std::shared_ptr<const NetworkOperator> network, const C
   context = make_context();
   state = own(N_VMake_Serial(n, x.data(), context.get()));
   newton.emplace(n, op.feedback_columns().cols(), context.get());
-  problem = {&rhs, &*newton, Eigen::VectorXd::Zero(op.conductances()), Eigen::VectorXd::Ones(n), true};
+  problem = {&rhs,
+             &*newton,
+             Eigen::VectorXd::Zero(op.conductances()),
+             Eigen::VectorXd::Ones(n),
+             true,
+             settings.tolerated_share};
   matrix = own(SUNMatNewEmpty(context.get()));
   solver = own(view_for_sundials(*newton, context.get()));
   cvode = own(CVodeCreate(CV_BDF, context.get()));

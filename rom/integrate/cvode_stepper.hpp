@@ -19,6 +19,10 @@ struct CvodeSettings {
   double jump_share = 2e-3;
   /// An environment that changes by more than this between two cycles is a jump.
   double jump_K = 0.05;
+  /// Share by which conductances and capacities may differ from those in Newton's matrix when CVODE starts anew; each
+  /// iteration of Newton leaves at most that share of the error. CVODE asks for a new matrix when they converge too
+  /// slowly. 0: the matrix is of the present ones, and each step conserves heat to rounding, not to the tolerance.
+  double tolerated_share = 0.1;
   /// Bound on the work of one advance().
   long max_internal_steps = 5000;
 };

@@ -84,10 +84,10 @@ Network with_meters(const Network& network) {
   return metered;
 }
 
-MeteredStepper::MeteredStepper(const Network& network, HeatBalance& balance)
+MeteredStepper::MeteredStepper(const Network& network, HeatBalance& balance, const CvodeSettings& settings)
     : network_(with_meters(network)),
       nodes_(network.capacity_J_per_K.rows()),
-      stepper_(std::make_shared<const NetworkOperator>(network_)),
+      stepper_(std::make_shared<const NetworkOperator>(network_), settings),
       balance_(balance),
       quadrature_(network),
       temperatures_K_(stepper_.temperatures_K().head(nodes_)),
@@ -95,6 +95,7 @@ MeteredStepper::MeteredStepper(const Network& network, HeatBalance& balance)
       all_K_(stepper_.temperatures_K()),
       meters_K_(all_K_.tail(2)) {
   const auto sources = static_cast<Eigen::Index>(network_.boundaries.sources.size());
+  for (const HeatSource& source : network.boundaries.sources) nominal_W_ += source.nominal_W;
   values_.heat_W = Eigen::VectorXd::Zero(sources);
   values_.node_heat_W = Eigen::VectorXd::Zero(nodes_ + 2);
   values_.laws.follow = true;
@@ -157,7 +158,9 @@ void MeteredStepper::add_to_balance(double period_s, const BoundaryValues& value
   balance_.put_in_J += put_in_J;
   balance_.given_away_J += given_away_J;
   balance_.stored_J += stored_J;
-  balance_.worst_J = std::max(balance_.worst_J, std::abs(put_in_J - given_away_J - stored_J));
+  const double residue_J = std::abs(put_in_J - given_away_J - stored_J);
+  balance_.worst_J = std::max(balance_.worst_J, residue_J);
+  balance_.worst_share = std::max(balance_.worst_share, residue_J / (nominal_W_ * period_s));
   ++balance_.steps;
   if (period_s > quadrature_longest_s) return;
   const double held_W = values.heat_W.sum() + values.node_heat_W.sum();

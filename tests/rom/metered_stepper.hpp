@@ -16,6 +16,7 @@ struct HeatBalance {
   double given_away_J = 0.0;             ///< to the surroundings; negative where they warm the spindle
   double stored_J = 0.0;                 ///< sum of C dT
   double worst_J = 0.0;                  ///< largest residue of one step
+  double worst_share = 0.0;              ///< the same beside what all heats put in at their nominal values
   double residue_by_quadrature_J = 0.0;  ///< of steps of 2 s at the most, by HeatQuadrature
   long steps = 0;
 
@@ -44,7 +45,7 @@ bool takes_meters(const Network& network);
 class MeteredStepper final : public Stepper {
  public:
   /// `balance` must outlive this.
-  MeteredStepper(const Network& network, HeatBalance& balance);
+  MeteredStepper(const Network& network, HeatBalance& balance, const CvodeSettings& settings = {});
 
   void set_temperatures(const Eigen::VectorXd& temperatures_K) override;
   StepStatus advance(double period_s, const BoundaryValues& values) override;
@@ -60,6 +61,7 @@ class MeteredStepper final : public Stepper {
   Eigen::Index nodes_;
   CvodeStepper stepper_;
   HeatBalance& balance_;
+  double nominal_W_ = 0.0;
   HeatQuadrature quadrature_;
   Eigen::VectorXd temperatures_K_, before_K_, all_K_;  ///< before_K_: without the meters
   Eigen::Vector2d meters_K_;                           ///< before
