@@ -24,7 +24,7 @@ endif()
 # namespace of its source is right, but the compiler takes that source for a header then.
 if(CMAKE_UNITY_BUILD)
   set(spindle_twin_sources_in_one_go 24)  # of rooms and tests: what many of them instantiate is then compiled once
-  target_compile_options(spindle_twin_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
+  target_compile_options(spindle_twin_flags INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
 
 # Precompiled headers halve the compiler's time. They hide a forgotten include, which the test `includes` finds instead.
