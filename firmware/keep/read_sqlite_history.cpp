@@ -31,9 +31,11 @@ double time_of(Database& database, std::int64_t cycle) {
   return row.number(0);
 }
 
+std::int64_t first_row(Database& database) { return database.whole("SELECT min(id) FROM cycle"); }
+
 /// Ids of cycles follow each other, a run has that of its first one, and the oldest cycles may be gone.
 std::vector<HistoryRun> read_runs(Database& database) {
-  const std::int64_t first = database.whole("SELECT min(id) FROM cycle");
+  const std::int64_t first = first_row(database);
   std::int64_t end = database.whole("SELECT max(id) FROM cycle") + 1;
   std::vector<HistoryRun> runs;
   Statement run = database.prepare("SELECT id, spindle FROM run ORDER BY id DESC");
@@ -100,9 +102,18 @@ void SqliteHistoryReader::each_row(std::optional<std::int64_t> run,
     rows.bind(0, wanted->first_row);
     rows.bind(1, wanted->first_row + wanted->rows);
     std::vector<double> values(parts_->columns.size());
-    while (rows.step()) {
+    std::int64_t count = 0;
+    for (; rows.step(); ++count) {
       for (std::size_t i = 0; i < values.size(); ++i) values[i] = rows.number(static_cast<int>(i) + first_value);
       take(values);
+    }
+    // A daemon that writes may have let its oldest rows go since the runs were counted.
+    const std::int64_t oldest = count == wanted->rows ? wanted->first_row : first_row(parts_->database);
+    const std::int64_t expected = wanted->first_row + wanted->rows - std::max(wanted->first_row, oldest);
+    if (count < expected) {
+      throw rom::InputError(
+          {parts_->path, 0}, "run",
+          fmt::format("{} has {} rows, {} by their numbers: the file is damaged", id, count, expected));
     }
   });
 }

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "firmware/cycle/publish.hpp"
+#include "firmware/keep/database.hpp"
 #include "firmware/keep/history.hpp"
 #include "firmware/keep/read_sqlite_history.hpp"
 #include "firmware/watch/clock.hpp"
@@ -231,6 +232,21 @@ TEST_F(SqliteFile, what_is_no_history_is_one_clear_error) {
   EXPECT_THROW(table(77), rom::InputError);
   { Database(path_, Database::Mode::write).run("PRAGMA user_version = 9"); }
   EXPECT_NE(error_of(path_).find("user_version: is 9; this program reads 1"), std::string::npos);
+}
+
+TEST_F(SqliteFile, a_row_that_is_gone_from_the_middle_is_damage_and_the_oldest_may_go_while_it_is_read) {
+  write_run(40);
+  const SqliteHistoryReader reader(path_);
+  ASSERT_EQ(reader.runs().front().rows, 40);
+  Database(path_, Database::Mode::write).run("DELETE FROM cycle WHERE id <= 5");
+  EXPECT_EQ(reader.table(std::nullopt).rows(), 35U);
+  Database(path_, Database::Mode::write).run("DELETE FROM cycle WHERE id = 20");
+  try {
+    reader.table(std::nullopt);
+    FAIL() << "read with a hole";
+  } catch (const rom::InputError& error) {
+    EXPECT_EQ(std::string(error.what()), path_ + ": run: 1 has 34 rows, 35 by their numbers: the file is damaged");
+  }
 }
 
 /// The file under every prefix of it: what a broken disk leaves ends in an error or in rows, never in a crash.
