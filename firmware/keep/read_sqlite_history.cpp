@@ -93,6 +93,7 @@ void SqliteHistoryReader::each_row(std::optional<std::int64_t> run,
   const auto wanted = std::find_if(runs.begin(), runs.end(), [&](const HistoryRun& each) { return each.id == id; });
   if (wanted == runs.end()) {
     std::vector<std::int64_t> ids;
+    ids.reserve(runs.size());
     for (const HistoryRun& each : runs) ids.push_back(each.id);
     throw rom::InputError({parts_->path, 0}, "run",
                           fmt::format("there is no {}; allowed: {}", id, fmt::join(ids, ", ")));
@@ -110,7 +111,7 @@ void SqliteHistoryReader::each_row(std::optional<std::int64_t> run,
     // A daemon that writes may have let its oldest rows go since the runs were counted.
     const std::int64_t oldest = count == wanted->rows ? wanted->first_row : first_row(parts_->database);
     const std::int64_t expected = wanted->first_row + wanted->rows - std::max(wanted->first_row, oldest);
-    if (count < expected) {
+    if (count < expected || count > wanted->rows) {
       throw rom::InputError(
           {parts_->path, 0}, "run",
           fmt::format("{} has {} rows, {} by their numbers: the file is damaged", id, count, expected));

@@ -285,6 +285,14 @@ TEST(Estimator, remembers_everything_it_saved_and_refuses_another_size) {
   for (Eigen::Index i = 0; i < other.parameters().count(); ++i) {
     EXPECT_EQ(other.estimate(i).value, pair.estimator.estimate(i).value);
   }
+  // Of what is none of these nothing is lost either.
+  EstimatorState again;
+  other.save(again);
+  EXPECT_EQ(again.lagged, state.lagged);
+  EXPECT_EQ(again.channels, state.channels);
+  ASSERT_EQ(again.start.size(), state.start.size());
+  EXPECT_TRUE(std::any_of(state.start.begin() + 3, state.start.end(), [](double missed) { return missed != 0.0; }));
+  for (std::size_t i = 0; i < state.start.size(); ++i) EXPECT_NEAR(again.start[i], state.start[i], 1e-9) << i;
   state.mean.pop_back();
   EXPECT_FALSE(other.restore(state));
 }

@@ -58,6 +58,15 @@ TEST(ExchangeDetector, small_movements_need_longer_and_none_says_nothing) {
   }
 }
 
+TEST(ExchangeDetector, hundredths_of_a_kelvin_count_where_sensors_are_that_quiet) {
+  TwoPlaces crossed;
+  crossed.exchanged = true;
+  crossed.detector = ExchangeDetector{{1e-4, 1e-4}};
+  crossed.noise_K = std::normal_distribution<double>{0.0, 1e-4};
+  crossed.rise_K = 0.02;
+  EXPECT_GT(crossed.found_within(7200), 0);
+}
+
 TEST(ExchangeDetector, without_an_uncorrected_model_or_out_of_use_nothing_is_found) {
   TwoPlaces blind;
   blind.exchanged = true;
