@@ -38,7 +38,7 @@ class Taken {
 
 /// For a path of HTTP, a label and a line of the log.
 std::string read_name(const TomlTable& table) {
-  const std::string name = table.string("name");
+  std::string name = table.string("name");
   const bool is_plain = std::all_of(name.begin(), name.end(),
                                     [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
   constexpr std::size_t longest = 32;

@@ -274,6 +274,8 @@ TEST(Estimator, remembers_everything_it_saved_and_refuses_another_size) {
   Pair pair(network, {});
   pair.truth[pair.parameter("heat motor")] = 0.4;
   pair.run_until(900.0);
+  const Eigen::VectorXd& nodes_K = pair.twin.stepper.temperatures_K();
+  pair.estimator.widen_start(pair.time_s, nodes_K, Eigen::VectorXd::Constant(nodes_K.size(), 2.0));
   EstimatorState state;
   pair.estimator.save(state);
   EstimatorCorrection other(network, {});
