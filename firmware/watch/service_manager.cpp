@@ -25,7 +25,8 @@ double asked_for_s() {
 
 }  // namespace
 
-ServiceManager::ServiceManager(std::vector<const Pulse*> pulses, double cycle_s, double watchdog_s, Notify notify)
+ServiceManager::ServiceManager(const std::vector<const Pulse*>& pulses, double cycle_s, double watchdog_s,
+                               Notify notify)
     : notify_(std::move(notify)),
       cycle_s_(cycle_s),
       watchdog_s_(watchdog_s > 0.0 ? std::max(watchdog_s, cycles_missed * cycle_s) : 0.0),
@@ -34,9 +35,8 @@ ServiceManager::ServiceManager(std::vector<const Pulse*> pulses, double cycle_s,
   if (watchdog_s_ > watchdog_s) notify_("WATCHDOG_USEC=" + microseconds(watchdog_s_));
 }
 
-ServiceManager::ServiceManager(std::vector<const Pulse*> pulses, double cycle_s)
-    : ServiceManager(std::move(pulses), cycle_s, asked_for_s(),
-                     [](const std::string& state) { sd_notify(0, state.c_str()); }) {}
+ServiceManager::ServiceManager(const std::vector<const Pulse*>& pulses, double cycle_s)
+    : ServiceManager(pulses, cycle_s, asked_for_s(), [](const std::string& state) { sd_notify(0, state.c_str()); }) {}
 
 /// Whether each has made a cycle since this last said so.
 bool ServiceManager::all_beat() {

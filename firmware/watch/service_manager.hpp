@@ -22,9 +22,9 @@ class ServiceManager {
 
   /// cycle_s: clock time from cycle to cycle, of the slowest. watchdog_s: what the service manager asks for, 0:
   /// nothing; it is asked for three cycles instead where that is longer. The pulses must outlive this.
-  ServiceManager(std::vector<const Pulse*> pulses, double cycle_s, double watchdog_s, Notify notify);
+  ServiceManager(const std::vector<const Pulse*>& pulses, double cycle_s, double watchdog_s, Notify notify);
   /// With the service manager of this process.
-  ServiceManager(std::vector<const Pulse*> pulses, double cycle_s);
+  ServiceManager(const std::vector<const Pulse*>& pulses, double cycle_s);
 
   /// Looks at each pulse once; each look_s() or more often.
   void look();

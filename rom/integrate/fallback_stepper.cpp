@@ -29,8 +29,8 @@ std::unique_ptr<FallbackStepper> make_runtime_stepper(const Network& network, co
 
 std::unique_ptr<FallbackStepper> make_runtime_stepper(std::shared_ptr<const NetworkOperator> shared,
                                                       const CvodeSettings& settings) {
-  return std::make_unique<FallbackStepper>(std::make_unique<CvodeStepper>(shared, settings),
-                                           std::make_unique<ExactStepper>(shared));
+  auto first = std::make_unique<CvodeStepper>(shared, settings);
+  return std::make_unique<FallbackStepper>(std::move(first), std::make_unique<ExactStepper>(std::move(shared)));
 }
 
 }  // namespace spindle_twin::rom
