@@ -16,6 +16,18 @@ std::string usage_message(const CLI::App* app, const CLI::Error& error) {
   return command + ": " + error.what() + "; see " + command + " --help\n";
 }
 
+/// What to say where the first argument is no option and no command; else nothing.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  const std::string given = argc > 1 ? argv[1] : "-";
+  if (given.starts_with("-")) return "";
+  std::string allowed;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == given) return "";
+    allowed += (allowed.empty() ? "" : ", ") + command->get_name();
+  }
+  return "spindle-twin: no command " + given + ", allowed are " + allowed + "; see spindle-twin --help";
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"spindle-twin: thermal digital twin of a CNC spindle, host tool"};
   app.require_subcommand(1);
@@ -45,6 +57,10 @@ int run(int argc, char** argv) {
   add_plant(app);
   add_report(app);
 #endif
+  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+    std::fprintf(stderr, "%s\n", unknown.c_str());
+    return usage_error;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "fem_offline/reduce/reduce.hpp"
@@ -21,9 +22,21 @@ struct TriedSize {
   Tolerance reached;  ///< worst over the cases of the search
 };
 
+/// An output that keeps a network from the tolerance.
+struct MissedOutput {
+  enum class Kind { key_point, deformation, part_maximum };
+  Kind kind = Kind::key_point;
+  std::string name;
+  double worst = 0.0;   ///< over the cases of the search, K or um
+  double wanted = 0.0;  ///< the tolerance times share_of_tolerance, K or um
+};
+
 struct SizeChoice {
   rom::Network network;
-  bool reached = false;  ///< false: the largest size tried misses the tolerance; `network` is that one
+  bool reached = false;              ///< false: no size keeps the tolerance; `network` is the one that comes nearest
+  std::vector<MissedOutput> missed;  ///< of that network, the one that errs most against what is wanted first
+  /// Nodes that may reach it if errors fall with more of them as usual; 0 where it is reached or the model has no more.
+  int nodes_likely_enough = 0;
   std::vector<TriedSize> tried;
 };
 
@@ -41,8 +54,9 @@ struct SizeSearch {
 
 /// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of the tolerance in the FE cases of the
 /// search: up at the usual rate of errors over the nested basis until one is enough, then by halves. While it searches,
-/// all sizes have the points of part extremes of the first; the chosen one gets its own. `report` gets the stages of
-/// search and network.
+/// all sizes have the points of part extremes of the first; the chosen one gets its own. Where no size up to
+/// largest_size keeps it, the network is the tried one with the smallest excess, and `missed` names its outputs.
+/// `report` gets the stages of search and network.
 SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const SizeSearch& search,
                        const ReduceOptions& options, const Progress& progress = {}, ReduceReport* report = nullptr);
 

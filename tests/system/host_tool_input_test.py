@@ -53,6 +53,7 @@ class Usage(Case):
                           ["plant", REFERENCE], ["plant", REFERENCE, "--port", "70000"]):
             with self.subTest(str(arguments)):
                 self.assertRegex(self.error_of(*arguments), r"; see spindle-twin( [a-z]+)? --help$")
+        self.assertRegex(self.error_of("paint"), r"no command paint, allowed are .*build, .*solve|solve, .*build")
 
 
 class BadDescription(Case):

@@ -15,7 +15,7 @@ import unittest
 
 from pymodbus.client import ModbusTcpClient
 
-from host_tool_case import BUILT, COARSE, DAEMON, HOUR, REFERENCE, SMALL, TWIN, Case, reference_network
+from host_tool_case import BUILT, COARSE, DAEMON, HOUR, REFERENCE, SMALL, TWIN, Case, reference_network, run
 from ports import can_connect, free_port, wait_until
 
 
@@ -58,6 +58,21 @@ class Solve(Case):
                                    .stdout.splitlines()))
         self.assertEqual([float(row["time_s"]) for row in rows], series["time_s"])
         self.assertAlmostEqual(float(rows[-1]["nose_um"]), state["deformation_um"]["nose"], delta=1e-4)
+
+
+class Tolerance(Case):
+    def test_the_nearest_network_is_written_where_none_is_small_enough_and_says_what_misses(self):
+        rom = self.folder / "sleeve.rom"
+        result = run("build", SMALL, "-o", rom, "--tolerance", "1K,1e-6um", "--certificate-cases", 1, "--json")
+        self.assertEqual(result.returncode, 3, result.stderr)
+        said = json.loads(result.stdout)
+        self.assertEqual(said["tolerance"]["kept"], False)
+        self.assertEqual([missed["output"] for missed in said["tolerance"]["missed"]], ["deformation outer_growth"])
+        self.assertRegex(result.stderr, r"deformation outer_growth +errs by \S+ um")
+        offered = re.search(r"--tolerance (\S+),", result.stderr)[1]
+        self.good("build", SMALL, "-o", self.folder / "again.rom", "--tolerance", offered, "--certificate-cases", 1)
+        self.good("simulate", rom, "--schedule", self.text("hour.csv", "time_s,speed_rpm,load\n0,0,1\n60,0,1\n"), "-o",
+                  self.folder / "run.csv")
 
 
 class Network(Case):

@@ -7,6 +7,9 @@
 
 namespace spindle_twin::host_tools {
 
+/// Of --nodes.
+inline constexpr int most_nodes = 400;
+
 /// "0.05K,0.03um" or "0.05K,0.03um,0.3K": key points, deformations, part maxima; without the last one part maxima may
 /// err six times as much as key points. Throws CLI::ValidationError for anything else.
 fem_offline::Tolerance parse_tolerance(const std::string& text);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/offline/accuracy_options.hpp"
 #include "host_tools/commands/offline/certificate_report.hpp"
+#include "host_tools/commands/offline/missed_tolerance.hpp"
 #include "host_tools/commands/offline/progress.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
@@ -29,16 +31,20 @@ struct BuildArguments {
   std::string spindle_path;
   std::string output_path;
   fem_offline::ReduceOptions reduce;
-  std::string tolerance;  ///< empty: the default one, which need not be reached
+  std::string tolerance = "0.03K,0.015um,0.2K";
   std::string box = "whole";
   bool fixed_size = false;
   std::uint32_t certificate_cases = 20;
   bool json = false;
 };
 
-constexpr const char* default_tolerance = "0.03K,0.015um,0.2K";
+struct Reduced {
+  rom::Network network;
+  std::optional<fem_offline::SizeChoice> choice;  ///< its own network has no certificate; none where --nodes is given
+};
 
-void print_json(const BuildArguments& arguments, const rom::Network& network, const fem_offline::ReduceReport& report) {
+void print_json(const BuildArguments& arguments, const Reduced& reduced, const fem_offline::ReduceReport& report) {
+  const rom::Network& network = reduced.network;
   nlohmann::ordered_json result;
   result["file"] = arguments.output_path;
   result["spindle"] = network.spindle;
@@ -48,6 +54,7 @@ void print_json(const BuildArguments& arguments, const rom::Network& network, co
   result["condition"] = report.condition;
   result["seed"] = arguments.reduce.seed;
   for (const fem_offline::StageTime& stage : report.stages) result["stages_s"][stage.stage] = stage.seconds;
+  if (reduced.choice) result["tolerance"] = missed_tolerance_json(*reduced.choice);
   result["certificate"] = to_json(network);
   std::printf("%s\n", result.dump(2).c_str());
 }
@@ -67,26 +74,18 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
   print_certificate(network);
 }
 
-/// The network of the wanted size, or of the size that reaches the tolerance.
-rom::Network reduce(const BuildArguments& arguments, const fem_offline::AffineModel& model,
-                    const fem_offline::ReduceOptions& options, const fem_offline::Progress& progress,
-                    fem_offline::ReduceReport& report) {
-  if (arguments.fixed_size) return fem_offline::reduce_model(model, options, progress, &report);
-  const bool asked = !arguments.tolerance.empty();
-  const fem_offline::Tolerance tolerance = parse_tolerance(asked ? arguments.tolerance : default_tolerance);
+/// The network of the wanted size, or the smallest that keeps the tolerance, or the one that comes nearest to it.
+Reduced reduce(const BuildArguments& arguments, const fem_offline::AffineModel& model,
+               const fem_offline::ReduceOptions& options, const fem_offline::Progress& progress,
+               fem_offline::ReduceReport& report) {
+  if (arguments.fixed_size) return {fem_offline::reduce_model(model, options, progress, &report), std::nullopt};
   fem_offline::ReduceOptions any_size = options;
   any_size.nodes = std::min(fem_offline::largest_size, static_cast<int>(model.capacity_J_per_K.rows()));
   const fem_offline::Reduction reduction(model, any_size, progress, &report);
-  fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, {tolerance}, any_size, progress, &report);
-  if (choice.reached) return std::move(choice.network);
-  const fem_offline::TriedSize& last = choice.tried.back();
-  char reached[160];
-  std::snprintf(reached, sizeof reached,
-                "%d nodes reach %.3g K, %.3g um, %.3g K, less is wanted to keep it with a margin", last.nodes,
-                last.reached.key_points_K, last.reached.deformations_um, last.reached.part_max_K);
-  if (asked) throw rom::InputError({arguments.spindle_path, 0}, "--tolerance", reached);
-  std::fprintf(stderr, "note: the default tolerance %s is not kept: %s\n", default_tolerance, reached);
-  return std::move(choice.network);
+  const fem_offline::SizeSearch search{parse_tolerance(arguments.tolerance)};
+  fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, search, any_size, progress, &report);
+  rom::Network network = choice.network;
+  return {std::move(network), std::move(choice)};
 }
 
 void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
@@ -137,12 +136,20 @@ void run(const BuildArguments& arguments) {
   fem_offline::ReduceOptions options = arguments.reduce;
   options.box = named_box(arguments.box, model.affine().boundaries.reference_speed_rpm);
   fem_offline::ReduceReport report;
-  rom::Network network = reduce(arguments, model.affine(), options, progress, report);
+  Reduced reduced = reduce(arguments, model.affine(), options, progress, report);
+  rom::Network& network = reduced.network;
   report.stages.insert(report.stages.begin(), {"FE model", model_s});
   if (arguments.certificate_cases > 0) certify(arguments, model, options, progress, network, report);
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);
-  arguments.json ? print_json(arguments, network, report) : print_table(arguments, network, report);
+  arguments.json ? print_json(arguments, reduced, report) : print_table(arguments, network, report);
+  if (reduced.choice && !reduced.choice->reached) {
+    const std::string missed =
+        missed_tolerance_text(*reduced.choice, parse_tolerance(arguments.tolerance), arguments.box);
+    std::fprintf(stderr, "spindle-twin: %s is written with %zu nodes, but %s\n", arguments.output_path.c_str(),
+                 network.nodes.size(), missed.c_str());
+    throw CLI::RuntimeError(tolerance_missed);
+  }
 }
 
 }  // namespace
@@ -155,12 +162,12 @@ void add_build(CLI::App& app) {
   command->add_option("-o,--output", arguments->output_path, "network file to write, .rom")->required();
   CLI::Option* nodes =
       command->add_option("--nodes", arguments->reduce.nodes, "nodes of the network, in place of --tolerance")
-          ->check(CLI::Range(2, 400));
+          ->check(CLI::Range(2, most_nodes));
   command
       ->add_option("--tolerance", arguments->tolerance,
-                   std::string("largest errors of key points, deformations and part maxima; the smallest network that "
-                               "keeps them. Without it and --nodes ") +
-                       default_tolerance + " as far as it can be reached")
+                   "largest errors of key points, deformations and part maxima: the smallest network that keeps them. "
+                   "Where none does, the nearest is written, with exit code 3")
+      ->capture_default_str()
       ->excludes(nodes)
       ->check([](const std::string& text) {
         parse_tolerance(text);

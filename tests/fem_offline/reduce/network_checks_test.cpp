@@ -96,6 +96,26 @@ TEST(SizeChoice, says_when_no_size_is_enough) {
   const SizeChoice choice = choose_size(model, reduction, {{1e-9, 1e-9, 1e-9}, 1}, options);
   EXPECT_FALSE(choice.reached);
   EXPECT_EQ(choice.network.nodes.size(), 40u);
+  EXPECT_EQ(choice.nodes_likely_enough, 0);  // the model has no more
+}
+
+TEST(SizeChoice, names_what_the_network_that_comes_nearest_misses) {
+  const AffineModel model = make_grid_model();
+  ReduceOptions options = checked_options(2);
+  options.rich_states = 40;
+  const Reduction reduction(model, options);
+  const double never = 1e9, always = 1e-9;
+  const SizeChoice choice = choose_size(model, reduction, {{never, never, always}, 1}, options);
+  ASSERT_EQ(choice.missed.size(), model.parts.size());
+  for (std::size_t i = 0; i < choice.missed.size(); ++i) {
+    EXPECT_EQ(choice.missed[i].kind, MissedOutput::Kind::part_maximum);
+    EXPECT_EQ(choice.missed[i].wanted, share_of_tolerance * always);
+    EXPECT_LE(choice.missed[i].worst, choice.missed[i > 0 ? i - 1 : 0].worst);
+  }
+  double smallest_K = never;
+  for (const TriedSize& tried : choice.tried) smallest_K = std::min(smallest_K, tried.reached.part_max_K);
+  EXPECT_EQ(choice.missed.front().worst, smallest_K);
+  EXPECT_TRUE(choose_size(model, reduction, {{never, never, never}, 1}, options).missed.empty());
 }
 
 TEST(MeshError, is_what_half_the_element_size_changes_and_falls_with_it) {
