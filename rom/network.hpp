@@ -58,12 +58,21 @@ struct CertificateErrors {
   double part_max_K = 0.0;
 };
 
-/// Largest |network − FE model| of one output over a case: worst and median over the cases; and what a finer FE mesh
-/// changes in that output at the operating state. In the output's own unit: K, m or Pa.
+/// Largest |network − FE model| of one output over a case: worst and median over the cases that were run; what a finer
+/// FE mesh changes in that output at the operating state; and the limit that other cases exceed no more often than
+/// CertificateLimit says, 0 in files of before there was one. In the output's own unit: K, m or Pa.
 struct OutputError {
   double worst = 0.0;
   double median = 0.0;
   double mesh = 0.0;
+  double limit = 0.0;
+};
+
+/// What a limit is: with probability `confidence`, at most the share 1 − `content` of all cases from the box exceed it.
+struct CertificateLimit {
+  double content = 0.0;  ///< 0: no limits were measured
+  double confidence = 0.0;
+  bool fitted = false;  ///< log-normal through the cases that were run; else one of their own errors, whatever the law
 };
 
 /// The box of factors and states that the cases were drawn from.
@@ -75,11 +84,13 @@ struct CertificateBox {
   double speed_high_rpm = 0.0;
 };
 
-struct Certificate {
+struct Certificate {  // NOLINT(public-members): columns of one table, as in the file
   std::uint64_t seed = 0;
   std::uint32_t cases = 0;  ///< 0: no certificate was measured
   CertificateErrors worst;
   CertificateErrors median;
+  CertificateErrors limit;  ///< as OutputError::limit, of the largest error of each kind in a case
+  CertificateLimit limit_rule;
   CertificateBox box;
   double mesh_size_m = 0.0;  ///< largest FE element wanted; 0 where there is no FE model
   std::uint32_t fe_unknowns = 0;

@@ -44,7 +44,7 @@ void Consistency::note(Eigen::Index sensor, double innovation_K, double variance
   if (rejected) ++rejected_;
 }
 
-bool Consistency::conclude(double elapsed_s, double time_s) {
+bool Consistency::conclude(double elapsed_s) {
   largest_K_ = noted_K_;
   if (noted_ == 0) return false;
   nis_of_hour_ += weight(elapsed_s, rom::seconds_per_hour) * (noted_nis_ / noted_ - nis_of_hour_);
@@ -57,12 +57,11 @@ bool Consistency::conclude(double elapsed_s, double time_s) {
   calm_s_ = largest_nis() < limits_.calm_nis && rejected_share_ < limits_.rejected_share ? calm_s_ + elapsed_s : 0.0;
   if (calm_s_ >= limits_.patience_s) in_doubt_ = false;
   if (above_s_ < limits_.patience_s) return false;
-  contradict(time_s);
+  contradict();
   return true;
 }
 
-void Consistency::contradict(double time_s) {
-  if (!in_doubt_) in_doubt_since_s_ = time_s;
+void Consistency::contradict() {
   in_doubt_ = true;
   ++contradictions_;
   nis_.setZero();

@@ -35,14 +35,12 @@ class Consistency {
   void note(Eigen::Index sensor, double innovation_K, double variance_K2, double explained_K2, bool rejected,
             double since_s);
   /// After all sensors of an update. True: the estimate contradicts its readings, and has to be loosened now.
-  bool conclude(double elapsed_s, double time_s);
+  bool conclude(double elapsed_s);
 
   /// The same was found elsewhere: in doubt from now on.
-  void contradict(double time_s);
+  void contradict();
 
   bool in_doubt() const { return in_doubt_; }
-  /// Time at which that began, on the clock of conclude().
-  double in_doubt_since_s() const { return in_doubt_since_s_; }
   double nis(Eigen::Index sensor) const { return nis_[sensor]; }
   double largest_nis() const { return nis_.size() > 0 ? nis_.maxCoeff() : 0.0; }
   /// Mean over all sensors and an hour.
@@ -62,7 +60,6 @@ class Consistency {
   double largest_K_ = 0.0, noted_K_ = 0.0, noted_nis_ = 0.0;
   int noted_ = 0, rejected_ = 0;
   bool in_doubt_ = false;
-  double in_doubt_since_s_ = 0.0;
   long contradictions_ = 0;
 };
 

@@ -99,7 +99,7 @@ bool EstimatorCorrection::contradicted(double time_s) {
     consistency_.note(s, innovation_K, variance_K2, explained_K2, rejected,
                       std::min(made_.elapsed_s, time_s - channel.fused_s));
   }
-  return consistency_.conclude(made_.elapsed_s, time_s);
+  return consistency_.conclude(made_.elapsed_s);
 }
 
 void EstimatorCorrection::fuse(SensorRecord& record, const Eigen::Ref<const Eigen::VectorXd>& row, double innovation,
@@ -282,7 +282,7 @@ bool EstimatorCorrection::update(double time_s) {
   fused_s_ = time_s;
   made_.unknowns = filter_.mean();
   measure(time_s);
-  if (contradicted_) consistency_.contradict(time_s);
+  if (contradicted_) consistency_.contradict();
   const bool found = contradicted(time_s);
   if (found || contradicted_) {
     contradicted_ = false;

@@ -70,7 +70,7 @@ bool Isolation::explains_alone(const std::vector<HealthUpdate>& updates, int cha
   return own > others;
 }
 
-Blame Isolation::judge(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt, double time_s,
+Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt, double time_s,
                        const HealthLimits& limits) {
   count_evidence(updates, time_s, limits);
   int judged = 0, doubtful = 0, worst = -1;
@@ -85,7 +85,7 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, const ModelDoub
     most = evidence;
     worst = static_cast<int>(i);
   }
-  model_in_doubt_ = doubt.in_doubt || (doubtful >= 2 && 2 * doubtful >= judged);
+  model_in_doubt_ = estimate_in_doubt || (doubtful >= 2 && 2 * doubtful >= judged);
   if (judged < 3 || most <= limits.drift_limit || time_s < wait_until_s_) return {};
   const auto blamed = static_cast<std::size_t>(worst);
   const bool settling = time_s - restart_s_ < limits.settle_s;

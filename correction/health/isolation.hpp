@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "correction/health/limits.hpp"
-#include "correction/health/model_doubt.hpp"
 #include "correction/health/record.hpp"
 
 namespace spindle_twin::correction {
@@ -53,7 +52,7 @@ class Isolation {
 
   /// One entry per channel; `taken` only for those that are in use. After each update of the estimator, at time_s, not
   /// earlier than before. May run in the cycle.
-  Blame judge(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt, double time_s,
+  Blame judge(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt, double time_s,
               const HealthLimits& limits);
 
   /// At the last update: the estimator said so, or the evidence does. May run in the cycle.

@@ -76,14 +76,14 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
   untold_ = pair;
 }
 
-HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt) {
+HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt) {
   for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     considered_[i] = updates[i];
     considered_[i].taken = updates[i].taken && in_use_[i];
     considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
   }
-  const Blame blame = isolation_.judge(considered_, doubt, time_s_, limits_);
+  const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
   if (untold_.one >= 0) {
     const HealthVerdict told{untold_.one, untold_.other, false};
     untold_ = {};

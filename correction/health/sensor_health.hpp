@@ -36,7 +36,7 @@ class SensorHealth {
   /// After each update of the estimator, one entry per channel, at the time of the last step. Two that were found to
   /// have been exchanged by their movement since the update before are given too: what the estimator learnt from them
   /// is to be forgotten. May run in the cycle.
-  HealthVerdict note_update(const std::vector<HealthUpdate>& updates, const ModelDoubt& doubt = {});
+  HealthVerdict note_update(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt = false);
   /// The estimator began anew, from its priors or otherwise; at the time of the last step. A verdict on a pair, after
   /// which the estimator goes back in time, is such a beginning by itself. May run in the cycle.
   void note_restart();

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fem_offline/reduce/error_limit.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "rom/units.hpp"
 
@@ -44,10 +45,11 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-std::vector<rom::OutputError> worst_and_median(const Eigen::MatrixXd& errors) {
+std::vector<rom::OutputError> summaries(const Eigen::MatrixXd& errors) {
   std::vector<rom::OutputError> result;
   for (const auto& row : errors.rowwise()) {
-    result.push_back({row.maxCoeff(), median(std::vector<double>(row.begin(), row.end())), 0.0});
+    const std::vector<double> of_cases(row.begin(), row.end());
+    result.push_back({row.maxCoeff(), median(of_cases), 0.0, error_limit(of_cases)});
   }
   return result;
 }
@@ -55,6 +57,7 @@ std::vector<rom::OutputError> worst_and_median(const Eigen::MatrixXd& errors) {
 VerifyReport summarise(const Eigen::MatrixXd& errors, const AffineModel& model, const VerifyOptions& options) {
   const OutputLayout layout = output_layout(model);
   VerifyReport report;
+  report.errors = errors;
   for (const auto& column : errors.colwise()) {
     report.cases.push_back({largest_error(column.head(layout.key_points)),
                             layout.deformations > 0 ? column[layout.deformations_at()] * rom::um_per_m : 0.0,
@@ -63,6 +66,7 @@ VerifyReport summarise(const Eigen::MatrixXd& errors, const AffineModel& model, 
   rom::Certificate& certificate = report.certificate;
   certificate.seed = options.seed;
   certificate.cases = options.cases;
+  certificate.limit_rule = limit_rule(static_cast<int>(options.cases));
   const ParameterBox& box = options.drive.box;
   certificate.box = {box.contact_low, box.contact_high, box.film_low, box.film_high, box.speed_high_rpm};
   certificate.fe_unknowns = static_cast<std::uint32_t>(model.capacity_J_per_K.rows());
@@ -72,12 +76,13 @@ VerifyReport summarise(const Eigen::MatrixXd& errors, const AffineModel& model, 
     for (const Errors& item : report.cases) values.push_back(item.*member);
     certificate.worst.*member = *std::max_element(values.begin(), values.end());
     certificate.median.*member = median(values);
+    certificate.limit.*member = error_limit(values);
   }
-  certificate.key_points_K = worst_and_median(errors.topRows(layout.key_points));
-  certificate.part_means_K = worst_and_median(errors.middleRows(layout.means_at(), layout.parts));
-  certificate.part_maxima_K = worst_and_median(errors.middleRows(layout.maxima_at(), layout.parts));
-  certificate.deformations_m = worst_and_median(errors.middleRows(layout.deformations_at(), layout.deformations));
-  certificate.contact_pressures_Pa = worst_and_median(errors.middleRows(layout.pressures_at(), layout.pressures));
+  certificate.key_points_K = summaries(errors.topRows(layout.key_points));
+  certificate.part_means_K = summaries(errors.middleRows(layout.means_at(), layout.parts));
+  certificate.part_maxima_K = summaries(errors.middleRows(layout.maxima_at(), layout.parts));
+  certificate.deformations_m = summaries(errors.middleRows(layout.deformations_at(), layout.deformations));
+  certificate.contact_pressures_Pa = summaries(errors.middleRows(layout.pressures_at(), layout.pressures));
   return report;
 }
 

@@ -22,8 +22,9 @@ struct VerifyOptions {
 
 /// Errors of one network: network minus FE model, largest magnitude over the run.
 struct VerifyReport {
-  rom::Certificate certificate;               ///< worst and median over the cases; its errors of the mesh stay 0
+  rom::Certificate certificate;               ///< worst, median, limit over the cases; its errors of the mesh stay 0
   std::vector<rom::CertificateErrors> cases;  ///< in order of their index
+  Eigen::MatrixXd errors;                     ///< SI; a row per output (OutputLayout), a column per case
 };
 
 /// The FE model through `options.cases` random cases.

@@ -1,59 +1,46 @@
 #include "firmware/config/bind_limits.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "firmware/config/find_by_name.hpp"
+#include "rom/boundary_values/plausible_inputs.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
 
-constexpr double speed_reserve = 2.0;
-constexpr double most_load = 3.0;
-constexpr double coolant_within_K = 25.0;
-constexpr double ambient_within_K = 30.0;
 constexpr double coolant_K_per_s = 2.0;
 constexpr double ambient_K_per_s = 0.5;
-constexpr double flow_reserve = 5.0;
 constexpr double most_rise_K = 200.0;
 
-/// Narrower than what the plan allows so far, around `middle`.
-void keep_within(double middle, double reach, SignalPlan& plan) {
-  plan.min = std::max(plan.min, middle - reach);
-  plan.max = std::min(plan.max, middle + reach);
+/// Narrower than what the plan allows so far.
+void keep_within(const rom::Range& believed, SignalPlan& plan) {
+  plan.min = std::max(plan.min, believed.min);
+  plan.max = std::min(plan.max, believed.max);
 }
 
-void limit_surrounding(const rom::Boundaries& boundaries, rom::EnvironmentKind kind, double reach_K, double K_per_s,
-                       SignalPlan& plan) {
+void limit_surrounding(const rom::Boundaries& boundaries, const rom::PlausibleInputs& believed,
+                       rom::EnvironmentKind kind, double K_per_s, SignalPlan& plan) {
   plan.most_per_s = K_per_s;
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     if (boundaries.environments[e].kind != kind) continue;
-    keep_within(boundaries.operating.environment_K[static_cast<Eigen::Index>(e)], reach_K, plan);
+    keep_within(believed.environment_K[e], plan);
     return;
   }
 }
 
-double fastest_rpm(const rom::Network& network) {
-  const rom::Boundaries& boundaries = network.boundaries;
-  return std::max({std::abs(boundaries.operating.speed_rpm), boundaries.reference_speed_rpm,
-                   network.certificate.box.speed_high_rpm});
-}
-
 void limit_by_network(std::size_t signal, const rom::Network& network, SignalPlan& plan) {
   const rom::Boundaries& boundaries = network.boundaries;
+  const rom::PlausibleInputs believed = rom::plausible_inputs(boundaries, network.certificate.box.speed_high_rpm);
   if (signal == static_cast<std::size_t>(Signal::speed)) {
-    const double fastest = fastest_rpm(network);
-    if (fastest > 0.0) keep_within(0.0, speed_reserve * fastest, plan);
+    keep_within(believed.speed_rpm, plan);
   } else if (signal == static_cast<std::size_t>(Signal::load)) {
-    keep_within(0.0, most_load, plan);
+    keep_within(believed.load, plan);
   } else if (signal == static_cast<std::size_t>(Signal::coolant)) {
-    limit_surrounding(boundaries, rom::EnvironmentKind::coolant, coolant_within_K, coolant_K_per_s, plan);
+    limit_surrounding(boundaries, believed, rom::EnvironmentKind::coolant, coolant_K_per_s, plan);
   } else if (signal == static_cast<std::size_t>(Signal::ambient)) {
-    limit_surrounding(boundaries, rom::EnvironmentKind::ambient, ambient_within_K, ambient_K_per_s, plan);
+    limit_surrounding(boundaries, believed, rom::EnvironmentKind::ambient, ambient_K_per_s, plan);
   } else if (signal >= first_flow_signal && signal < first_heat_signal) {
-    const auto circuit = static_cast<Eigen::Index>(signal - first_flow_signal);
-    const double flow_kg_per_s = std::abs(boundaries.operating.flow_kg_per_s[circuit]);
-    if (flow_kg_per_s > 0.0) keep_within(0.0, flow_reserve * flow_kg_per_s, plan);
+    keep_within(believed.flow_kg_per_s[signal - first_flow_signal], plan);
   }
 }
 

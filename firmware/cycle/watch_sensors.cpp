@@ -243,8 +243,8 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
                                                               misfit.misfit_K,
                                                               misfit.deviation_K};
   }
-  const correction::HealthVerdict verdict = watch.health->note_update(
-      watch.samples.updates, {estimator.consistency().in_doubt(), estimator.consistency().in_doubt_since_s()});
+  const correction::HealthVerdict verdict =
+      watch.health->note_update(watch.samples.updates, estimator.consistency().in_doubt());
   estimator.set_alternatives(watch.others->alternatives(estimator));
   if (verdict.loosen) estimator.note_contradiction();
   if (verdict.failed < 0) return;

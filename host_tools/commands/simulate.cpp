@@ -6,6 +6,7 @@
 
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "host_tools/commands/plausibility.hpp"
 #include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
@@ -27,6 +28,7 @@ struct SimulateOptions {
   std::string output;
   double period_s = 1.0;
   double every_s = 10.0;
+  Plausibility plausibility;
 };
 
 void add_name(std::string& header, const std::string& name, const char* suffix) {
@@ -77,6 +79,8 @@ void simulate(const SimulateOptions& options) {
   const rom::Network network = rom::read_network(options.network);
   const rom::Boundaries& boundaries = network.boundaries;
   const rom::Schedule schedule = rom::read_schedule(options.schedule, boundaries);
+  Plausibility plausibility = options.plausibility;
+  plausibility.note_schedule(options.schedule, schedule, boundaries, network.certificate.box.speed_high_rpm);
   const rom::CorrectionFactors factors = rom::no_correction(boundaries);
   rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   rom::NetworkOutputs outputs = rom::make_network_outputs(network);
@@ -94,6 +98,7 @@ void simulate(const SimulateOptions& options) {
   std::string table = header(network);
   const auto add_row_at = [&](double time_s) {
     const Eigen::VectorXd& nodes_K = stepper->temperatures_K();
+    plausibility.note({options.network, 0}, rom::implausible_temperatures(nodes_K.minCoeff(), nodes_K.maxCoeff()));
     rom::evaluate_outputs(network, nodes_K, outputs);
     channels.laws().at_temperatures(nodes_K, values);
     add_row(table, time_s, outputs, values.heat_W, rom::coolant_outlets(channels, values, nodes_K));
@@ -128,6 +133,7 @@ void add_simulate(CLI::App& app) {
   const auto options = std::make_shared<SimulateOptions>();
   const CLI::Validator positive = finite_range(1e-3, 1e6, "1e-3 to 1e6 s");
   command->add_option("network", options->network, "network file, .rom")->required();
+  options->plausibility.add_to(*command);
   command
       ->add_option("--schedule", options->schedule,
                    "CSV: time_s,speed_rpm,load <environment>_degC and <circuit>_kg_per_s columns")

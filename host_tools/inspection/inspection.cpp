@@ -1,5 +1,7 @@
 #include "host_tools/inspection/inspection.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <memory>
@@ -61,6 +63,12 @@ const char* kind_name(rom::EnvironmentKind kind) {
   return kind == rom::EnvironmentKind::coolant ? "coolant" : "ambient";
 }
 
+std::string limit_text(const rom::CertificateLimit& rule) {
+  return fmt::format("with {:g} % confidence at most {:g} % of all cases from this box exceed it ({})",
+                     100.0 * rule.confidence, 100.0 * (1.0 - rule.content),
+                     rule.fitted ? "a log-normal law fitted to the cases" : "whatever their distribution");
+}
+
 std::vector<CertifiedOutput> certified_outputs(const rom::Network& network) {
   const rom::Certificate& certificate = network.certificate;
   std::vector<CertifiedOutput> outputs;
@@ -68,8 +76,10 @@ std::vector<CertifiedOutput> certified_outputs(const rom::Network& network) {
                        const char* unit, double per_SI) {
     for (std::size_t i = 0; i < errors.size(); ++i) {
       const rom::OutputError& error = errors[i];
-      outputs.push_back(
-          {kind, items[i].name, unit, {per_SI * error.worst, per_SI * error.median, per_SI * error.mesh}});
+      outputs.push_back({kind,
+                         items[i].name,
+                         unit,
+                         {per_SI * error.worst, per_SI * error.median, per_SI * error.mesh, per_SI * error.limit}});
     }
   };
   add("key point", network.key_points, certificate.key_points_K, "K", 1.0);

@@ -49,6 +49,9 @@ struct CertifiedOutput {
   rom::OutputError error;
 };
 
+/// What the limits of a certificate promise, in words.
+std::string limit_text(const rom::CertificateLimit& rule);
+
 /// Every output that the certificate has an error for.
 std::vector<CertifiedOutput> certified_outputs(const rom::Network& network);
 

@@ -1,16 +1,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host_tools/inspection/certificate_json.hpp"
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/inspection/law_facts.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
-
-nlohmann::json errors_json(const rom::CertificateErrors& errors) {
-  return {{"key_points_K", errors.key_points_K}, {"nose_um", errors.nose_um}, {"part_max_K", errors.part_max_K}};
-}
 
 nlohmann::json boundaries_json(const Inspection& result) {
   const rom::Boundaries& boundaries = result.network.boundaries;
@@ -86,32 +83,6 @@ void add_coolant(const Inspection& result, nlohmann::json& json) {
         {"outlet_degC", result.coolant.outlet_K[index] - rom::zero_degC_K},
         {"heat_W", result.coolant.heat_W[index]}};
   }
-}
-
-nlohmann::json certificate_json(const rom::Network& network) {
-  const rom::Certificate& certificate = network.certificate;
-  nlohmann::json json{{"cases", certificate.cases},
-                      {"seed", certificate.seed},
-                      {"worst", errors_json(certificate.worst)},
-                      {"median", errors_json(certificate.median)}};
-  const rom::CertificateBox& box = certificate.box;
-  json["box"] = {{"contact_low", box.contact_low},
-                 {"contact_high", box.contact_high},
-                 {"film_low", box.film_low},
-                 {"film_high", box.film_high},
-                 {"speed_high_rpm", box.speed_high_rpm}};
-  json["mesh_size_m"] = certificate.mesh_size_m;
-  json["fe_unknowns"] = certificate.fe_unknowns;
-  json["outputs"] = nlohmann::json::array();
-  for (const CertifiedOutput& output : certified_outputs(network)) {
-    json["outputs"].push_back({{"kind", output.kind},
-                               {"name", output.name},
-                               {"unit", output.unit},
-                               {"worst", output.error.worst},
-                               {"median", output.error.median},
-                               {"mesh", output.error.mesh}});
-  }
-  return json;
 }
 
 }  // namespace

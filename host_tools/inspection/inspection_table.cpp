@@ -94,12 +94,21 @@ void print_certificate(const rom::Network& network) {
               certificate.worst.part_max_K);
   std::printf("%-10s %14.4f %10.4f %16.4f\n", "median", certificate.median.key_points_K, certificate.median.nose_um,
               certificate.median.part_max_K);
+  const bool limits = certificate.limit_rule.content > 0.0;
+  if (limits) {
+    std::printf("%-10s %14.4f %10.4f %16.4f\n", "limit", certificate.limit.key_points_K, certificate.limit.nose_um,
+                certificate.limit.part_max_K);
+    std::printf("limit: %s\n", limit_text(certificate.limit_rule).c_str());
+  }
   const std::vector<CertifiedOutput> outputs = certified_outputs(network);
   if (outputs.empty()) return;
-  std::printf("\n%-17s %-32s %-4s %10s %10s %10s\n", "error of", "", "unit", "worst", "median", "mesh");
+  std::printf("\n%-17s %-32s %-4s %10s %10s %10s%s\n", "error of", "", "unit", "worst", "median", "mesh",
+              limits ? "      limit" : "");
   for (const CertifiedOutput& output : outputs) {
-    std::printf("%-17s %-32s %-4s %10.4f %10.4f %10.4f\n", output.kind.c_str(), output.name.c_str(),
-                output.unit.c_str(), output.error.worst, output.error.median, output.error.mesh);
+    std::printf("%-17s %-32s %-4s %10.4f %10.4f %10.4f", output.kind.c_str(), output.name.c_str(), output.unit.c_str(),
+                output.error.worst, output.error.median, output.error.mesh);
+    if (limits) std::printf(" %10.4f", output.error.limit);
+    std::printf("\n");
   }
 }
 
@@ -114,6 +123,11 @@ void print_nodes(const rom::Network& network) {
     } else {
       std::printf("%9.2f %9.2f %14.2f\n", 1e3 * node.r_m, 1e3 * node.z_m, row_J_per_K);
     }
+  }
+  if ((network.capacity_J_per_K.rowwise().sum().array() < 0.0).any()) {
+    std::printf(
+        "row of C: heat that a node takes up when all nodes warm by 1 K. A single one may be below zero, since\n"
+        "nodes are points of shared shapes; those of a part add up to the part's own capacity.\n");
   }
 }
 

@@ -181,11 +181,18 @@ void add_certificate(const rom::Network& network, Facts& facts) {
   facts.add("median_key_points_K", certificate.median.key_points_K);
   facts.add("median_nose_um", certificate.median.nose_um);
   facts.add("median_part_max_K", certificate.median.part_max_K);
+  facts.add("limit_key_points_K", certificate.limit.key_points_K);
+  facts.add("limit_nose_um", certificate.limit.nose_um);
+  facts.add("limit_part_max_K", certificate.limit.part_max_K);
+  facts.add("limit_content", certificate.limit_rule.content);
+  facts.add("limit_confidence", certificate.limit_rule.confidence);
+  facts.add("limit_fitted", certificate.limit_rule.fitted ? 1.0 : 0.0);
   for (const CertifiedOutput& output : certified_outputs(network)) {
     facts.start("certificate", output.kind + " " + output.name);
     facts.add("worst_" + output.unit, output.error.worst);
     facts.add("median_" + output.unit, output.error.median);
     facts.add("mesh_" + output.unit, output.error.mesh);
+    facts.add("limit_" + output.unit, output.error.limit);
   }
 }
 

@@ -49,12 +49,14 @@ Json modes_json(const SteadyState& steady) {
 Json certificate_json(const rom::Network& network) {
   const rom::Certificate& certificate = network.certificate;
   Json json{{"cases", certificate.cases}, {"seed", certificate.seed}, {"outputs", Json::array()}};
+  if (certificate.limit_rule.content > 0.0) json["limit"] = limit_text(certificate.limit_rule);
   const auto add = [&](const std::string& name, const char* unit, const rom::OutputError& error, double scale) {
     json["outputs"].push_back({{"name", name},
                                {"unit", unit},
                                {"worst", scale * error.worst},
                                {"median", scale * error.median},
-                               {"mesh", scale * error.mesh}});
+                               {"mesh", scale * error.mesh},
+                               {"limit", scale * error.limit}});
   };
   const auto each = [&](const auto& items, const auto& errors, const char* suffix, const char* unit, double scale) {
     if (errors.size() != items.size()) return;

@@ -109,17 +109,19 @@ function showCertificate() {
   const { cases, seed, outputs } = data.certificate;
   byId("certificate-text").textContent = cases === 0 ? "No certificate: this network was not compared with an FE model." :
     `Certificate: largest difference over ${cases} random cases that the network was not built from, seed ${seed}. ` +
-    "Bars: worst case, and darker the median.";
+    "Bars: worst case, and darker the median." + (data.certificate.limit ? ` Limit: ${data.certificate.limit}.` : "");
   if (cases === 0) return;
   const shown = outputs.slice(0, 40);
   const meshed = shown.some(o => o.mesh > 0);
+  const limited = shown.some(o => o.limit > 0);
   const largest = {};
   for (const o of shown) largest[o.unit] = Math.max(largest[o.unit] || 0, o.worst);
   const table = byId("certificate");
-  addRow(table, ["output", "worst", "median", ...(meshed ? ["mesh"] : []), { bar: 0 }], "th");
+  addRow(table, ["output", "worst", "median", ...(limited ? ["limit"] : []), ...(meshed ? ["mesh"] : []), { bar: 0 }], "th");
   for (const o of shown) {
     const share = value => value / (largest[o.unit] || 1);
-    addRow(table, [o.name, `${fixed(o.worst, 4)} ${o.unit}`, fixed(o.median, 4), ...(meshed ? [fixed(o.mesh, 4)] : []),
+    addRow(table, [o.name, `${fixed(o.worst, 4)} ${o.unit}`, fixed(o.median, 4),
+      ...(limited ? [fixed(o.limit, 4)] : []), ...(meshed ? [fixed(o.mesh, 4)] : []),
       { bar: share(o.worst), within: share(o.median) }]);
   }
 }

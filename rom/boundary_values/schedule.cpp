@@ -74,7 +74,7 @@ std::vector<Column> read_header(const std::vector<std::string>& header, const st
 ScheduleRow read_row(const CsvTable& table, std::size_t index, const std::vector<Column>& columns,
                      const OperatingState& standard) {
   const SourceLine where = table.where(index);
-  ScheduleRow row{0.0, standard};
+  ScheduleRow row{0.0, standard, where.line};
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const Column& column = columns[c];
     const double value = table.columns[c][index];
@@ -130,7 +130,7 @@ void state_at(const Schedule& schedule, double time_s, OperatingState& state) {
 
 Schedule constant_schedule(const Boundaries& boundaries, double duration_s) {
   Schedule schedule;
-  schedule.rows = {{0.0, boundaries.operating}, {duration_s, boundaries.operating}};
+  schedule.rows = {{0.0, boundaries.operating, 0}, {duration_s, boundaries.operating, 0}};
   schedule.end_s = duration_s;
   return schedule;
 }

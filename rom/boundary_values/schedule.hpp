@@ -11,6 +11,7 @@ namespace spindle_twin::rom {
 struct ScheduleRow {
   double time_s = 0.0;
   OperatingState state;
+  int line = 0;  ///< of the file, where it comes from one
 };
 
 /// A drive cycle. Speed, load, current, power, measured heats and coolant flows hold until the next row; environment

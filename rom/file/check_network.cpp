@@ -276,11 +276,14 @@ void check_outputs(const Network& network, Eigen::Index nodes, const Checker& ch
 
 void check_certificate(const Network& network, const Checker& check) {
   const Certificate& certificate = network.certificate;
-  for (const CertificateErrors& errors : {certificate.worst, certificate.median}) {
+  for (const CertificateErrors& errors : {certificate.worst, certificate.median, certificate.limit}) {
     check.not_negative(errors.key_points_K, "certificate key_points_K");
     check.not_negative(errors.nose_um, "certificate nose_um");
     check.not_negative(errors.part_max_K, "certificate part_max_K");
   }
+  const CertificateLimit& rule = certificate.limit_rule;
+  check.require(rule.content >= 0.0 && rule.content < 1.0 && rule.confidence >= 0.0 && rule.confidence < 1.0,
+                "certificate limit", "has a content or a confidence that is no share below 1");
   const CertificateBox& box = certificate.box;
   for (const double edge : {box.contact_low, box.contact_high, box.film_low, box.film_high, box.speed_high_rpm}) {
     check.not_negative(edge, "certificate box");
@@ -292,10 +295,12 @@ void check_certificate(const Network& network, const Checker& check) {
     check.require(errors.empty() || errors.size() == outputs, "certificate " + field,
                   "has " + std::to_string(errors.size()) + " errors for " + std::to_string(outputs) + " outputs");
     for (const OutputError& error : errors) {
-      for (const double value : {error.worst, error.median, error.mesh}) {
+      for (const double value : {error.worst, error.median, error.mesh, error.limit}) {
         check.not_negative(value, "certificate " + field);
       }
       check.require(error.median <= error.worst, "certificate " + field, "has a median above the worst");
+      check.require(rule.content > 0.0 || error.limit == 0.0, "certificate " + field,
+                    "has a limit without saying which share of the cases keeps it");
     }
   };
   per_output(certificate.key_points_K, network.key_points.size(), "of the key points");

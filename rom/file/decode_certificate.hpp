@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <string>
 
 #include "rom/file/rom.pb.h"
@@ -8,7 +9,7 @@
 
 namespace spindle_twin::rom {
 
-/// Worst, median and mesh error of one output after the other, as they stand in the file.
+/// Worst, median, mesh error and limit of one output after the other, as they stand in the file.
 struct FlatErrors {
   Eigen::VectorXd key_points_K, part_means_K, part_maxima_K, deformations_m, contact_pressures_Pa;
 
@@ -22,8 +23,8 @@ struct FlatErrors {
 /// Lets nanopb fill `errors`, which must live until the message is decoded.
 void attach_certificate(spindle_twin_rom_Certificate& message, FlatErrors& errors);
 
-/// Throws InputError for a list that is not made of threes.
+/// Throws InputError for a list that is not made of fours, of threes in files of before `schema_version` knew limits.
 Certificate decode_certificate(const spindle_twin_rom_Certificate& message, const FlatErrors& errors,
-                               const std::string& file);
+                               std::uint32_t schema_version, const std::string& file);
 
 }  // namespace spindle_twin::rom

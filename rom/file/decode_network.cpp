@@ -303,9 +303,14 @@ void check_version(const spindle_twin_rom_Network& message, const Lists& lists, 
   }
   const bool measured = std::any_of(lists.sources.begin(), lists.sources.end(),
                                     [](const SourceWithDistribution& item) { return item.source.measured; });
-  if (version < payload_schema_version && measured) {
+  if (version < payload_schema_version_measured && measured) {
     throw InputError({file, 0}, "schema_version",
                      std::to_string(version) + " with measured heats, which come with version 5");
+  }
+  if (version < payload_schema_version_limits &&
+      (message.certificate.has_limit || message.certificate.limit_content != 0.0)) {
+    throw InputError({file, 0}, "schema_version",
+                     std::to_string(version) + " with limits of the errors, which come with version 6");
   }
 }
 
@@ -351,7 +356,7 @@ DecodedPayload decode_payload(std::span<const std::uint8_t> payload, const std::
   network.boundaries.operating.heat_W = unread_heats_W(network.boundaries);
   network.boundaries.reference_temperature_K = message.reference_temperature_K;
   network.hand_written = message.hand_written;
-  network.certificate = decode_certificate(message.certificate, errors, file);
+  network.certificate = decode_certificate(message.certificate, errors, message.schema_version, file);
   return {std::move(network), message.schema_version};
 }
 

@@ -244,11 +244,12 @@ spindle_twin_rom_CertificateErrors errors_message(const CertificateErrors& error
   return {errors.key_points_K, errors.nose_um, errors.part_max_K};
 }
 
-/// Worst, median, mesh of one output after the other.
+/// Worst, median, mesh, limit of one output after the other.
 Eigen::VectorXd flat(const std::vector<OutputError>& errors) {
-  Eigen::VectorXd numbers(3 * static_cast<Eigen::Index>(errors.size()));
+  Eigen::VectorXd numbers(4 * static_cast<Eigen::Index>(errors.size()));
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    numbers.segment<3>(3 * static_cast<Eigen::Index>(i)) << errors[i].worst, errors[i].median, errors[i].mesh;
+    const OutputError& error = errors[i];
+    numbers.segment<4>(4 * static_cast<Eigen::Index>(i)) << error.worst, error.median, error.mesh, error.limit;
   }
   return numbers;
 }
@@ -266,6 +267,11 @@ spindle_twin_rom_Certificate certificate_message(const Certificate& certificate,
   message.worst = errors_message(certificate.worst);
   message.has_median = true;
   message.median = errors_message(certificate.median);
+  message.has_limit = true;
+  message.limit = errors_message(certificate.limit);
+  message.limit_content = certificate.limit_rule.content;
+  message.limit_confidence = certificate.limit_rule.confidence;
+  message.limit_fitted = certificate.limit_rule.fitted;
   message.has_box = true;
   message.box = {certificate.box.contact_low, certificate.box.contact_high, certificate.box.film_low,
                  certificate.box.film_high, certificate.box.speed_high_rpm};

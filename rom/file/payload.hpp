@@ -12,9 +12,11 @@
 namespace spindle_twin::rom {
 
 /// What is written, and the oldest that is read. 2 brought coolant circuits, 3 certificates per output and the
-/// hand_written mark, 4 physical laws, 5 measured heats; a file of an older version that has what its version did not
-/// know is refused.
-inline constexpr std::uint32_t payload_schema_version = 5;
+/// hand_written mark, 4 physical laws, 5 measured heats, 6 limits of the errors; a file of an older version that has
+/// what its version did not know is refused.
+inline constexpr std::uint32_t payload_schema_version = 6;
+inline constexpr std::uint32_t payload_schema_version_limits = 6;
+inline constexpr std::uint32_t payload_schema_version_measured = 5;
 inline constexpr std::uint32_t payload_schema_version_laws = 4;
 inline constexpr std::uint32_t payload_schema_version_outputs = 3;
 inline constexpr std::uint32_t payload_schema_version_circuits = 2;

@@ -1,7 +1,11 @@
 #include "rom/file/rom_file.hpp"
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
 #include <span>
+#include <system_error>
 
 #include "rom/file/file_header.hpp"
 #include "rom/file/payload.hpp"
@@ -92,6 +96,15 @@ void write_network(const Network& network, const std::string& path) {
 
 RomFile read_rom_file(const std::string& path) {
   return decode_rom_file(read_whole_file(path, rom_largest_file_bytes), path);
+}
+
+bool is_rom_file(const std::string& path) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) return false;
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, header::magic.size()> begin{};
+  file.read(begin.data(), begin.size());
+  return file.gcount() == begin.size() && std::equal(begin.begin(), begin.end(), header::magic.begin());
 }
 
 Network read_network(const std::string& path) { return read_rom_file(path).network; }

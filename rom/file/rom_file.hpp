@@ -41,6 +41,9 @@ void write_network(const Network& network, const std::string& path);
 RomFile read_rom_file(const std::string& path);
 Network read_network(const std::string& path);
 
+/// Whether a file begins as a network file does; false where it cannot be read.
+bool is_rom_file(const std::string& path);
+
 /// The file's bytes, unchecked.
 std::vector<std::uint8_t> encode_network(const Network& network);
 

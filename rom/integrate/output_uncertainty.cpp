@@ -24,7 +24,9 @@ Eigen::VectorXd deviations(const std::vector<OutputError>& errors, std::size_t o
 
 }  // namespace
 
-double certificate_deviation(const OutputError& error) { return std::hypot(0.5 * error.worst, error.mesh); }
+double certificate_deviation(const OutputError& error) {
+  return std::hypot(0.5 * (error.limit > 0.0 ? error.limit : error.worst), error.mesh);
+}
 
 OutputUncertainty output_uncertainty(const Network& network) {
   const Certificate& certificate = network.certificate;

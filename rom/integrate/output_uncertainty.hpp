@@ -6,9 +6,10 @@
 
 namespace spindle_twin::rom {
 
-/// 1σ of what the certificate says of one output: σ² = (worst/2)² + mesh². The worst error over the cases and all of
-/// their instants counts as 2σ: what a published band of ±2σ has to cover. The mesh error is the same in every case, so
-/// it counts in full. Independent of heats, contacts and sensors, whose variances add.
+/// 1σ of what the certificate says of one output: σ² = (limit/2)² + mesh². The limit of the largest error of a case
+/// counts as 2σ: what a published band of ±2σ has to cover; in files of before there was one the worst of the cases
+/// that were run stands for it. The mesh error is the same in every case, so it counts in full. Independent of heats,
+/// contacts and sensors, whose variances add.
 double certificate_deviation(const OutputError& error);
 
 /// Standard deviations that the network itself adds to each of its outputs, in the order of NetworkOutputs. Not a

@@ -144,7 +144,7 @@ TEST(ByHandMotor, a_network_without_deformations_keeps_its_mark_and_its_measured
   const Network network = read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/two_node.toml");
   EXPECT_TRUE(network.deformations.empty());
   const RomFile file = decode_rom_file(encode_network(network), "x.rom");
-  EXPECT_EQ(file.schema_version, 5u);
+  EXPECT_EQ(file.schema_version, 6u);
   EXPECT_EQ(encode_network(file.network), encode_network(network));
   ASSERT_EQ(file.network.boundaries.sources.size(), 1u);
   EXPECT_TRUE(file.network.boundaries.sources[0].measured);

@@ -28,8 +28,23 @@ Network certified() {
   return network;
 }
 
+/// The same with a limit for each output, all of them different.
+Network limited() {
+  Network network = certified();
+  Certificate& certificate = network.certificate;
+  certificate.limit = {0.05, 0.04, 0.3};
+  certificate.limit_rule = {0.95, 0.9, true};
+  double next = 3e-8;
+  for (std::vector<OutputError>* errors :
+       {&certificate.key_points_K, &certificate.part_means_K, &certificate.part_maxima_K, &certificate.deformations_m,
+        &certificate.contact_pressures_Pa}) {
+    for (OutputError& error : *errors) error.limit = next *= 1.5;
+  }
+  return network;
+}
+
 TEST(Certificate, every_number_survives_the_file) {
-  const Network network = certified();
+  const Network network = limited();
   const Certificate& was = network.certificate;
   const Certificate is = decode_network(encode_network(network), "x.rom").certificate;
   EXPECT_EQ(is.seed, was.seed);
@@ -41,12 +56,19 @@ TEST(Certificate, every_number_survives_the_file) {
   EXPECT_EQ(is.box.speed_high_rpm, 24000.0);
   EXPECT_EQ(is.mesh_size_m, 0.003);
   EXPECT_EQ(is.fe_unknowns, 43210u);
+  EXPECT_EQ(is.limit.key_points_K, 0.05);
+  EXPECT_EQ(is.limit.nose_um, 0.04);
+  EXPECT_EQ(is.limit.part_max_K, 0.3);
+  EXPECT_EQ(is.limit_rule.content, 0.95);
+  EXPECT_EQ(is.limit_rule.confidence, 0.9);
+  EXPECT_TRUE(is.limit_rule.fitted);
   const auto same = [](const std::vector<OutputError>& a, const std::vector<OutputError>& b) {
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
       EXPECT_EQ(a[i].worst, b[i].worst);
       EXPECT_EQ(a[i].median, b[i].median);
       EXPECT_EQ(a[i].mesh, b[i].mesh);
+      EXPECT_EQ(a[i].limit, b[i].limit);
     }
   };
   same(is.key_points_K, was.key_points_K);
@@ -56,7 +78,14 @@ TEST(Certificate, every_number_survives_the_file) {
   same(is.contact_pressures_Pa, was.contact_pressures_Pa);
 }
 
-TEST(Certificate, worst_is_two_sigma_and_the_mesh_one) {
+TEST(Certificate, the_limit_is_two_sigma_and_the_mesh_one) {
+  EXPECT_DOUBLE_EQ(certificate_deviation({1.0, 0.5, 0.3, 1.6}), std::hypot(0.8, 0.3));
+  const Network network = limited();
+  const double limit_m = network.certificate.deformations_m[0].limit;
+  EXPECT_DOUBLE_EQ(output_uncertainty(network).deformations_m[0], std::hypot(0.5 * limit_m, 5e-9));
+}
+
+TEST(Certificate, without_a_limit_the_worst_is_two_sigma) {
   const OutputUncertainty sigma = output_uncertainty(certified());
   EXPECT_DOUBLE_EQ(sigma.key_points_K[1], std::hypot(0.01, 0.004));
   EXPECT_DOUBLE_EQ(sigma.part_means_K[1], std::hypot(0.01, 0.001));
@@ -93,6 +122,12 @@ TEST(Certificate, what_cannot_be_is_refused) {
       {"certificate box: has a lower edge above the upper one", [](Network& n) { n.certificate.box.film_low = 6.0; }},
       {"certificate box: must be finite and not negative", [&](Network& n) { n.certificate.box.speed_high_rpm = nan; }},
       {"certificate mesh_size_m: must be finite", [](Network& n) { n.certificate.mesh_size_m = -1.0; }},
+      {"certificate of the deformations: must be finite and not negative",
+       [&](Network& n) { n.certificate.deformations_m[0].limit = nan; }},
+      {"certificate of the key points: has a limit without saying which share of the cases keeps it",
+       [](Network& n) { n.certificate.key_points_K[0].limit = 0.1; }},
+      {"certificate limit: has a content or a confidence that is no share below 1",
+       [](Network& n) { n.certificate.limit_rule.content = 1.0; }},
       {"certificate: of a hand-written network", [](Network& n) { n.hand_written = true; }},
   };
   for (const auto& [message, change] : cases) {

@@ -220,7 +220,7 @@ TEST(Coolant, file_keeps_circuits_and_their_absence) {
   const Network plain = make_synthetic_network({3, 2, 2, true}, 3);
   EXPECT_TRUE(decode_network(encode_network(plain), "test.rom").boundaries.circuits.empty());
   // Field 1, schema_version, right behind the header of 52 bytes.
-  EXPECT_EQ(encode_network(network)[53], 5);
+  EXPECT_EQ(encode_network(network)[53], 6);
 }
 
 TEST(Coolant, file_with_a_broken_circuit_is_refused) {

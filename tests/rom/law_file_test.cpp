@@ -20,7 +20,7 @@ TEST(LawFile, every_law_survives_the_file_bit_for_bit) {
   const Network network = make_network_with_laws();
   const std::vector<std::uint8_t> bytes = encode_network(network);
   const RomFile file = decode_rom_file(bytes, "laws.rom");
-  EXPECT_EQ(file.schema_version, 5u);
+  EXPECT_EQ(file.schema_version, 6u);
   EXPECT_EQ(encode_network(file.network), bytes);
   const auto same = [](const std::optional<BoundLaw>& a, const std::optional<BoundLaw>& b, const std::string& name) {
     ASSERT_EQ(a.has_value(), b.has_value()) << name;

@@ -97,6 +97,21 @@ TEST(OldFiles, version_4_by_hand_keeps_its_laws_and_measures_no_heat) {
   EXPECT_EQ(read_rom_file(old_files + "schema_4.rom").network.certificate.cases, 2u);
 }
 
+TEST(OldFiles, version_5_has_no_limits_and_the_worst_case_stands_for_them) {
+  const RomFile file = read_rom_file(old_files + "schema_5.rom");
+  EXPECT_EQ(file.schema_version, 5u);
+  const Certificate& certificate = file.network.certificate;
+  EXPECT_EQ(certificate.cases, 2u);
+  EXPECT_EQ(certificate.limit_rule.content, 0.0);
+  ASSERT_EQ(certificate.deformations_m.size(), file.network.deformations.size());
+  const OutputError& nose = certificate.deformations_m.front();
+  EXPECT_GT(nose.worst, 0.0);
+  EXPECT_EQ(nose.limit, 0.0);
+  EXPECT_EQ(output_uncertainty(file.network).deformations_m[0], std::hypot(0.5 * nose.worst, nose.mesh));
+  const Network now = read_by_hand(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle_laws.toml");
+  EXPECT_EQ(encode_network(read_rom_file(old_files + "schema_5_hand.rom").network), encode_network(now));
+}
+
 /// Bit for bit what the program of that time was given, which this one still holds in its sources.
 TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
   const RomFile file = read_rom_file(old_files + "schema_1_uncertified.rom");
@@ -110,12 +125,13 @@ TEST(OldFiles, version_1_without_a_certificate_is_read_bit_for_bit) {
 
 /// Reading and writing again makes a file of today's version with the same content.
 TEST(OldFiles, written_again_they_are_of_this_version) {
-  for (const char* name : {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom", "schema_3.rom",
-                           "schema_3_hand.rom", "schema_4.rom", "schema_4_hand.rom"}) {
+  for (const char* name :
+       {"schema_1.rom", "schema_2.rom", "schema_1_uncertified.rom", "schema_3.rom", "schema_3_hand.rom", "schema_4.rom",
+        "schema_4_hand.rom", "schema_5.rom", "schema_5_hand.rom"}) {
     SCOPED_TRACE(name);
     const std::vector<std::uint8_t> once = encode_network(read_network(old_files + name));
     const RomFile again = decode_rom_file(once, "again.rom");
-    EXPECT_EQ(again.schema_version, 5u);
+    EXPECT_EQ(again.schema_version, 6u);
     EXPECT_EQ(encode_network(again.network), once);
   }
 }

@@ -147,7 +147,7 @@ TEST(RomFile, unknown_schema_version_is_refused) {
   ASSERT_EQ(bytes[header_size], 0x08) << "schema_version is the first field";
   bytes[header_size + 1] = 9;
   renew_hash(bytes);
-  expect_refused(decode_refusal(bytes), "schema_version: 9 is unknown; this program reads 1 to 5");
+  expect_refused(decode_refusal(bytes), "schema_version: 9 is unknown; this program reads 1 to 6");
 }
 
 TEST(RomFile, a_payload_behind_a_valid_hash_cannot_crash_the_reader) {

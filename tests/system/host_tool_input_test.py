@@ -3,11 +3,12 @@
 host_tool_input_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest options]
 """
 import csv
+import pathlib
 import re
 import socket
 import unittest
 
-from host_tool_case import REFERENCE, SMALL, Case
+from host_tool_case import REFERENCE, SMALL, SPINDLES, Case
 from ports import free_port
 
 COMMANDS = ["solve", "build", "verify", "inspect", "simulate", "registers", "plant", "report"]
@@ -54,6 +55,44 @@ class Usage(Case):
             with self.subTest(str(arguments)):
                 self.assertRegex(self.error_of(*arguments), r"; see spindle-twin( [a-z]+)? --help$")
         self.assertRegex(self.error_of("paint"), r"no command paint, allowed are .*build, .*solve|solve, .*build")
+
+
+class Implausible(Case):
+    """What is no mistake of form but likely one of units: a warning, with --strict an error."""
+
+    def test_a_schedule_in_percent_and_kelvin_is_warned_of_with_line_and_field(self):
+        schedule = self.text("percent.csv", "time_s,speed_rpm,load,coolant_degC\n0,6000,0.5,27\n60,6000,70,295\n120,6000,70,295\n")
+        said = self.good("solve", REFERENCE, "--schedule", schedule, "--output-period", 120).stderr
+        warned = [line for line in said.splitlines() if line.startswith("warning: ")]
+        self.assertIn(f"{schedule}:3: load: 70 is not plausible; believed is -3 to 3", warned[0])
+        self.assertIn(f"{schedule}:3: coolant_degC: 295 is not plausible; believed is 2 to 52", warned[1])
+        self.assertIn("hottest temperature", warned[2])
+        self.assertEqual(len(warned), 3, said)  # once each, not once a row
+        refused = self.error_of("solve", REFERENCE, "--schedule", schedule, "--strict")
+        self.assertIn(f"{schedule}:3: load: 70 is not plausible", refused)
+
+    def test_a_description_in_other_units_is_warned_of(self):
+        text = REFERENCE.read_text()
+        hot = self.text("kilowatts.toml", re.sub(r"(density_W_per_m3) = (\S+)", lambda found: f"{found[1]} = {1e3 * float(found[2]):g}", text))
+        said = self.good("solve", hot).stderr
+        self.assertRegex(said, r"warning: .*kilowatts.toml: source: \d+ W in all are not plausible")
+        self.assertIn("hottest temperature", said)
+        self.assertIn("source: ", self.error_of("build", hot, "-o", self.folder / "x.rom", "--strict"))
+
+    def test_the_shipped_spindles_are_believed(self):
+        for path in sorted(pathlib.Path(SPINDLES).glob("*.toml")):
+            with self.subTest(path.name):
+                self.assertEqual(self.good("solve", path, "--strict").stderr, "")
+
+
+class WrongKindOfFile(Case):
+    def test_a_network_where_a_description_is_wanted_is_called_what_it_is(self):
+        by_hand = pathlib.Path(SPINDLES).parents[1] / "rom" / "by_hand" / "two_node.toml"
+        rom = self.folder / "two_node.rom"
+        self.good("assemble", by_hand, "-o", rom)
+        for command in (["solve"], ["build", "-o", self.folder / "x.rom"], ["verify", rom]):
+            self.assertIn("is a network file", self.error_of(*command, rom))
+            self.assertIn("written by hand", self.error_of(*command, by_hand))
 
 
 class BadDescription(Case):

@@ -62,7 +62,7 @@ class NetworkFiles(host_tool_case.Case):
         self.assertTrue(seen["hand_written"])
         self.assertEqual(len(seen["nodes"]), 8)
         self.assertEqual(seen["certificate"]["cases"], 0)
-        self.assertEqual(seen["file"]["schema_version"], 5)
+        self.assertEqual(seen["file"]["schema_version"], 6)
         self.assertIsNone(seen["file"]["signed_by"])
         table = self.good("inspect", rom).stdout
         for word in ("housing_rear", "written by hand", "signature    none", "front_bearing_seats"):

@@ -19,7 +19,9 @@
 #include "host_tools/commands/offline/certificate_report.hpp"
 #include "host_tools/commands/offline/missed_tolerance.hpp"
 #include "host_tools/commands/offline/progress.hpp"
-#include "rom/by_hand/read_by_hand.hpp"
+#include "host_tools/commands/offline/read_model.hpp"
+#include "host_tools/commands/plausibility.hpp"
+#include "host_tools/inspection/certificate_json.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
@@ -36,6 +38,7 @@ struct BuildArguments {
   bool fixed_size = false;
   std::uint32_t certificate_cases = 20;
   bool json = false;
+  Plausibility plausibility;
 };
 
 struct Reduced {
@@ -55,7 +58,7 @@ void print_json(const BuildArguments& arguments, const Reduced& reduced, const f
   result["seed"] = arguments.reduce.seed;
   for (const fem_offline::StageTime& stage : report.stages) result["stages_s"][stage.stage] = stage.seconds;
   if (reduced.choice) result["tolerance"] = missed_tolerance_json(*reduced.choice);
-  result["certificate"] = to_json(network);
+  result["certificate"] = certificate_json(network);
   std::printf("%s\n", result.dump(2).c_str());
 }
 
@@ -115,18 +118,14 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
   });
 }
 
-void run(const BuildArguments& arguments) {
-  if (rom::is_by_hand(arguments.spindle_path)) {
-    throw rom::InputError({arguments.spindle_path, 0}, "node",
-                          "this is a network written by hand, for `spindle-twin assemble`");
-  }
+void run(BuildArguments& arguments) {
   rom::check_writable(arguments.output_path, "--output");
   ProgressDisplay display;
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };
 
   progress("FE model", 0.0);
   const auto started = std::chrono::steady_clock::now();
-  const fem_offline::FeModel model = fem_offline::build_fe_model(arguments.spindle_path);
+  const fem_offline::FeModel model = read_model(arguments.spindle_path, arguments.plausibility);
   const double model_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   progress("FE model", 1.0);
   if (model.affine().deformations.empty()) {
@@ -186,6 +185,7 @@ void add_build(CLI::App& app) {
   command->add_option("--threads", arguments->reduce.threads, "threads")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  arguments->plausibility.add_to(*command);
   command->add_flag("--json", arguments->json, "as JSON");
   command->callback([arguments, nodes] {
     arguments->fixed_size = nodes->count() > 0;

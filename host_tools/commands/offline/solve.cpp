@@ -15,7 +15,9 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/offline/mesh_report.hpp"
+#include "host_tools/commands/offline/read_model.hpp"
 #include "host_tools/commands/offline/solved_series.hpp"
+#include "host_tools/commands/plausibility.hpp"
 #include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
@@ -39,6 +41,7 @@ struct SolveOptions {
   bool mesh = false;
   std::string vtu_directory;
   std::string png_directory;
+  Plausibility plausibility;
 };
 
 void make_folder(const std::string& directory, const char* option) {
@@ -82,15 +85,21 @@ void print_json(const FeModel& model, const SolvedField& field, const SolvedSeri
   std::printf("%s\n", json.dump(2).c_str());
 }
 
+void note_temperatures(const Eigen::VectorXd& temperatures_K, SolveOptions& options) {
+  options.plausibility.note({options.spindle_path, 0},
+                            rom::implausible_temperatures(temperatures_K.minCoeff(), temperatures_K.maxCoeff()));
+}
+
 /// Starts at the schedule's first ambient temperature, except parts with an initial temperature of their own, and
 /// reports rises above it.
-void run_schedule(const FeModel& model, const SolveOptions& options) {
+void run_schedule(const FeModel& model, SolveOptions& options) {
   const AffineModel& affine = model.affine();
   if (affine.imposed_rises_K) {
     throw rom::InputError({options.spindle_path, 0}, "imposed_temperature",
                           "the temperatures are given, so nothing changes along a schedule");
   }
   const rom::Schedule schedule = rom::read_schedule(options.schedule_path, affine.boundaries);
+  options.plausibility.note_schedule(options.schedule_path, schedule, affine.boundaries);
   rom::BoundaryValues values = rom::make_boundary_values(affine.boundaries);
   rom::OperatingState state = affine.boundaries.operating;
   rom::state_at(schedule, 0.0, state);
@@ -107,6 +116,7 @@ void run_schedule(const FeModel& model, const SolveOptions& options) {
     const double until_s = std::min(schedule.end_s, static_cast<double>(next_output) * options.output_period_s);
     fem_offline::follow_schedule(affine.boundaries, schedule, {time_s, until_s, options.max_step_s}, stepper, values);
     time_s = until_s;
+    note_temperatures(stepper.temperatures_K(), options);
     series.add(time_s, field());
   }
   if (options.json) {
@@ -143,7 +153,7 @@ StillField still_field(const AffineModel& model, const rom::BoundaryValues& valu
           "steady state: " + printed(model.boundaries, operating)};
 }
 
-void run_field(const FeModel& model, const SolveOptions& options) {
+void run_field(const FeModel& model, SolveOptions& options) {
   const AffineModel& affine = model.affine();
   rom::BoundaryValues values = rom::make_boundary_values(affine.boundaries);
   rom::evaluate_boundaries(affine.boundaries, affine.boundaries.operating, rom::no_correction(affine.boundaries),
@@ -154,6 +164,7 @@ void run_field(const FeModel& model, const SolveOptions& options) {
     values.conductance_W_per_m2K.setZero();
   }
   SolvedField field = solved_field(affine, values, still.temperatures_K, still.datum_K);
+  if (still.is_solved) note_temperatures(still.temperatures_K, options);
   if (still.is_solved) field.heat = fem_offline::steady_heat_balance(affine, values, still.temperatures_K);
   field.stresses = model.probed_stresses(still.temperatures_K);
   if (options.json) {
@@ -193,10 +204,11 @@ void add_solve(CLI::App& app) {
   command->add_option("--vtu", options->vtu_directory, "write the (last) field as VTU into this folder");
   command->add_option("--png", options->png_directory,
                       "draw the parts with all that acts on them, and the (last) temperature rise, into this folder");
+  options->plausibility.add_to(*command);
   steady->excludes(schedule);
   uniform->excludes(steady)->excludes(schedule);
   command->callback([options] {
-    const FeModel model = fem_offline::build_fe_model(options->spindle_path);
+    const FeModel model = read_model(options->spindle_path, options->plausibility);
     // Before the solution, so that a folder that cannot be made costs no time.
     if (!options->vtu_directory.empty()) make_folder(options->vtu_directory, "--vtu");
     if (!options->png_directory.empty()) make_folder(options->png_directory, "--png");

@@ -9,12 +9,16 @@
 #include <vector>
 
 #include "fem_offline/model/build_model.hpp"
+#include "fem_offline/reduce/error_limit.hpp"
 #include "fem_offline/reduce/network_checks.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/offline/accuracy_options.hpp"
 #include "host_tools/commands/offline/certificate_report.hpp"
 #include "host_tools/commands/offline/progress.hpp"
+#include "host_tools/commands/offline/read_model.hpp"
+#include "host_tools/commands/plausibility.hpp"
+#include "host_tools/inspection/certificate_json.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -30,6 +34,7 @@ struct VerifyArguments {
   fem_offline::VerifyOptions options;
   std::string box = "whole";
   bool json = false;
+  Plausibility plausibility;
 };
 
 nlohmann::ordered_json checks_json(const fem_offline::NetworkChecks& checks) {
@@ -57,16 +62,33 @@ void print_checks(const fem_offline::NetworkChecks& checks) {
   line("heat balance of a drive cycle, share of heat put in", checks.heat_balance, fem_offline::most_heat_unbalanced);
 }
 
-void print_json(const rom::Network& network, const fem_offline::NetworkChecks& checks) {
+nlohmann::ordered_json limits_json(const fem_offline::LimitCheck& limits) {
+  nlohmann::ordered_json above = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < limits.outputs.size(); ++i) above[limits.outputs[i]] = limits.above[i];
+  return {{"cases", limits.cases}, {"share_above", limits.share()}, {"cases_above", above}};
+}
+
+void print_limits(const fem_offline::LimitCheck& limits) {
+  if (limits.outputs.empty()) return;
+  const auto most = std::max_element(limits.above.begin(), limits.above.end());
+  std::printf(
+      "  the file's limits are exceeded in %.2f %% of %d cases x %zu outputs; most often that of the %s, in %d\n",
+      100.0 * limits.share(), limits.cases, limits.outputs.size(),
+      limits.outputs[static_cast<std::size_t>(most - limits.above.begin())].c_str(), *most);
+}
+
+void print_json(const rom::Network& network, const fem_offline::LimitCheck& limits,
+                const fem_offline::NetworkChecks& checks) {
   nlohmann::ordered_json result = {{"nodes", network.nodes.size()}};
-  result.update(to_json(network));
+  result.update(certificate_json(network));
+  if (!limits.outputs.empty()) result["limits_of_file"] = limits_json(limits);
   result["checks"] = checks_json(checks);
   std::printf("%s\n", result.dump(2).c_str());
 }
 
-void run(const VerifyArguments& arguments) {
+void run(VerifyArguments& arguments) {
   const rom::Network network = rom::read_network(arguments.network_path);
-  const fem_offline::FeModel model = fem_offline::build_fe_model(arguments.spindle_path);
+  const fem_offline::FeModel model = read_model(arguments.spindle_path, arguments.plausibility);
   if (network.description_hash != model.affine().description_hash) {
     throw rom::InputError({arguments.network_path, 0}, "description_hash",
                           "was built from another description than " + arguments.spindle_path + " (" +
@@ -87,16 +109,18 @@ void run(const VerifyArguments& arguments) {
   }
   const fem_offline::NetworkChecks checks = fem_offline::check_laws(network, drives);
   display.show("checks", 1.0);
+  const fem_offline::LimitCheck limits = fem_offline::check_limits(network, report.errors);
   rom::Network measured = network;
   measured.certificate = report.certificate;
   measured.certificate.mesh_size_m = model.description().mesh.element_size_m;
   if (arguments.json) {
-    print_json(measured, checks);
+    print_json(measured, limits, checks);
   } else {
     std::printf("%zu nodes against the FE model of %u unknowns, %s box%s\n", network.nodes.size(),
                 measured.certificate.fe_unknowns, arguments.box.c_str(),
                 options.drive.drift ? ", contacts and films drifting by up to 2x per 10 min" : "");
     print_certificate(measured);
+    print_limits(limits);
     print_checks(checks);
   }
   if (!checks.passed()) throw std::runtime_error(arguments.network_path + ": the network breaks a law of its kind");
@@ -127,6 +151,7 @@ void add_verify(CLI::App& app) {
   command->add_option("--box", arguments->box, "factors on contacts and films that cases are drawn from")
       ->check(CLI::IsMember({"whole", "small"}))
       ->capture_default_str();
+  arguments->plausibility.add_to(*command);
   command->add_flag("--json", arguments->json, "as JSON");
   command->callback([arguments] { run(*arguments); });
 }

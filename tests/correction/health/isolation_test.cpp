@@ -25,7 +25,7 @@ struct Rising {
     for (HealthUpdate& update : updates) update = {true, 0.0, 0, 300.0, 1.0};
     std::vector<HealthUpdate> contradicting = updates;
     contradicting[1] = {true, 40.0, 2, 300.0, 1.0};
-    first = isolation.judge(contradicting, doubt, time_s, {});
+    first = isolation.judge(contradicting, in_doubt, time_s, {});
     isolation.note_restart(time_s);
   }
   /// Until the evidence has become `to`; the first blame on the way.
@@ -37,14 +37,14 @@ struct Rising {
       time_s += 10.0;
       const double share = (time_s - begin_s) / seconds;
       for (std::size_t i = 0; i < updates.size(); ++i) updates[i].evidence = from[i] + share * (to[i] - from[i]);
-      const Blame blame = isolation.judge(updates, doubt, time_s, {});
+      const Blame blame = isolation.judge(updates, in_doubt, time_s, {});
       if (blame.channel >= 0) return blame;
     }
     return {};
   }
   Isolation isolation;
   std::vector<HealthUpdate> updates;
-  ModelDoubt doubt;
+  bool in_doubt = false;
   double time_s = 1000.0;
   Blame first;
 };
@@ -130,7 +130,7 @@ TEST(Isolation, while_the_model_is_in_doubt_only_what_explains_the_misfit_alone_
     for (const double next : {7.0, 21.0}) {
       Rising rising(6);
       rising.go(std::vector<double>(6, 0.0), 1200.0);
-      rising.doubt.in_doubt = in_doubt;
+      rising.in_doubt = in_doubt;
       const Blame blame = rising.go({40, next, 7, 7, 7, 0}, 600.0);
       EXPECT_EQ(blame.channel, in_doubt && next > 10.0 ? -1 : 0);
       EXPECT_EQ(blame.model_in_doubt, in_doubt && blame.channel == 0);

@@ -90,9 +90,7 @@ struct Blamed {
     drive.run_until(4000.0);
     std::vector<HealthUpdate> updates(6, {true, 0.0, 0, 300.0, 0.0, 0.1});
     updates[2] = {true, 40.0, 0, 300.0, 0.8, 0.1};
-    ModelDoubt doubt;
-    doubt.in_doubt = in_doubt;
-    EXPECT_EQ(drive.health.note_update(updates, doubt).failed, 2);
+    EXPECT_EQ(drive.health.note_update(updates, in_doubt).failed, 2);
     EXPECT_EQ(record().fault, HealthFault::drift);
     drive.tamper = [this](std::vector<HealthSample>& samples) {
       for (std::size_t i = 0; i < samples.size(); ++i) samples[i].offset_K = drive.offset_K[i];

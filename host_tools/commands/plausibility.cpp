@@ -1,0 +1,27 @@
+#include "host_tools/commands/plausibility.hpp"
+
+#include <cstdio>
+
+namespace spindle_twin::host_tools {
+
+void Plausibility::add_to(CLI::App& command) {
+  command.add_flag("--strict", strict_, "refuse implausible inputs, heats, films and temperatures instead of warning");
+}
+
+void Plausibility::note(const rom::SourceLine& where, const std::vector<rom::Implausible>& found) {
+  for (const rom::Implausible& each : found) {
+    const rom::InputError error(where, each.field, each.message);
+    if (strict_) throw error;
+    if (said_.insert(where.file + each.field).second) std::fprintf(stderr, "warning: %s\n", error.what());
+  }
+}
+
+void Plausibility::note_schedule(const std::string& path, const rom::Schedule& schedule,
+                                 const rom::Boundaries& boundaries, double certified_rpm) {
+  const rom::PlausibleInputs believed = rom::plausible_inputs(boundaries, certified_rpm);
+  for (const rom::ScheduleRow& row : schedule.rows) {
+    note({path, row.line}, rom::implausible_inputs(boundaries, believed, row.state));
+  }
+}
+
+}  // namespace spindle_twin::host_tools

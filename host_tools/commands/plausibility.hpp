@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/App.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "rom/boundary_values/plausible_inputs.hpp"
+#include "rom/boundary_values/schedule.hpp"
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::host_tools {
+
+/// What a command does with what is not believed: one warning per field on stderr, or with --strict the first as an
+/// rom::InputError.
+class Plausibility {
+ public:
+  /// Adds --strict.
+  void add_to(CLI::App& command);
+  /// `where`: the file that says it, with its line where it has one.
+  void note(const rom::SourceLine& where, const std::vector<rom::Implausible>& found);
+  /// Of every row; `path` is the schedule's.
+  void note_schedule(const std::string& path, const rom::Schedule& schedule, const rom::Boundaries& boundaries,
+                     double certified_rpm = 0.0);
+
+ private:
+  bool strict_ = false;
+  std::set<std::string> said_;
+};
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,99 @@
+#include "rom/boundary_values/plausible_inputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/units.hpp"
+
+namespace spindle_twin::rom {
+namespace {
+
+constexpr double speed_reserve = 2.0;
+constexpr double most_load = 3.0;
+constexpr double coolant_within_K = 25.0;
+constexpr double ambient_within_K = 30.0;
+constexpr double flow_reserve = 5.0;
+constexpr Range film_W_per_m2K = between(0.1, 5e4);
+constexpr Range contact_W_per_m2K = between(1.0, 1e6);
+constexpr double fastest_warming_K_per_s = 1.0;
+constexpr Range result_degC = between(-40.0, 300.0);
+
+Range either_way(double most) { return most > 0.0 ? between(-most, most) : any_number; }
+
+/// Round to what a message needs.
+std::string rounded(double value) { return printed(std::round(value * 100.0) / 100.0); }
+
+void judge(double value, Range believed, const std::string& field, const std::string& unit,
+           std::vector<Implausible>& found) {
+  if (is_allowed(believed, value)) return;
+  found.push_back({field, rounded(value) + " is not plausible; believed is " + rounded(believed.min) + " to " +
+                              rounded(believed.max) + " " + unit});
+}
+
+Range shifted(Range range, double by) { return between(range.min + by, range.max + by); }
+
+}  // namespace
+
+PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_rpm) {
+  const double fastest_rpm =
+      std::max({std::abs(boundaries.operating.speed_rpm), boundaries.reference_speed_rpm, certified_rpm});
+  PlausibleInputs believed{either_way(speed_reserve * fastest_rpm), either_way(most_load), {}, {}};
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    const double middle_K = boundaries.operating.environment_K[static_cast<Eigen::Index>(e)];
+    const double reach_K =
+        boundaries.environments[e].kind == EnvironmentKind::coolant ? coolant_within_K : ambient_within_K;
+    believed.environment_K.push_back(between(middle_K - reach_K, middle_K + reach_K));
+  }
+  for (const double flow_kg_per_s : boundaries.operating.flow_kg_per_s) {
+    believed.flow_kg_per_s.push_back(either_way(flow_reserve * std::abs(flow_kg_per_s)));
+  }
+  return believed;
+}
+
+std::vector<Implausible> implausible_inputs(const Boundaries& boundaries, const PlausibleInputs& believed,
+                                            const OperatingState& state) {
+  std::vector<Implausible> found;
+  judge(state.speed_rpm, believed.speed_rpm, "speed_rpm", "rpm", found);
+  judge(state.load, believed.load, "load", "as a share of the rated load, 1 and not 100 when it is full", found);
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    judge(state.environment_K[static_cast<Eigen::Index>(e)] - zero_degC_K,
+          shifted(believed.environment_K[e], -zero_degC_K), boundaries.environments[e].name + "_degC",
+          "degC, not kelvin", found);
+  }
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    judge(state.flow_kg_per_s[static_cast<Eigen::Index>(c)], believed.flow_kg_per_s[c],
+          boundaries.circuits[c].name + "_kg_per_s", "kg/s, not kg/min", found);
+  }
+  return found;
+}
+
+std::vector<Implausible> implausible_description(const Boundaries& boundaries, double capacity_J_per_K) {
+  std::vector<Implausible> found;
+  for (const Conductance& conductance : boundaries.conductances) {
+    const bool contact = conductance.kind == ConductanceKind::contact;
+    if (conductance.nominal_W_per_m2K == 0.0) continue;  // switched off on purpose
+    judge(conductance.nominal_W_per_m2K, contact ? contact_W_per_m2K : film_W_per_m2K,
+          (contact ? "contact " : "film ") + conductance.name, "W/m2K", found);
+  }
+  BoundaryValues values = make_boundary_values(boundaries);
+  evaluate_boundaries(boundaries, boundaries.operating, no_correction(boundaries), values);
+  const double heat_W = values.heat_W.sum();
+  const double most_W = fastest_warming_K_per_s * capacity_J_per_K;
+  if (heat_W > most_W) {
+    found.push_back({"source", rounded(heat_W) + " W in all are not plausible; they would warm the whole spindle (" +
+                                   rounded(capacity_J_per_K) + " J/K) by " + rounded(heat_W / capacity_J_per_K) +
+                                   " K/s, believed is up to " + rounded(most_W) + " W"});
+  }
+  return found;
+}
+
+std::vector<Implausible> implausible_temperatures(double coldest_K, double hottest_K) {
+  std::vector<Implausible> found;
+  judge(coldest_K - zero_degC_K, result_degC, "coldest temperature", "degC", found);
+  judge(hottest_K - zero_degC_K, result_degC, "hottest temperature", "degC", found);
+  if (found.size() == 2) found.erase(found.begin());  // of two the hottest says more
+  return found;
+}
+
+}  // namespace spindle_twin::rom

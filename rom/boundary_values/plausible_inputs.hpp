@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rom/boundaries.hpp"
+#include "rom/range.hpp"
+
+namespace spindle_twin::rom {
+
+/// What is believed of a spindle's inputs. Outside it a value is more likely a mistake (percent for a share, kelvin for
+/// degC, rad/s for rpm) than a state of the spindle.
+struct PlausibleInputs {
+  Range speed_rpm;
+  Range load;
+  std::vector<Range> environment_K;  ///< one per environment
+  std::vector<Range> flow_kg_per_s;  ///< one per circuit; any number where the description has no flow
+};
+
+/// speed     up to twice the fastest of the description's speeds and of `certified_rpm`, that of the certificate
+/// load      up to 3 times the rated one, either way
+/// coolant   within 25 K of the description's, ambient within 30 K
+/// flow      up to 5 times the description's, either way
+/// A limit is any number where the description's own value is 0.
+PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_rpm = 0.0);
+
+/// A value that is not believed.
+struct Implausible {
+  std::string field;    ///< as a schedule's column names it, or what of the description
+  std::string message;  ///< the value, what is believed, and which mistake it may be
+};
+
+/// Of the inputs at one instant.
+std::vector<Implausible> implausible_inputs(const Boundaries& boundaries, const PlausibleInputs& believed,
+                                            const OperatingState& state);
+
+/// Of what a description says at its operating state: films beyond 0.1 to 50,000 W/m²K (still air in a narrow gap,
+/// boiling water), contacts beyond 1 to 1,000,000 W/m²K, and heats that together would warm `capacity_J_per_K`, all of
+/// the spindle, by more than 1 K/s if nothing left it.
+std::vector<Implausible> implausible_description(const Boundaries& boundaries, double capacity_J_per_K);
+
+/// Of the temperatures that came out: beyond -40 to 300 degC, where neither grease nor windings live.
+std::vector<Implausible> implausible_temperatures(double coldest_K, double hottest_K);
+
+}  // namespace spindle_twin::rom
