@@ -35,7 +35,7 @@ CertificateColumns certificate_columns(const rom::Certificate& certificate) {
   return {certificate.limit_rule.content > 0.0, mesh};
 }
 
-nlohmann::ordered_json certificate_json(const rom::Network& network) {
+nlohmann::ordered_json certificate_to_json(const rom::Network& network) {
   const rom::Certificate& certificate = network.certificate;
   nlohmann::ordered_json result = {{"cases", certificate.cases}, {"seed", certificate.seed}};
   result["worst"] = errors_json(certificate.worst);

@@ -102,7 +102,7 @@ void print_json(const Inspection& result, const nlohmann::json& steady_state) {
   add_outputs(network, json);
   add_coolant(result, json);
   json["steady_state"] = steady_state;
-  json["certificate"] = certificate_json(network);
+  json["certificate"] = certificate_to_json(network);
   json["time_constants_s"] = nlohmann::json::array();
   for (const double constant_s : result.time_constants_s) json["time_constants_s"].push_back(constant_s);
   json["checks"] = {{"capacity_asymmetry", result.checks.capacity_asymmetry},

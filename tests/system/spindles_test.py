@@ -54,6 +54,7 @@ interval_s = 5.0
 UNITS = {"left": 1, "right": 2}
 STATE, NOSE, SPEED, TARE_COUNT, TARE = 10, 15, 34, 28, 26
 RUNNING, DEGRADED = 1, 2
+ORDER_RESULT, DONE = 1420, 2  # of the newest order
 
 
 class Spindles(unittest.TestCase):
@@ -147,6 +148,7 @@ class Spindles(unittest.TestCase):
         for name in UNITS:
             self.write(name, 1005, 1)
             wait_until(lambda: self.read(name, TARE_COUNT) == [1], f"the tare of {name}")
+            wait_until(lambda: self.read(name, ORDER_RESULT) == [DONE], f"the tare of {name} on the disk")
             wait_until(lambda: (self.folder / name / "twin.checkpoint").exists(), f"a checkpoint of {name}")
         tares = [float32(*self.read(name, TARE, 2)) for name in UNITS]
         self.assertNotEqual(tares[0], 0.0)

@@ -58,7 +58,7 @@ void print_json(const BuildArguments& arguments, const Reduced& reduced, const f
   result["seed"] = arguments.reduce.seed;
   for (const fem_offline::StageTime& stage : report.stages) result["stages_s"][stage.stage] = stage.seconds;
   if (reduced.choice) result["tolerance"] = missed_tolerance_json(*reduced.choice);
-  result["certificate"] = certificate_json(network);
+  result["certificate"] = certificate_to_json(network);
   std::printf("%s\n", result.dump(2).c_str());
 }
 

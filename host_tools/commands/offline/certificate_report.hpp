@@ -4,7 +4,7 @@
 
 namespace spindle_twin::host_tools {
 
-/// A certificate as lines on stdout, what certificate_json() holds.
+/// A certificate as lines on stdout, what certificate_to_json() holds.
 void print_certificate(const rom::Network& network);
 
 }  // namespace spindle_twin::host_tools

@@ -80,7 +80,7 @@ void print_limits(const fem_offline::LimitCheck& limits) {
 void print_json(const rom::Network& network, const fem_offline::LimitCheck& limits,
                 const fem_offline::NetworkChecks& checks) {
   nlohmann::ordered_json result = {{"nodes", network.nodes.size()}};
-  result.update(certificate_json(network));
+  result.update(certificate_to_json(network));
   if (!limits.outputs.empty()) result["limits_of_file"] = limits_json(limits);
   result["checks"] = checks_json(checks);
   std::printf("%s\n", result.dump(2).c_str());
