@@ -100,6 +100,7 @@ void log_network(const PreparedSpindle& spindle) {
   const LogName name(spindle.name);
   const std::string& path = spindle.config.network.path;
   spdlog::info("{}: SHA-256 {}, {}", path, spindle.file.sha256, signer(spindle.file));
+  if (!spindle.note.empty()) spdlog::error("{}", spindle.note);
   if (spindle.file.network.certificate.cases == 0) {
     spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set", path);
   }

@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   add_keys(app);
   add_sign(app);
   add_verify_signature(app);
+  add_deploy(app);
   add_simulate(app);
   add_replay(app);
   add_history(app);

@@ -8,6 +8,7 @@
 #include "firmware/config/listeners.hpp"
 #include "firmware/config/read_devices.hpp"
 #include "firmware/cycle/plan.hpp"
+#include "firmware/cycle/trial_score.hpp"
 #include "firmware/keep/keep_plan.hpp"
 #include "firmware/serve/serve_plan.hpp"
 #include "firmware/show/show_plan.hpp"
@@ -98,6 +99,12 @@ struct ConfiguredNetwork {
   std::vector<rom::PublicKey> trusted_keys;  ///< whose signature counts
 };
 
+/// Where new networks come in while the daemon runs, and how they are judged.
+struct ConfiguredExchange {
+  std::string slot;  ///< the folder; empty: none
+  ExchangePlan plan;
+};
+
 /// What of the compensation needs the network.
 struct ConfiguredCompensation {
   std::string other;  ///< deformation output that the slope comes from; empty: none
@@ -126,6 +133,7 @@ struct Config {  // NOLINT(public-members): the configuration as read, a member 
   std::vector<ConfiguredStart> start;  ///< of single nodes; the others have their mean
   std::vector<ConfiguredLimit> output_limits;
   ConfiguredCompensation compensation;
+  ConfiguredExchange exchange;
 };
 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.

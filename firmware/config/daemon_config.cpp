@@ -92,6 +92,7 @@ std::vector<std::string> state_files(const Config& config) {
        {config.keep.orders_path, config.keep.checkpoint_path, config.history.path, config.keep.parameters_path}) {
     if (!path.empty()) files.push_back(path);
   }
+  if (!config.exchange.slot.empty()) files.push_back(config.exchange.slot + "/exchange");
   return files;
 }
 

@@ -5,6 +5,7 @@
 #include "firmware/config/config.hpp"
 #include "firmware/config/read_compensation.hpp"
 #include "firmware/config/read_correction.hpp"
+#include "firmware/config/read_exchange.hpp"
 #include "firmware/config/read_files.hpp"
 #include "firmware/config/read_health.hpp"
 #include "firmware/config/read_served.hpp"
@@ -273,6 +274,7 @@ void read_spindle(const TomlTable& root, Config& config, Listeners& listeners) {
   read_compensation(root.optional_table("compensation"), config);
   read_start_temperature(root, config);
   read_files(root, config);
+  read_exchange(root.optional_table("exchange"), config);
   root.finish();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/cycle/exchange.hpp"
 #include "firmware/watch/deadline.hpp"
 
 namespace spindle_twin::firmware {
@@ -41,7 +42,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
       guard_prediction();
       publish_uncorrected(uncorrected_, snapshot_);
     }
-    publish_corrected(model_, plan_.slew_m_per_s * period_s, plan_.output_limit_m, snapshot_);
+    publish_prediction();
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
     publish_health(watch_, corrector_, snapshot_);
@@ -56,11 +57,22 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
   return snapshot_;
 }
 
+void Cycle::publish_prediction() {
+  const double most_m = plan_.slew_m_per_s * plan_.period_s;
+  const double before_m = snapshot_.deformation_m[0];
+  publish_corrected(model_, most_m, plan_.output_limit_m, snapshot_);
+  if (tare_to_come_m_ == 0.0) return;
+  move_tare(most_m, snapshot_.deformation_m[0] - before_m);
+  publish_nose(plan_.output_limit_m[0], snapshot_);
+}
+
 void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePorts& ports,
                const std::atomic<bool>& stop) {
   DeviceFrame frame;
   PlcSignals told;
   PlcCommand command = ports.orders != nullptr ? ports.orders->first_command() : PlcCommand{};
+  NetworkExchange no_exchange(cycle, {});
+  NetworkExchange& exchange = ports.exchange != nullptr ? *ports.exchange : no_exchange;
   Deadline deadline(clock.now_ns(), static_cast<std::int64_t>(1e9 * plan.period_s / plan.clock_rate));
   while (!stop.load(std::memory_order_relaxed)) {
     constexpr std::int64_t longest_sleep_ns = 100'000'000;  // so that a long period does not delay the stop
@@ -74,15 +86,19 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     command.signals = told.values;
     command.alive_ns = told.alive_ns;
     if (ports.orders != nullptr) ports.orders->hand_out(command);
-    if (ports.troubles != nullptr) cycle.note_troubles(*ports.troubles);
-    Snapshot snapshot = cycle.step(frame, command, now_ns, deadline.take(now_ns));
-    if (ports.orders != nullptr) ports.orders->settle(cycle.order_results(), cycle.standing_orders(), snapshot);
+    if (ports.troubles != nullptr) exchange.note_troubles(*ports.troubles);
+    Snapshot snapshot = exchange.step(frame, command, now_ns, deadline.take(now_ns));
+    if (ports.orders != nullptr) {
+      const StandingOrders standing = exchange.kept().standing_orders();
+      if (exchange.take_kept_changed()) ports.orders->renew(standing);
+      ports.orders->settle(exchange.order_results(), standing, snapshot);
+    }
     snapshot.time_ns = clock.now_ns();
     ports.server.write(snapshot);
     if (ports.events != nullptr) ports.events->write(snapshot);
     if (ports.shown != nullptr) ports.shown->write(snapshot);
     if (ports.remembered != nullptr && ports.remembered->asked()) {
-      cycle.remember(ports.remembered->value);
+      exchange.kept().remember(ports.remembered->value);
       ports.remembered->fill();
     }
     if (ports.pulse != nullptr) {

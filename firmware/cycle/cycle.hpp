@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "firmware/cycle/correct.hpp"
 #include "firmware/cycle/device_inbox.hpp"
@@ -54,6 +55,25 @@ class Cycle {
   /// Sizes `to` on the first call; from then on it may be called between two cycles.
   void remember(Remembered& to) const;
 
+  /// Which network it runs, for the registers and what is kept: the SHA-256 of its file, hex. Before the first step.
+  void identify(const std::string& network_sha256);
+
+  /// Whose zero counts behind take_over(): the other's, moved by what the two networks say apart, so that the growth
+  /// since the tare goes on from what was shown; or the cycle's own.
+  enum class TareOf { other, itself };
+
+  /// Before its first step: to run on the same inputs and orders as `running`, of another network of the same spindle.
+  /// Signals, the sensors' tare and the orders obeyed are taken from it. May run in the cycle.
+  void begin_beside(const Cycle& running);
+
+  /// Between two steps: what this says is shown from now on in place of what `shown` says. Published deformations, nose
+  /// and compensation go on from where they are and follow this cycle's prediction at the slew limit, each of them; the
+  /// counts go on. May run in the cycle.
+  void take_over(const Cycle& shown, TareOf tare_of);
+
+  /// From now on each node starts at this temperature [K], whatever the plan says. Before the first step; allocates.
+  void start_at(const Eigen::VectorXd& nodes_K) { plan_.start_nodes_K = nodes_K; }
+
   /// Before the first step: goes on from what was remembered gap_s of model time ago. The spindle is taken to have
   /// stood still since, with environments and flows as they were then; sensitivities and variances are carried through
   /// it, and the estimator is told what the spindle would have warmed if it had run all the time: first readings that
@@ -72,6 +92,10 @@ class Cycle {
   void take_orders(const PlcCommand& command);
   OrderResult take_length(const PlcCommand& command);
   OrderResult take_tare(const PlcCommand& command);
+  void take_counts(const Cycle& running);
+  /// Towards its end after take_over(), by no more than most_m; the published nose has moved by nose_moved_m.
+  void move_tare(double most_m, double nose_moved_m);
+  void publish_prediction();
   void note(Integrated integrated);
   /// A prediction beyond all plausibility (plausible.hpp) is given up for that of the uncorrected model, and the
   /// estimate begins anew from there.
@@ -103,10 +127,14 @@ class Cycle {
   bool has_stepped_ = false;
   bool started_ = false;
   double waited_s_ = 0.0;
+  double tare_to_come_m_ = 0.0;  ///< what the tare still moves by after take_over()
+  std::string network_sha256_;
   double implausible_until_s_ = 0.0;  ///< model time
 };
 
 inline constexpr std::size_t history_room = 256;
+class NetworkExchange;
+
 using SnapshotRing = Ring<Snapshot, history_room>;
 
 /// Where the cycle thread takes its inputs from and leaves its results; no end of them can make it wait.
@@ -122,6 +150,7 @@ struct CyclePorts {
   Troubles* troubles = nullptr;                 ///< null: the others have none
   Pulse* pulse = nullptr;                       ///< null: nobody watches
   Latest<Snapshot>* shown = nullptr;            ///< null: no HTTP port shows them
+  NetworkExchange* exchange = nullptr;          ///< null: the network stays what it is. Of the cycle that is run
 };
 
 /// Runs the cycle at absolute deadlines until `stop` is set.

@@ -137,6 +137,7 @@ OrderResult Cycle::take_tare(const PlcCommand& command) {
   const bool clears = command.tare_order == TareOrder::clear;
   if (!clears && !started_) return OrderResult::waiting;
   if (clears) snapshot_.tare_m = 0.0;
+  tare_to_come_m_ = 0.0;
   const bool taken = clears || tare(plan_.output_limit_m[0], snapshot_);
   ++snapshot_.tare_count;
   tare_orders_ = command.tare_orders;
@@ -147,7 +148,8 @@ StandingOrders Cycle::standing_orders() const {
   StandingOrders orders;
   orders.correction = correction_order_;
   orders.compensation = compensation_.ordered();
-  orders.tare_m = snapshot_.tare_m;
+  orders.tare_m = snapshot_.tare_m + tare_to_come_m_;
+  network_sha256_.copy(orders.network_sha256.data(), orders.network_sha256.size());
   orders.sensor_tares = watch_.tare.count;
   std::copy(watch_.tare.offset_K.begin(), watch_.tare.offset_K.end(), orders.sensor_tare_K.begin());
   std::copy(watch_.tare.deviation_K.begin(), watch_.tare.deviation_K.end(), orders.sensor_tare_deviation_K.begin());

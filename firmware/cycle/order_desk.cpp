@@ -88,6 +88,12 @@ OrderResult OrderDesk::kept_result(std::uint32_t revision) const {
   return not_kept_.load(std::memory_order_acquire) >= revision ? OrderResult::not_kept : OrderResult::waiting;
 }
 
+void OrderDesk::renew(const StandingOrders& standing) {
+  StandingOrders now = standing;
+  now.revision = revision_;
+  standing_.write(now);
+}
+
 void OrderDesk::settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot) {
   const std::uint32_t before = revision_;
   waiting_ = false;

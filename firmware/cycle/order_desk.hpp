@@ -36,7 +36,8 @@ struct StandingOrders {
   std::array<double, slots::key_points> sensor_tare_K{};
   std::array<double, slots::key_points> sensor_tare_deviation_K{};
   std::uint32_t acknowledgements = 0;
-  bool lost = false;  ///< some of it was lost and nobody has acknowledged that
+  bool lost = false;                      ///< some of it was lost and nobody has acknowledged that
+  std::array<char, 64> network_sha256{};  ///< whose nose and key points they are of, hex; zeros: nobody said
 };
 
 /// Where orders pass from the server to the cycle, and what holds of them from the cycle to the thread that writes it
@@ -64,6 +65,9 @@ class OrderDesk {
   void hand_out(PlcCommand& command);
   /// After the cycle: the results of what was handed out, and of those that wait for the disk.
   void settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot);
+
+  /// What holds is now said of another network: to be written once more.
+  void renew(const StandingOrders& standing);
 
   // The thread that writes standing orders.
   Latest<StandingOrders>& standing() { return standing_; }

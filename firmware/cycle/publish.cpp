@@ -88,6 +88,10 @@ void publish_corrected(const Model& model, double most_m, const std::array<doubl
   if (snapshot.outputs_clamped != 0) snapshot.fault |= bits(Fault::output_clamped);
 }
 
+void publish_nose(double limit_m, Snapshot& snapshot) {
+  snapshot.nose_m = std::clamp(snapshot.deformation_m[0] - snapshot.tare_m, -limit_m, limit_m);
+}
+
 bool tare(double limit_m, Snapshot& snapshot) {
   if (snapshot.deformations == 0) return false;
   snapshot.tare_m = std::clamp(snapshot.deformation_raw_m[0], -limit_m, limit_m);

@@ -14,6 +14,9 @@ void publish_uncorrected(const Model& model, Snapshot& snapshot);
 /// Readings, quality and signals of this cycle.
 void publish_inputs(const SensedInputs& sensed, const Judgement& judgement, Snapshot& snapshot);
 
+/// Nose minus tare once more, where the tare has moved since. Runs in the cycle.
+void publish_nose(double limit_m, Snapshot& snapshot);
+
 /// Takes the present prediction of the nose, within plus and minus limit_m, as its zero: what is published is zero at
 /// once, whatever the slew limit. False where there is no nose. Runs in the cycle.
 bool tare(double limit_m, Snapshot& snapshot);

@@ -54,7 +54,8 @@ const correction::ParameterModel* Cycle::parameters() const {
 void Cycle::remember(Remembered& to) const {
   to.started = started_;
   to.model_time_s = snapshot_.model_time_s;
-  to.tare_m = snapshot_.tare_m;
+  to.network_sha256 = network_sha256_;
+  to.tare_m = snapshot_.tare_m + tare_to_come_m_;
   to.sensor_tare = watch_.tare;
   keep_health(watch_, to.sensor_health);
   to.signals = judgement_.signals;

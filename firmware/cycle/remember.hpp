@@ -13,7 +13,8 @@ namespace spindle_twin::firmware {
 
 /// What a cycle needs to go on after a restart, and what its estimator knows. Its sizes are those of network and plan.
 struct Remembered {
-  bool started = false;  ///< else the rest is without meaning
+  bool started = false;        ///< else the rest is without meaning
+  std::string network_sha256;  ///< hex; empty: nobody said
   double model_time_s = 0.0;
   double tare_m = 0.0;
   correction::SensorTare sensor_tare;  ///< per key point

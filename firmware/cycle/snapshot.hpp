@@ -138,6 +138,14 @@ struct CompensationState {
   double settled_after_s = not_a_value;  ///< from when on the growth hardly changes (Forecast)
 };
 
+/// The exchange of the network (exchange.hpp).
+struct ExchangeView {
+  ExchangeState state = ExchangeState::none;
+  double running_K = not_a_value;    ///< rms of reading minus prediction, of the network that was there before
+  double candidate_K = not_a_value;  ///< of the new one
+  double left_s = not_a_value;       ///< of the trial, or of the watch behind it; model time with readings
+};
+
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
 /// Entries beyond the counts, and values that do not exist, are NaN. Room as in states.toml.
 struct Snapshot {  // NOLINT(public-members): one page of plain data, copied whole; registers show it member by member
@@ -202,6 +210,9 @@ struct Snapshot {  // NOLINT(public-members): one page of plain data, copied who
   std::array<double, slots::conductances> conductance_factor = not_values;
 
   CompensationState compensation;
+
+  std::uint32_t network_id = 0;  ///< the first eight hex digits of the network file's SHA-256; 0: not said
+  ExchangeView exchange;
 
   std::uint32_t updates = 0;  ///< of the estimator since the start
   std::uint16_t parameters = 0;

@@ -91,7 +91,8 @@ bool Keeper::keep(bool say) {
   try {
     if (!plan_.checkpoint_path.empty()) {
       const std::uint32_t revision = orders_ != nullptr ? orders_->revision() : 0;
-      write_checkpoint({network_sha256_, unix_now_s(), now, revision, boot_now()}, plan_.checkpoint_path);
+      const std::string& of = now.network_sha256.empty() ? network_sha256_ : now.network_sha256;
+      write_checkpoint({of, unix_now_s(), now, revision, boot_now()}, plan_.checkpoint_path);
     }
     if (!plan_.parameters_path.empty() && !parameters_.empty()) {
       rom::write_whole_file(plan_.parameters_path, parameters_csv(parameters_, now.parameters));
@@ -121,7 +122,7 @@ void Keeper::run(const std::atomic<bool>& stop) {
   auto due = std::chrono::steady_clock::now() + interval;
   while (!stop.load(std::memory_order_acquire)) {
     std::this_thread::sleep_for(slice);
-    if (std::chrono::steady_clock::now() < due) continue;
+    if (!keep_now_.exchange(false, std::memory_order_acquire) && std::chrono::steady_clock::now() < due) continue;
     remembered_.ask();
     while (remembered_.asked() && !stop.load(std::memory_order_acquire)) std::this_thread::sleep_for(slice);
     const bool kept = remembered_.asked() || keep(false);

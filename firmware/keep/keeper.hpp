@@ -47,6 +47,9 @@ class Keeper {
 
   OnRequest<Remembered>& remembered() { return remembered_; }
 
+  /// A checkpoint at once, without waiting for its interval. Any thread.
+  void keep_now() { keep_now_.store(true, std::memory_order_release); }
+
   /// Until `stop` is set.
   void run(const std::atomic<bool>& stop);
 
@@ -65,6 +68,7 @@ class Keeper {
   const OrderKeeper* orders_;
   Troubles* troubles_;
   LogLimit complaints_;
+  std::atomic<bool> keep_now_{false};
   double said_at_s_ = 0.0;
   std::string heats_said_;  // of unexplained heats, the sentence said last
 };

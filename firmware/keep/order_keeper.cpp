@@ -45,7 +45,7 @@ std::string told(const StandingOrders& orders) {
 }  // namespace
 
 StandingOrders recall_orders(const std::string& path, const std::string& network_sha256,
-                             const std::optional<Checkpoint>& checkpoint) {
+                             const std::optional<Checkpoint>& checkpoint, const std::string& sha256_before) {
   if (path.empty()) return {};
   StandingOrders orders = from_checkpoint(checkpoint, network_sha256);
   const std::uint32_t known = checkpoint ? checkpoint->order_revision : 0;
@@ -53,7 +53,9 @@ StandingOrders recall_orders(const std::string& path, const std::string& network
   try {
     const std::optional<KeptOrders> kept = read_orders(path);
     if (kept) {
-      const bool same = kept->network_sha256 == network_sha256;
+      const bool before = !sha256_before.empty() && kept->network_sha256 == sha256_before;
+      const bool same = kept->network_sha256 == network_sha256 || before;
+      if (before) spdlog::warn("orders {}: of the network before the exchange; tare again when convenient", path);
       const StandingOrders other = kept->orders;
       const StandingOrders stood_in = std::exchange(orders, other);
       if (!same) {
@@ -125,6 +127,8 @@ void OrderKeeper::run(const std::atomic<bool>& stop) {
   while (true) {
     const bool last = stop.load(std::memory_order_acquire);
     const bool fresh = desk_.standing().read(kept_.orders);
+    const auto& network = kept_.orders.network_sha256;
+    if (fresh && network[0] != '\0') kept_.network_sha256.assign(network.begin(), network.end());
     if (fresh || (pending && (last || std::chrono::steady_clock::now() >= due))) {
       pending = !keep();
       due = std::chrono::steady_clock::now() + patience;

@@ -22,7 +22,8 @@ SpindleRun::SpindleRun(PreparedSpindle& spindle, Clock& clock, const std::atomic
     : spindle_(spindle),
       clock_(clock),
       order_keeper_(spindle.config.keep.orders_path, spindle.file.sha256, desk_, troubles_),
-      events_(spindle.file.network) {
+      events_(spindle.file.network),
+      exchange_(spindle.cycle, spindle.config.exchange.plan) {
   const LogName name(spindle.name);
   troubles_.log_lines_dropped = &log_lines_dropped;
   for (const std::string& path : state_files(spindle.config)) {
@@ -41,7 +42,7 @@ SpindleRun::SpindleRun(PreparedSpindle& spindle, Clock& clock, const std::atomic
 void SpindleRun::recall() {
   const LogName name(spindle_.name);
   checkpoint_ = look_for_checkpoint(spindle_.config.keep);
-  orders_ = recall_orders(spindle_.config.keep.orders_path, spindle_.file.sha256, checkpoint_);
+  orders_ = recall_orders(spindle_.config.keep.orders_path, spindle_.file.sha256, checkpoint_, spindle_.sha256_before);
   order_keeper_.begin_with(orders_);
 }
 
@@ -67,6 +68,10 @@ void SpindleRun::begin(Latest<Snapshot>* shown) {
   spindle_.cycle.stand_by_orders(orders_);
   keeper_.emplace(keep, spindle_.file.sha256, plan.clock_rate, spindle_.cycle, &order_keeper_, &troubles_);
 
+  if (!spindle_.config.exchange.slot.empty()) {
+    slot_.emplace(spindle_, exchange_, [this] { keeper_->keep_now(); });
+    run(threads_, [this] { slot_->run(stop_); });
+  }
   for (const auto& device : devices_) run(threads_, [this, &device] { device->run(stop_); });
   if (history_) run(after_cycle_, [this] { history_->run(stop_after_cycle_); });
   run(after_cycle_, [this] { order_keeper_.run(stop_after_cycle_); });
@@ -81,7 +86,7 @@ void SpindleRun::stop() {
   for (std::thread& thread : std::exchange(threads_, {})) thread.join();
   stop_after_cycle_.store(true);
   for (std::thread& thread : std::exchange(after_cycle_, {})) thread.join();
-  if (keeper_) keeper_->keep_last(spindle_.cycle);
+  if (keeper_) keeper_->keep_last(exchange_.kept());
   keeper_.reset();
 }
 
@@ -96,7 +101,8 @@ CyclePorts SpindleRun::cycle_ports(Latest<Snapshot>* shown) {
           &events_.tap(),
           &troubles_,
           &pulse_,
-          shown};
+          shown,
+          &exchange_};
 }
 
 }  // namespace spindle_twin::firmware

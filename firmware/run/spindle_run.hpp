@@ -17,6 +17,7 @@
 #include "firmware/keep/keeper.hpp"
 #include "firmware/keep/order_keeper.hpp"
 #include "firmware/run/prepare.hpp"
+#include "firmware/run/slot_watch.hpp"
 #include "firmware/serve/spindle_registers.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/pulse.hpp"
@@ -66,6 +67,8 @@ class SpindleRun {
   std::optional<Checkpoint> checkpoint_;  ///< until begin()
   StandingOrders orders_;
   std::optional<Keeper> keeper_;
+  NetworkExchange exchange_;
+  std::optional<SlotWatch> slot_;  ///< empty: no slot is configured
   Pulse pulse_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> stop_after_cycle_{false};

@@ -42,7 +42,7 @@ void fill_status(const Snapshot& snapshot, std::int64_t now_ns, Filler& fill) {
        {Register::sequence, Register::temperatures_sequence, Register::parts_sequence, Register::factors_sequence,
         Register::deviations_sequence, Register::sensors_sequence, Register::estimator_sequence,
         Register::health_sequence, Register::motor_sequence, Register::service_sequence,
-        Register::compensation_sequence, Register::devices_sequence}) {
+        Register::compensation_sequence, Register::devices_sequence, Register::exchange_sequence}) {
     fill.value(which, sequence);
   }
   fill.value(Register::state, static_cast<double>(snapshot.state));
@@ -216,6 +216,18 @@ void fill_devices(const Snapshot& snapshot, RegisterImage& image) {
   put(image, Register::devices_offline, offline);
 }
 
+void fill_exchange(const Snapshot& snapshot, RegisterImage& image) {
+  const ExchangeView& view = snapshot.exchange;
+  put(image, Register::exchange_state, bits(view.state));
+  put(image, Register::exchange_left, view.left_s / rom::seconds_per_minute);
+  put(image, Register::network_id, snapshot.network_id == 0 ? not_a_value : snapshot.network_id % 0xFFFFFFFFU);
+  put(image, Register::exchange_error_old, view.running_K);
+  put(image, Register::exchange_error_new, view.candidate_K);
+  for (int slot = 0; slot < entry_of(Register::exchange_reserved).slots; ++slot) {
+    put_not_present(image, Register::exchange_reserved, slot);
+  }
+}
+
 }  // namespace
 
 void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& image) {
@@ -231,6 +243,7 @@ void fill_image(const Snapshot& snapshot, std::int64_t now_ns, RegisterImage& im
   fill_service(snapshot, image);
   fill_compensation(snapshot, fill);
   fill_devices(snapshot, image);
+  fill_exchange(snapshot, image);
   const int quality = snapshot.quality | (fill.clipped ? bits(Quality::saturated) : 0);
   put(image, Register::quality, quality);
   // What stands in a register is not what the twin says: no running prediction, whatever the cycle knows of itself.

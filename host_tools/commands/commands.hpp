@@ -14,6 +14,7 @@ void add_assemble(CLI::App& app);
 void add_keys(CLI::App& app);
 void add_sign(CLI::App& app);
 void add_verify_signature(CLI::App& app);
+void add_deploy(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_history(CLI::App& app);
