@@ -1,6 +1,7 @@
 #include "firmware/cycle/exchange.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <utility>
 
@@ -11,7 +12,15 @@ namespace {
 bool has_failed(const Snapshot& snapshot) {
   constexpr auto failures = static_cast<std::uint16_t>(bits(Fault::integrator_failed) | bits(Fault::prediction_lost) |
                                                        bits(Fault::implausible_prediction));
-  return (snapshot.fault & failures) != 0;
+  if ((snapshot.fault & failures) != 0) return true;
+  if (snapshot.state == State::starting) return false;
+  for (std::size_t k = 0; k < snapshot.key_points; ++k) {
+    if (!std::isfinite(snapshot.predicted_K[k])) return true;
+  }
+  for (std::size_t d = 0; d < snapshot.deformations; ++d) {
+    if (!std::isfinite(snapshot.deformation_raw_m[d])) return true;
+  }
+  return false;
 }
 
 bool is_in_doubt(const Snapshot& snapshot) { return (snapshot.quality & bits(Quality::estimate_in_doubt)) != 0; }
@@ -115,8 +124,9 @@ void NetworkExchange::go_back(ExchangeReason reason) {
 }
 
 void NetworkExchange::judge_trial() {
-  if (settled_s_ > 0.0) return;
   const ExchangeReason trouble = trouble_of(beside_snapshot_, snapshot_);
+  if (trouble == ExchangeReason::failed) return refuse(trouble);
+  if (settled_s_ > 0.0) return;
   if (trouble != ExchangeReason::none) return refuse(trouble);
   if (judged_s_ < plan_.trial_s) return;
   if (score_.is_beside_worse(plan_)) return refuse(ExchangeReason::worse);

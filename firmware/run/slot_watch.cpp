@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string told(const ExchangeNews& news) {
-  const std::string errors = fmt::format("rms of reading minus prediction {:.3f} K, of the old network {:.3f} K",
-                                         news.candidate_K, news.running_K);
+  std::string errors = fmt::format("rms of reading minus prediction {:.3f} K, of the old network {:.3f} K",
+                                   news.candidate_K, news.running_K);
   switch (news.reason) {
     case ExchangeReason::worse:
       return "it foretells the readings worse: " + errors;

@@ -23,8 +23,6 @@
 #include "rom/read/input_error.hpp"
 #include "rom/read/sha256.hpp"
 
-extern char** environ;
-
 // spindle-twin deploy X.rom SLOT [--key factory.key]
 // spindle-twin deploy X.rom HOST:SLOT [--key factory.key]
 namespace spindle_twin::host_tools {

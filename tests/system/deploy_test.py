@@ -31,7 +31,7 @@ interval_s = 60.0
 enabled = false
 """
 STATE, NOSE, EXCHANGE, NETWORK_ID, TARE = 10, 20, 1702, 1704, 26
-TRIAL, WATCHING, ACCEPTED, REFUSED, WENT_BACK = 1, 2, 4, 5, 6
+TRIAL, WATCHING, KEEPING, ACCEPTED, REFUSED = 1, 2, 3, 4, 5
 SLEW_UM_PER_S = 0.5
 
 
@@ -76,6 +76,9 @@ class Deploy(RunningDaemon):
 
     def id_of(self, name):
         return (self.folder / name).read_bytes()[20:24].hex()  # of the SHA-256 in the header
+
+    def hash16(self, name):
+        return (self.folder / name).read_bytes()[20:28].hex()
 
     def wait_exchange(self, *states, seconds=60):
         end = time.monotonic() + seconds
@@ -165,6 +168,34 @@ class Deploy(RunningDaemon):
         self.restart()
         self.assertEqual(self.network_id(), old)
         self.assertIn("now the configured network runs", self.log_text())
+
+    def test_a_kill_between_the_network_and_its_orders_loses_no_order(self):
+        self.assertFalse(self.client.write_register(1005, 1, slave=1).isError())
+        wait_until(lambda: float32(*self.read(TARE, 2)) != 0.0, "the tare")
+        tare = float32(*self.read(TARE, 2))
+        wait_until((self.folder / "twin.checkpoint.orders").exists, "the orders")
+        self.kill()
+        # As the daemon leaves it when it is killed there: the network's file is the new one, nothing else yet.
+        self.deploy(where=self.folder / "slot")
+        (self.slot / "new.rom").rename(self.slot / f"accepted-{self.hash16('small.rom')}.rom")
+        self.restart()
+        self.assertEqual(self.network_id(), self.id_of("new.rom"))
+        self.assertAlmostEqual(float32(*self.read(TARE, 2)), tare, places=4)
+        self.assertIn("of the network before the exchange", self.log_text())
+        self.assertNotIn("lost", self.log_text())
+
+    def test_a_disk_that_takes_no_file_is_waited_for(self):
+        blocked = self.slot / f"accepted-{self.hash16('small.rom')}.rom"
+        blocked.mkdir()
+        self.deploy()
+        self.wait_exchange(KEEPING)
+        wait_until(lambda: "tried again" in self.log_text(), "the complaint")
+        time.sleep(2.5)
+        self.assertEqual(self.log_text().count("tried again"), 1)
+        self.assertEqual(self.exchange(), KEEPING)
+        blocked.rmdir()
+        self.wait_exchange(ACCEPTED)
+        self.assertTrue(blocked.is_file())
 
     def test_who_takes_the_file_away_ends_the_trial(self):
         self.deploy()

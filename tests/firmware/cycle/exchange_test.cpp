@@ -9,6 +9,7 @@
 
 #include "firmware/cycle/start_field.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/rom/heap_calls.hpp"
 
 namespace spindle_twin::firmware {
 namespace cycle_exchange_test {
@@ -28,18 +29,24 @@ rom::Network with_conductances(double factor) {
 
 /// A machine, and two networks that both may be wrong.
 struct Exchanging {
-  Exchanging(const rom::Network& runs, const rom::Network& comes, const CyclePlan& plan = with_sensors())
+  Exchanging(const rom::Network& runs, const rom::Network& comes, const CyclePlan& plan = with_sensors(),
+             const ExchangePlan& judged = quick())
       : old_network(runs),
         new_network(comes),
         old_cycle(old_network, plan, runtime),
-        new_cycle(new_network, plan, runtime) {
+        new_cycle(new_network, plan, runtime),
+        exchange(old_cycle, judged) {
     old_cycle.identify(old_sha256);
     new_cycle.identify(new_sha256);
   }
 
   const Snapshot& step() {
     before = last;
-    last = exchange.step(machine.frame(at_s(n)), command, at_s(n), 0);
+    const DeviceFrame frame = machine.frame(at_s(n));
+    const long calls_before = rom::tests::heap_calls();
+    const Snapshot& now = exchange.step(frame, command, at_s(n), 0);
+    heap_calls += rom::tests::heap_calls() - calls_before;
+    last = now;
     ++n;
     machine.advance(1.0);
     return last;
@@ -66,10 +73,11 @@ struct Exchanging {
   rom::Network true_network = tests::small_network();
   rom::Network old_network, new_network;
   Cycle old_cycle, new_cycle;
-  NetworkExchange exchange{old_cycle, quick()};
+  NetworkExchange exchange;
   Machine machine{true_network, 1.0};
   PlcCommand command;
   Snapshot last, before;
+  long heap_calls = 0;  ///< of the steps
   int n = 0;
 };
 
@@ -195,6 +203,40 @@ TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tar
   for (int i = 0; i < 300; ++i) way_m = std::max(way_m, of.way_of(of.step()));
   EXPECT_LE(way_m, most_m);
   EXPECT_NEAR(of.last.tare_m, tare_m, 1e-15);
+}
+
+TEST(Exchange, after_the_first_steps_of_a_trial_nothing_allocates_there_and_back) {
+  Exchanging of(tests::small_network(), with_conductances(1.001), estimated(), ExchangePlan{});
+  of.run(1200);
+  of.offer();
+  of.run(100);
+  EXPECT_GT(of.heap_calls, 0) << "the counter does not count";
+  of.heap_calls = 0;
+  of.run_until(ExchangeState::watching, 4000);
+  ExchangeNews news;
+  of.exchange.read(news);
+  ASSERT_EQ(of.last.exchange.state, ExchangeState::watching)
+      << static_cast<int>(news.reason) << " " << news.candidate_K << " " << news.running_K;
+  of.run(100);
+  of.exchange.withdraw();
+  of.run_until(ExchangeState::went_back, 2);
+  of.run(100);
+  EXPECT_EQ(of.last.exchange.state, ExchangeState::went_back);
+  EXPECT_EQ(of.heap_calls, 0);
+}
+
+TEST(Exchange, one_that_cannot_be_integrated_is_refused_and_the_old_one_goes_on) {
+  const rom::Network network = tests::small_network();
+  Exchanging of(network, network);
+  Cycle unfit(network, with_sensors(), runtime);
+  unfit.identify(new_sha256);
+  unfit.start_at(Eigen::VectorXd::Constant(5, not_a_value));
+  of.run(60);
+  of.exchange.offer(unfit);
+  of.run(1000);
+  EXPECT_EQ(of.last.exchange.state, ExchangeState::refused);
+  EXPECT_EQ(of.last.state, State::running);
+  EXPECT_EQ(of.last.network_id, 0xaaaaaaaaU);
 }
 
 TEST(Exchange, who_takes_the_file_away_ends_the_trial) {
