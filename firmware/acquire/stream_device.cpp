@@ -67,9 +67,9 @@ StreamDevice::~StreamDevice() {
 int StreamDevice::port() const { return port_of(listening_); }
 
 /// Without descriptors the connection would be offered again at once.
-void StreamDevice::wait_to_accept(int reason, std::int64_t now_ns) {
+void StreamDevice::wait_behind(const char* trouble, int reason, std::int64_t now_ns) {
   if (const auto before = troubles_.pass(now_ns)) {
-    spdlog::error("no node can be accepted at {}: {}{}", plan_.where(), std::strerror(reason), LogLimit::also(*before));
+    spdlog::error("{} at {}: {}{}", trouble, plan_.where(), std::strerror(reason), LogLimit::also(*before));
   }
   clock_.sleep_until_ns(now_ns + 100'000'000);
 }
@@ -80,7 +80,8 @@ void StreamDevice::accept_all(std::int64_t now_ns) {
   while (true) {
     const int socket = accept4(listening_, reinterpret_cast<sockaddr*>(&from), &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) {
-      if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) wait_to_accept(errno, now_ns);
+      if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
+        wait_behind("no node can be accepted", errno, now_ns);
       return;
     }
     if (!is_allowed(plan_.allow, ntohl(from.sin_addr.s_addr))) {
@@ -175,7 +176,9 @@ Step StreamDevice::step(DeviceReadings& readings) {
   std::vector<pollfd> sockets{{listening_, POLLIN, 0}};
   for (const Node& node : nodes_) sockets.push_back({node.socket, POLLIN, 0});
   constexpr int longest_wait_ms = 100;
-  ::poll(sockets.data(), sockets.size(), longest_wait_ms);
+  if (::poll(sockets.data(), sockets.size(), longest_wait_ms) < 0 && errno != EINTR) {
+    wait_behind("no node can be waited for", errno, clock_.now_ns());
+  }
   if (sockets[0].revents != 0) accept_all(clock_.now_ns());
   nodes_.remove_if([&](Node& node) { return !is_open(node, readings); });
   const bool heard = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& node) { return node.has_spoken; });

@@ -52,7 +52,8 @@ class StreamDevice final : public Driver {
  private:
   struct Node;
   void accept_all(std::int64_t now_ns);
-  void wait_to_accept(int reason, std::int64_t now_ns);
+  /// Says so, and lets a tenth of a second pass: what failed would fail again at once.
+  void wait_behind(const char* trouble, int reason, std::int64_t now_ns);
   bool is_open(Node& node, DeviceReadings& readings);
   void take_messages(Node& node, std::int64_t now_ns, DeviceReadings& readings);
   void take(Node& node, const spindle_twin_stream_Readings& message, std::int64_t now_ns, DeviceReadings& readings);

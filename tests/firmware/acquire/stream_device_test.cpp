@@ -260,6 +260,28 @@ TEST_F(StreamDeviceTest, without_descriptors_it_says_so_serves_its_nodes_and_tak
   EXPECT_EQ(sensor(0).value, 22.0);
 }
 
+/// poll() refuses more sockets than descriptors are allowed.
+TEST_F(StreamDeviceTest, behind_a_poll_that_fails_it_waits_says_so_and_takes_what_has_come) {
+  const int socket = connect_from("127.0.0.1");
+  node sender{};
+  send_bytes(socket, frames::frame_of(sender, 0, {20.0F}));
+  const Logged logged;
+  const std::int64_t before_ns = clock_.time_ns;
+  {
+    rlimit before{};
+    ::getrlimit(RLIMIT_NOFILE, &before);
+    const rlimit none{1, before.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &none);
+    step(10);
+    ::setrlimit(RLIMIT_NOFILE, &before);
+  }
+  EXPECT_GE(clock_.time_ns - before_ns, static_cast<std::int64_t>(0.9 * second_ns)) << "it spins";
+  EXPECT_NE(logged.text().find("error no node can be waited for at 127.0.0.1:0: Invalid argument"), std::string::npos)
+      << logged.text();
+  send_bytes(socket, frames::frame_of(sender, 1000, {21.0F}));
+  EXPECT_EQ(sensor(0).value, 21.0);
+}
+
 TEST(StreamDevice, a_port_that_is_taken_is_a_lost_device_with_its_reason) {
   SteppedClock clock;
   StreamPlan plan;
