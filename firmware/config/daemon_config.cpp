@@ -73,7 +73,7 @@ DaemonConfig of_several(const TomlTable& root, const std::string& path) {
   DaemonConfig daemon;
   daemon.log_level = read_log_level(root);
   Listeners listeners;
-  daemon.serve = read_serve(root.table("serve"), listeners);
+  daemon.serve = read_serve(root.table("serve"), path, listeners);
   daemon.show = read_http(root.optional_table("http"), listeners);
   Taken taken;
   for (const TomlTable& table : root.tables("spindle")) {

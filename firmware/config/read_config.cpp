@@ -292,7 +292,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   read_cycle(root, config.cycle);
   Listeners listeners;
   const TomlTable serve = root.table("serve");
-  config.serve = read_serve(serve, listeners);
+  config.serve = read_serve(serve, path, listeners);
   read_plc_timeout(serve, config);
   config.show = read_http(root.optional_table("http"), listeners);
   read_spindle(root, config, listeners);

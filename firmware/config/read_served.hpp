@@ -14,8 +14,9 @@ namespace spindle_twin::firmware {
 
 /// `log_level`; "info" where it is missing.
 std::string read_log_level(const rom::TomlTable& root);
-/// [serve], but for the keys that a spindle has for itself.
-ServePlan read_serve(const rom::TomlTable& table, Listeners& listeners);
+/// [serve] with [serve.tls], whose files stand relative to `config_path`; but for the keys that a spindle has for
+/// itself.
+ServePlan read_serve(const rom::TomlTable& table, const std::string& config_path, Listeners& listeners);
 /// [http]; without that table nobody listens.
 ShowPlan read_http(const std::optional<rom::TomlTable>& table, Listeners& listeners);
 

@@ -33,11 +33,25 @@ void Daemon::listen() {
   for (const auto& spindle : spindles_) {
     const LogName name(spindle->name);
     const CyclePlan& plan = spindle->plan.cycle;
-    spdlog::info("{}: {} nodes, period {} s, clock rate {}, Modbus/TCP on {}:{}{}", spindle->file.network.spindle,
-                 spindle->file.network.nodes.size(), plan.period_s, plan.clock_rate, serve_.address, server_->port(),
+    const std::string where =
+        serve_.plain ? fmt::format("Modbus/TCP on {}:{}", serve_.address, server_->port()) : "Modbus/TCP by TLS only";
+    spdlog::info("{}: {} nodes, period {} s, clock rate {}, {}{}", spindle->file.network.spindle,
+                 spindle->file.network.nodes.size(), plan.period_s, plan.clock_rate, where,
                  spindle->name.empty() ? "" : fmt::format(", unit {}", spindle->unit));
   }
-  if (!show_.enabled) return;
+  if (serve_.tls) listen_by_tls();
+  if (show_.enabled) show();
+}
+
+void Daemon::listen_by_tls() {
+  tls_.emplace(serve_, clock_, *server_);
+  spdlog::info("Modbus/TCP by TLS on {}:{}, certificate valid until {}", serve_.tls->address, tls_->port(),
+               tls_->valid_until());
+  if (tls_->expired()) spdlog::warn("serve.tls.certificate is valid no more: clients will refuse it");
+  threads_.emplace_back([this] { tls_->run(); });
+}
+
+void Daemon::show() {
   std::vector<SpindleToShow> shown;
   for (const auto& spindle : spindles_) {
     shown.push_back({spindle->name, spindle->unit, names_of(spindle->file.network), stale_after_s(spindle->cycle_s())});
@@ -68,10 +82,12 @@ void Daemon::end() {
 
 void Daemon::stop() {
   end();
+  if (tls_) tls_->stop();
   if (server_) server_->stop();
   if (shown_) shown_->stop();
   for (std::thread& thread : std::exchange(threads_, {})) thread.join();
   for (const auto& run : runs_) run->stop();
+  tls_.reset();
   server_.reset();
 }
 

@@ -10,6 +10,7 @@
 #include "firmware/config/daemon_config.hpp"
 #include "firmware/run/spindle_run.hpp"
 #include "firmware/serve/modbus_server.hpp"
+#include "firmware/serve/tls_front.hpp"
 #include "firmware/show/http_server.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/service_manager.hpp"
@@ -36,6 +37,8 @@ class Daemon {
 
  private:
   void listen();
+  void listen_by_tls();
+  void show();
 
   const ServePlan serve_;
   const ShowPlan show_;
@@ -43,6 +46,7 @@ class Daemon {
   MonotonicClock clock_;
   std::vector<std::unique_ptr<SpindleRun>> runs_;
   std::optional<ModbusServer> server_;
+  std::optional<TlsFront> tls_;
   std::optional<HttpServer> shown_;
   std::optional<ServiceManager> manager_;
   std::atomic<bool> stop_{false};

@@ -42,6 +42,11 @@ constexpr int unread_bytes = 16384;
 
 constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that is idle for so long
 
+void notify(const Descriptor& event) {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(event.get(), &one, sizeof one);
+}
+
 bool can_take_an_answer(int socket) {
   pollfd writable{socket, POLLOUT, 0};
   return poll(&writable, 1, 0) == 1 && (writable.revents & POLLOUT) != 0;
@@ -52,10 +57,11 @@ bool can_take_an_answer(int socket) {
 ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vector<SpindlePorts>& spindles)
     : plan_(plan),
       clock_(clock),
-      listener_(listen_on(plan.address, plan.port)),
+      listener_(plan.plain ? listen_on(plan.address, plan.port) : -1),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
+      adopting_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       modbus_(modbus_new_tcp(nullptr, 0)) {
-  if (modbus_ == nullptr || wake_.get() < 0) throw std::bad_alloc();
+  if (modbus_ == nullptr || wake_.get() < 0 || adopting_.get() < 0) throw std::bad_alloc();
   // libmodbus sleeps for the response timeout before some of its exceptions; a whole frame is there, so the byte
   // timeout has nothing to wait for either.
   modbus_set_response_timeout(modbus_, 0, 1);
@@ -72,11 +78,16 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vecto
 
 ModbusServer::~ModbusServer() { modbus_free(modbus_); }
 
-int ModbusServer::port() const { return port_of(listener_.get()); }
+int ModbusServer::port() const { return listener_.get() < 0 ? 0 : port_of(listener_.get()); }
 
-void ModbusServer::stop() {
-  const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+void ModbusServer::stop() { notify(wake_); }
+
+void ModbusServer::adopt(Descriptor socket, std::uint32_t host, bool may_write) {
+  {
+    const std::lock_guard lock(guard_);
+    adopted_.push_back({std::move(socket), host, may_write});
+  }
+  notify(adopting_);
 }
 
 int ModbusServer::poll_timeout_ms() const {
@@ -93,13 +104,15 @@ int ModbusServer::poll_timeout_ms() const {
 
 void ModbusServer::run() {
   std::vector<pollfd> polled;
-  polled.reserve(connections_.capacity() + 2);
+  constexpr std::size_t first_client = 3;
+  polled.reserve(connections_.capacity() + first_client);
   while (true) {
     polled.clear();
     polled.push_back({wake_.get(), POLLIN, 0});
     // A client that waits for a descriptor would make poll() return at once for as long as there is none.
     if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
     polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
+    polled.push_back({adopting_.get(), POLLIN, 0});
     for (const Connection& connection : connections_)
       polled.push_back({connection.socket.get(), POLLIN | POLLRDHUP, 0});
     if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
@@ -113,13 +126,25 @@ void ModbusServer::run() {
     const std::int64_t now_ns = clock_.now_ns();
     for (std::size_t c = 0; c < connections_.size(); ++c) {
       Connection& connection = connections_[c];
-      if (polled[c + 2].revents != 0) look_at(connection, polled[c + 2].revents);
+      if (polled[c + first_client].revents != 0) look_at(connection, polled[c + first_client].revents);
       if (connection.deadline_ns != 0 && now_ns >= connection.deadline_ns) connection.open = false;
       if (now_ns - connection.asked_ns >= idle_ns()) connection.open = false;
     }
     std::erase_if(connections_, [](const Connection& connection) { return !connection.open; });
     if (polled[1].revents != 0) accept_all();
+    if (polled[2].revents != 0) adopt_all();
   }
+}
+
+void ModbusServer::adopt_all() {
+  std::uint64_t count = 0;
+  [[maybe_unused]] const ssize_t cleared = read(adopting_.get(), &count, sizeof count);
+  std::vector<Newcomer> adopted;
+  {
+    const std::lock_guard lock(guard_);
+    adopted.swap(adopted_);
+  }
+  for (Newcomer& each : adopted) admit(std::move(each));
 }
 
 void ModbusServer::accept_all() {
@@ -136,26 +161,31 @@ void ModbusServer::accept_all() {
       if (before) spdlog::warn("client {} is not in serve.allow{}", address_text(host), LogLimit::also(*before));
       continue;
     }
-    if (socket.get() >= descriptor_limit || crowds_out_files(socket.get()) || !make_room_for(host)) {
-      const auto before = refusals_.pass(now_ns);
-      if (before) {
-        const char* why = crowds_out_files(socket.get())
-                              ? "the last file descriptors are kept for orders and checkpoint"
-                              : "none is idle for long";
-        spdlog::warn("client {} refused: {} connections are open, {}{}", address_text(host), connections_.size(), why,
-                     LogLimit::also(*before));
-      }
-      continue;
-    }
     make_quick(socket.get());
-    limit_unread(socket.get(), unread_bytes);
-    Connection& connection = connections_.emplace_back();
-    connection.socket = std::move(socket);
-    connection.host = host;
-    connection.may_write = is_allowed(plan_.write, host);
-    connection.asked_ns = now_ns;
-    connection.talks.resize(spindles_.size());
+    admit({std::move(socket), host, is_allowed(plan_.write, host)});
   }
+}
+
+void ModbusServer::admit(Newcomer newcomer) {
+  const int socket = newcomer.socket.get();
+  const std::int64_t now_ns = clock_.now_ns();
+  if (socket >= descriptor_limit || crowds_out_files(socket) || !make_room_for(newcomer.host)) {
+    const auto before = refusals_.pass(now_ns);
+    if (before) {
+      const char* why = crowds_out_files(socket) ? "the last file descriptors are kept for orders and checkpoint"
+                                                 : "none is idle for long";
+      spdlog::warn("client {} refused: {} connections are open, {}{}", address_text(newcomer.host), connections_.size(),
+                   why, LogLimit::also(*before));
+    }
+    return;
+  }
+  limit_unread(socket, unread_bytes);
+  Connection& connection = connections_.emplace_back();
+  connection.socket = std::move(newcomer.socket);
+  connection.host = newcomer.host;
+  connection.may_write = newcomer.may_write;
+  connection.asked_ns = now_ns;
+  connection.talks.resize(spindles_.size());
 }
 
 /// Accepting goes on when others may have closed theirs; what waits is in the backlog.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -32,7 +33,11 @@ class ModbusServer {
   ModbusServer(const ModbusServer&) = delete;
   ModbusServer& operator=(const ModbusServer&) = delete;
 
+  /// Of the plain port; 0: there is none.
   int port() const;
+  /// Serves one more client, whose bytes come from elsewhere by this connection: TCP inside this computer,
+  /// non-blocking. `host`: its IPv4 address, host byte order. It is closed where there is no room for it. Any thread.
+  void adopt(Descriptor socket, std::uint32_t host, bool may_write);
   /// Until stop(); a failing poll() is tried again.
   void run();
   /// Ends run(); from any thread or signal handler.
@@ -50,7 +55,15 @@ class ModbusServer {
     std::vector<Talk> talks;    ///< by spindle
   };
 
+  struct Newcomer {
+    Descriptor socket;
+    std::uint32_t host = 0;
+    bool may_write = false;
+  };
+
   void accept_all();
+  void adopt_all();
+  void admit(Newcomer newcomer);
   bool make_room_for(std::uint32_t host);
   void wait_for_descriptors(int reason);
   void note_request(Connection& connection, const SpindleRegisters* told = nullptr);
@@ -67,7 +80,9 @@ class ModbusServer {
   std::vector<SpindleRegisters> spindles_;
   Units units_;  ///< of all spindles
   Descriptor listener_;
-  Descriptor wake_;
+  Descriptor wake_, adopting_;
+  std::mutex guard_;
+  std::vector<Newcomer> adopted_;  ///< behind guard_
   std::vector<Connection> connections_;
   modbus_t* modbus_ = nullptr;
   std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then

@@ -77,6 +77,10 @@ class RunningDaemon(unittest.TestCase):
         self.log = open(self.folder / "log", "w+")
         self.addCleanup(self.log.close)
         self.daemon = self.start([PROGRAMS["daemon"], self.config], stderr=self.log)
+        self.meet_daemon()
+
+    def meet_daemon(self):
+        """The client of all tests."""
         wait_until(lambda: can_connect(self.port), "the daemon's port")
         self.client = ModbusTcpClient("127.0.0.1", port=self.port)
         self.assertTrue(self.client.connect())

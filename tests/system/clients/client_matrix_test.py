@@ -3,10 +3,8 @@ at hand, and the whole conversation judged by Wireshark's dissector.
 
 client_matrix_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]; prints the matrix.
 """
-import json
 import pathlib
 import re
-import select
 import subprocess
 import sys
 
@@ -14,9 +12,10 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parent), str(HERE)]
 
 from capture_judgement import judge  # noqa: E402
+from npm_client import NpmClient  # noqa: E402
 from ports import wait_until  # noqa: E402
 from promises import Outcome, keeps, register_map, requests, values  # noqa: E402
-from python_clients import HOLDING, INPUT, PATIENCE_S, Libmodbus, Mbpoll, Pymodbus, RawClient  # noqa: E402
+from python_clients import HOLDING, INPUT, Libmodbus, Mbpoll, Pymodbus, RawClient  # noqa: E402
 from recording_relay import RecordingRelay  # noqa: E402
 from running_daemon import RunningDaemon, main  # noqa: E402
 
@@ -31,33 +30,6 @@ FUNCTIONS = {
     "modbus-serial": {1, 2, 3, 4, 5, 6, 15, 16, 20, 22, 23, 43, 65},
     "jsmodbus": {1, 2, 3, 4, 5, 6, 15, 16, 43},
 }
-
-
-class NpmClient:
-    """A client of npm in a process of its own, asked by lines of JSON."""
-
-    def __init__(self, name, port):
-        self.name = name
-        self.process = subprocess.Popen(["node", HERE / "npm_clients.js", name, str(port)], stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, text=True)
-
-    def answer(self, order):
-        print(json.dumps(order), file=self.process.stdin, flush=True)
-        ready, _, _ = select.select([self.process.stdout], [], [], PATIENCE_S)
-        if not ready:
-            raise AssertionError(f"{self.name} says nothing to {order}")
-        return json.loads(self.process.stdout.readline())
-
-    def ask(self, unit, pdu):
-        answer = self.answer({"unit": unit, "pdu": list(pdu)})
-        return Outcome(answer["kind"], answer.get("detail"))
-
-    def value(self, table, offset, kind):
-        return self.answer({"table": table, "offset": offset, "kind": kind})["value"]
-
-    def close(self):
-        self.process.kill()
-        self.process.communicate()
 
 
 class Matrix(RunningDaemon):

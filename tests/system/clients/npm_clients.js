@@ -1,12 +1,15 @@
-// The Modbus clients of npm, driven by lines of JSON: npm_clients.js NAME PORT, NAME modbus-serial or jsmodbus.
+// The Modbus clients of npm, driven by lines of JSON: npm_clients.js NAME PORT [CA CERTIFICATE KEY], NAME modbus-serial or
+// jsmodbus; that one by TLS where it gets the three files.
 // In: {"unit", "pdu": [bytes]} or {"table", "offset", "kind"}. Out: {"kind", "detail"} as promises.py has it, or {"value"}.
+import { readFileSync } from "node:fs";
 import { Socket } from "node:net";
 import { createInterface } from "node:readline";
+import { connect as connectByTls } from "node:tls";
 import jsmodbus from "jsmodbus";
 import ModbusSerial from "modbus-serial";
 
 const patience_ms = 10000;
-const [name, port] = process.argv.slice(2);
+const [name, port, ...files] = process.argv.slice(2);
 const wide = { uint32: 2, int32: 2, float32: 2, float32_cdab: 2 };
 const word = (pdu, at) => (pdu[at] << 8) | pdu[at + 1];
 const words = (bytes) => Array.from({ length: bytes.length / 2 }, (_, n) => word(bytes, 2 * n));
@@ -68,17 +71,25 @@ async function modbusSerial() {
   };
 }
 
+function begunByTls() {
+  const [ca, cert, key] = files.map((file) => readFileSync(file));
+  return connectByTls({ port: Number(port), host: "127.0.0.1", servername: "edge-7", ca, cert, key });
+}
+
 async function jsModbus() {
   const clients = new Map();
   // A client has one unit and believes that all that comes over its socket is for it: a socket for each unit. It goes
   // by the socket's events, so it is there before the connection.
   const clientOf = async (unit) => {
     if (clients.has(unit) && !clients.get(unit).socket.destroyed) return clients.get(unit);
-    const socket = new Socket();
+    const socket = files.length > 0 ? begunByTls() : new Socket();
     const client = new jsmodbus.client.TCP(socket, unit, patience_ms);
     clients.set(unit, client);
     socket.on("error", () => socket.destroy());
-    await new Promise((resolve) => socket.connect({ port: Number(port), host: "127.0.0.1" }, resolve));
+    await new Promise((resolve) => {
+      if (files.length > 0) socket.once("secureConnect", resolve);
+      else socket.connect({ port: Number(port), host: "127.0.0.1" }, resolve);
+    });
     return client;
   };
   const calls = {
