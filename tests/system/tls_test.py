@@ -74,7 +74,7 @@ class Tls(RunningDaemon):
 
     def meet_daemon(self):
         super().meet_daemon()
-        wait_until(lambda: "Modbus/TCP by TLS on" in self.log_text(), "the port of TLS")
+        wait_until(lambda: "Modbus/TCP by TLS on 127" in self.log_text(), "the port of TLS")
 
     def context(self, who="plc"):
         context = ssl.create_default_context(cafile=self.folder / "ca.pem")
@@ -241,7 +241,7 @@ class ByTlsOnly(Tls):
     config_text = CONFIG.replace("[serve]", "[serve]\nplain = false") + TLS
 
     def meet_daemon(self):
-        wait_until(lambda: "Modbus/TCP by TLS on" in self.log_text(), "the port of TLS")
+        wait_until(lambda: "Modbus/TCP by TLS on 127" in self.log_text(), "the port of TLS")
 
     def test_nobody_is_served_without_a_certificate(self):
         self.assertFalse(can_connect(self.port))
