@@ -13,7 +13,7 @@ import unittest
 
 import host_tool_case
 from host_tool_case import DAEMON, TWIN, run
-from ports import free_port
+from ports import PATIENCE, free_port
 
 EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "rom" / "by_hand" / "motor_spindle.toml"
 CONFIG = """network = {network}
@@ -105,7 +105,7 @@ class NetworkFiles(host_tool_case.Case):
 
     def test_the_example_of_a_replay_runs_and_the_correction_helps(self):
         script = EXAMPLE.parents[2] / "host_tools" / "replay_example"
-        told = subprocess.run([script, self.folder], env={**os.environ, "TWIN": TWIN}, capture_output=True, text=True, timeout=120)
+        told = subprocess.run([script, self.folder], env={**os.environ, "TWIN": TWIN}, capture_output=True, text=True, timeout=120 * PATIENCE)
         self.assertEqual(told.returncode, 0, told.stderr)
         network, log = self.folder / "motor_spindle.rom", self.folder / "log.csv"
         nose = [self.json_of("replay", network, log, "--correction", law)["deformations"][0]

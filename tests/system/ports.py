@@ -1,6 +1,9 @@
 """Ports of this machine, and waiting for what another program does."""
+import os
 import socket
 import time
+
+PATIENCE = float(os.environ.get("SPINDLE_TWIN_PATIENCE", "1"))  # for programs that run slowly, as under a sanitizer
 
 
 def free_port():
@@ -15,7 +18,7 @@ def can_connect(port):
 
 
 def wait_until(condition, what, seconds=60.0):
-    end = time.monotonic() + seconds
+    end = time.monotonic() + PATIENCE * seconds
     while time.monotonic() < end:
         value = condition()
         if value:

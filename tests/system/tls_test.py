@@ -74,7 +74,15 @@ class Tls(RunningDaemon):
 
     def meet_daemon(self):
         super().meet_daemon()
-        wait_until(lambda: "Modbus/TCP by TLS on 127" in self.log_text(), "the port of TLS")
+        self.wait_for_tls(1)
+
+    def start_again(self):
+        starts = self.log_text().count("Modbus/TCP by TLS on ")
+        super().start_again()
+        self.wait_for_tls(starts + 1)
+
+    def wait_for_tls(self, starts):
+        wait_until(lambda: self.log_text().count("Modbus/TCP by TLS on ") == starts, "the port of TLS")
 
     def context(self, who="plc"):
         context = ssl.create_default_context(cafile=self.folder / "ca.pem")
@@ -241,7 +249,7 @@ class ByTlsOnly(Tls):
     config_text = CONFIG.replace("[serve]", "[serve]\nplain = false") + TLS
 
     def meet_daemon(self):
-        wait_until(lambda: "Modbus/TCP by TLS on 127" in self.log_text(), "the port of TLS")
+        self.wait_for_tls(1)
 
     def test_nobody_is_served_without_a_certificate(self):
         self.assertFalse(can_connect(self.port))
