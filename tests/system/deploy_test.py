@@ -259,8 +259,49 @@ class Worse(Deploy):
         wait_until(lambda: "bad.rom.refused" in self.names(), "the file is put aside")
 
 
+class BesideAnother(Deploy):
+    """Two spindles of the same network in one daemon; a new one is deployed for the left."""
+    config_text = "[serve]\nport = {port}\n" + "".join(
+        f'[[spindle]]\nname = "{name}"\nunit = {unit}\nconfig = "{name}/twin.toml"\n'
+        for name, unit in (("left", 1), ("right", 2)))
+
+    def start_devices(self):
+        places = super().start_devices()
+        own = CONFIG.replace("[serve]\nport = {port}\n", "").format(**places)
+        for file in ("small.rom", "factory.pub", "slot"):
+            own = own.replace(f'"{file}"', f'"../{file}"')
+        for name, text in (("left", own), ("right", own[:own.index("[exchange]")] + own[own.index("[checkpoint]"):])):
+            (self.folder / name).mkdir()
+            (self.folder / name / "twin.toml").write_text(text)
+        return {}
+
+    def right(self, first, count):
+        reply = self.client.read_input_registers(first, count, slave=2)
+        self.assertFalse(reply.isError(), reply)
+        return reply.registers
+
+    def test_one_gets_a_new_network_and_the_other_notices_nothing(self):
+        wait_until(lambda: self.right(STATE, 1)[0] in (1, 2), "a prediction of the other")
+        begin = self.right(8, 2)
+        own_id = self.right(NETWORK_ID, 2)
+        self.deploy()
+        self.wait_exchange(ACCEPTED)
+        self.assertEqual(self.network_id(), self.id_of("new.rom"))
+        self.assertEqual((self.right(NETWORK_ID, 2), self.right(EXCHANGE, 1)), (own_id, [0]))
+        self.assertGreater(self.right(8, 2), begin)
+        self.assertIn(self.right(STATE, 1)[0], (1, 2))
+        time.sleep(1.5)  # checkpoint and orders are written at once
+        self.kill()
+        self.restart()
+        self.assertEqual(self.network_id(), self.id_of("new.rom"))
+        wait_until(lambda: self.right(STATE, 1)[0] in (1, 2), "a prediction of the other")
+        self.assertEqual(self.right(NETWORK_ID, 2), own_id)
+        self.assertNotIn("lost", self.log_text())
+
+
 for inherited in [name for name in dir(Deploy) if name.startswith("test_")]:
-    setattr(Worse, inherited, None)
+    for child in (Worse, BesideAnother):
+        setattr(child, inherited, None)
 
 if __name__ == "__main__":
     main("host_tool")
