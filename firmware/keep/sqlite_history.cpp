@@ -122,7 +122,8 @@ void SqliteHistory::fail(const char* what, const DatabaseError& error) {
 
 void SqliteHistory::add(const Snapshot& snapshot, double clock_offset_s) {
   const double unix_s = clock_offset_s + 1e-9 * static_cast<double>(snapshot.time_ns);
-  if (run_ == 0 || snapshot.sequence != sequence_ + 1) {
+  // One network replays a run.
+  if (run_ == 0 || snapshot.sequence != sequence_ + 1 || snapshot.network_id != network_id_) {
     run_ = next_id_;
     Statement begin = database_->prepare("INSERT INTO run VALUES (?, ?, ?)");
     begin.bind(0, run_);
@@ -131,6 +132,7 @@ void SqliteHistory::add(const Snapshot& snapshot, double clock_offset_s) {
     begin.run();
   }
   sequence_ = snapshot.sequence;
+  network_id_ = snapshot.network_id;
   history_numbers(snapshot, numbers_);
   insert_->bind(0, next_id_++);
   insert_->bind(1, run_);

@@ -49,8 +49,9 @@ class SqliteHistory final : public HistoryWriter {
   bool is_damaged_ = false;
   std::uint64_t most_bytes_ = 0;  ///< of this file
   std::int64_t next_id_ = 1;
-  std::int64_t run_ = 0;        ///< 0: the next row begins one
-  std::uint64_t sequence_ = 0;  ///< of the last row
+  std::int64_t run_ = 0;          ///< 0: the next row begins one
+  std::uint64_t sequence_ = 0;    ///< of the last row
+  std::uint32_t network_id_ = 0;  ///< likewise
   std::vector<double> numbers_;
 };
 

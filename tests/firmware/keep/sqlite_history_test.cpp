@@ -85,6 +85,15 @@ TEST_F(SqliteFile, each_start_and_each_gap_begins_a_run_and_rows_are_in_order) {
   EXPECT_FALSE(is_at_fault());
 }
 
+TEST_F(SqliteFile, another_network_begins_a_run) {
+  change_ = [](Snapshot& snapshot) { snapshot.network_id = snapshot.sequence <= 30 || snapshot.sequence > 70 ? 7 : 8; };
+  write_run(100);
+  ASSERT_EQ(runs().size(), 3U);
+  EXPECT_EQ(runs()[0].rows, 30);
+  EXPECT_EQ(runs()[1].rows, 40);
+  EXPECT_EQ(table(runs()[2].id).column("sequence").front(), 71.0);
+}
+
 TEST_F(SqliteFile, its_columns_are_those_of_the_csv_and_its_numbers_those_of_the_daemon_to_the_bit) {
   std::mt19937 random(3);
   std::vector<double> told;
