@@ -67,7 +67,7 @@ class Orders(RunningDaemon):
         self.config.write_text(self.config.read_text() + "max_age_h = 0.0\n")
         self.restart(signal.SIGTERM)
         self.wait_for_state(2)
-        self.assertIn("checkpoint.max_age_h", self.log_text())
+        self.assert_logged("checkpoint.max_age_h")
         self.assertEqual(self.tare_um(), taken_um)
 
     def test_the_correction_stays_off_over_a_restart_until_it_is_switched_on(self):
@@ -212,7 +212,7 @@ class Faults(RunningDaemon):
         self.client.write_register(ORDER_ID, 9, slave=1)
         self.client.write_register(TARE, 1, slave=1)
         wait_until(lambda: self.read(1404, 1) == [9] and self.read(1420, 1) == [DONE], "a tare on the disk all the same")
-        self.assertIn("kept for orders and checkpoint", self.log_text())
+        self.assert_logged("kept for orders and checkpoint")
         for client in clients:
             client.close()
         with socket.create_connection(("127.0.0.1", self.port)) as late:
@@ -266,7 +266,7 @@ class WrongDevice(RunningDaemon):
         while time.monotonic() < end:
             self.assertTrue(self.read(11, 1)[0] & 0x100)
             self.assertEqual(self.read(40, 1), [2850])
-        self.assertIn("its answer is of another request, unit, protocol or length", self.log_text())
+        self.assert_logged("its answer is of another request, unit, protocol or length")
 
 
 class Log(RunningDaemon):

@@ -167,7 +167,7 @@ class Deploy(RunningDaemon):
         accepted.write_bytes(accepted.read_bytes()[:-1])
         self.restart()
         self.assertEqual(self.network_id(), old)
-        self.assertIn("now the configured network runs", self.log_text())
+        self.assert_logged("now the configured network runs")
 
     def test_a_kill_between_the_network_and_its_orders_loses_no_order(self):
         self.assertFalse(self.client.write_register(1005, 1, slave=1).isError())
@@ -181,7 +181,7 @@ class Deploy(RunningDaemon):
         self.restart()
         self.assertEqual(self.network_id(), self.id_of("new.rom"))
         self.assertAlmostEqual(float32(*self.read(TARE, 2)), tare, places=4)
-        self.assertIn("of the network before the exchange", self.log_text())
+        self.assert_logged("of the network before the exchange")
         self.assertNotIn("lost", self.log_text())
 
     def test_a_disk_that_takes_no_file_is_waited_for(self):

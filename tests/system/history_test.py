@@ -181,7 +181,7 @@ class Disks(History):
         self.on_the_disk("rm", self.disk / "ballast")
         wait_until(lambda: not self.is_lost(), "the history to go on")
         wait_until(lambda: self.newest_run() > last, "a run of its own")
-        self.assertIn("is written again", self.log_text())
+        self.assert_logged("is written again")
 
     def test_a_read_only_disk_is_a_fault_until_it_can_be_written(self):
         self.start_on('mount -t tmpfs -o ro tmpfs "$1"')

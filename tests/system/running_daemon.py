@@ -110,6 +110,10 @@ class RunningDaemon(unittest.TestCase):
         wait_until(lambda: can_connect(self.port), "the daemon's port")
         self.assertTrue(self.client.connect())
 
+    def assert_logged(self, text):
+        """Lines are written by a thread of their own, so some while after what they tell."""
+        wait_until(lambda: text in self.log_text(), f'"{text}" in the log', 10)
+
     def log_text(self):
         self.log.seek(0)
         return self.log.read()

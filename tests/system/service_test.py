@@ -91,7 +91,7 @@ class Notified(RunningDaemon):
 
     def test_memory_is_locked_where_the_limit_is_infinite(self):
         self.assertGreater(self.locked_kB(resource.RLIM_INFINITY), 1000)
-        self.assertIn("memory locked", self.log_text())
+        self.assert_logged("memory locked")
 
     def test_memory_is_left_alone_under_a_limit(self):
         self.assertEqual(self.locked_kB(8 << 20), 0)
