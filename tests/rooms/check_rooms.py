@@ -65,7 +65,10 @@ def complaints(root, generated):
                 if not include:
                     continue
                 count += 1
-                complaint = rooms.complaint(source, include.group(1))
+                name = include.group(1)
+                if "/" not in name and (path.parent / name).is_file():  # beside it: sources that are copied to other machines
+                    name = (path.parent / name).relative_to(base).as_posix()
+                complaint = rooms.complaint(source, name)
                 if complaint:
                     found.append(f"{source}:{number}: {complaint}")
     return found, count

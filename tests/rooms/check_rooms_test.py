@@ -64,6 +64,16 @@ class Rooms(unittest.TestCase):
         self.write("low/a.cpp", "low/a.hpp", "high/b.hpp")
         self.assertEqual(self.complaint(), "low/a.cpp:3: runs back: high stands after low in rooms.toml")
 
+    def test_a_name_without_folder_is_the_file_beside(self):
+        (self.root / "rooms.toml").write_text(ORDER)
+        self.write("low/a.hpp")
+        self.write("low/a.cpp", "a.hpp")
+        self.assertEqual(self.check().stderr, "")
+        self.write("low/numbers.hpp", "a.hpp")
+        self.assertEqual(self.complaint(), "low/numbers.hpp:2: runs back: low stands after low/numbers.hpp in rooms.toml")
+        self.write("low/numbers.hpp", "b.hpp")
+        self.assertEqual(self.complaint(), "low/numbers.hpp:2: b.hpp belongs to no room of rooms.toml")
+
     def test_from_a_folder_into_one_inside_it(self):
         self.write("high/b.cpp", "high/inner/c.hpp")
         self.assertEqual(self.complaint(), "high/b.cpp:2: runs back: high/inner stands after high in rooms.toml")
