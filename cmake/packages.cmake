@@ -75,7 +75,7 @@ install(FILES host_tools/linuxcnc/README.md host_tools/linuxcnc/spindle_twin.hal
   host_tools/linuxcnc/spindle_twin_mb2hal.ini DESTINATION ${linuxcnc} COMPONENT tools)
 install(PROGRAMS host_tools/linuxcnc/spindle_twin_watch DESTINATION ${linuxcnc} COMPONENT tools)
 file(GLOB plc_files CONFIGURE_DEPENDS host_tools/plc/*.md host_tools/plc/*.st host_tools/plc/*.scl host_tools/plc/*.[ch])
-list(FILTER plc_files EXCLUDE REGEX "/(logic\\.st|reader\\.scl)$")  # what the others are made from
+list(FILTER plc_files EXCLUDE REGEX "/(logic\\.st|reader_[a-z]+\\.(st|scl))$")  # what the others are made from
 install(FILES ${plc_files} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin/examples/plc COMPONENT tools)
 install(FILES ${packed}/spindle-twin/copyright ${packed}/spindle-twin/changelog.gz ${packed}/spindle-twin/CHANGELOG.md.gz
   DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin COMPONENT tools)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Makes the files for PLCs from plc.toml, logic.st, the register map and its codes.
 
-  generate_plc.py --write    writes spindle_twin.st, spindle_twin.scl, spindle_twin_read.scl, twin_interface.h and
-                             interface.md beside this script
+  generate_plc.py --write    writes beside this script spindle_twin.st and spindle_twin.scl; what reads the registers around
+                             them, from the files reader_*; twin_interface.h and interface.md
   generate_plc.py --check    fails if one of them is not what --write would write
 """
 import argparse
@@ -173,16 +173,19 @@ END_FUNCTION_BLOCK
 """
 
 
-def reading_block(plan):
-    """SCL around MB_CLIENT, from reader.scl."""
-    text = (HERE / "reader.scl").read_text(encoding="utf-8").replace("@made@", MADE)
-    for read in plan.reads:
-        name = read["name"]
-        text = text.replace(f"@{name}.address@", str(30001 + read["address"])).replace(f"@{name}.count@", str(read["count"]))
-        text = text.replace(f"@{name}.last@", str(read["count"] - 1))
-    if "@" in text:
-        raise PlcError(f"reader.scl: {text[text.index('@'):][:20]!r} is no place that is filled in")
-    return text
+def reader(template):
+    """What reads the registers and calls the function block, from a file with places for addresses and lengths."""
+    def fill(plan):
+        text = (HERE / template).read_text(encoding="utf-8").replace("@made@", MADE)
+        for read in plan.reads:
+            places = {"number": 30001 + read["address"], "offset": read["address"], "count": read["count"],
+                      "last": read["count"] - 1, "bytes": 2 * read["count"]}
+            for place, number in places.items():
+                text = text.replace(f"@{read['name']}.{place}@", str(number))
+        if "@" in text:
+            raise PlcError(f"{template}: {text[text.index('@'):][:20]!r} is no place that is filled in")
+        return text
+    return fill
 
 
 def c_literal(kind, value):
@@ -277,7 +280,8 @@ In C the same names stand in small letters: `SlewNmPerS` is `slew_nm_per_s`.
 
 
 MAKERS = {"spindle_twin.st": structured_text, "spindle_twin.scl": structured_control_language,
-          "spindle_twin_read.scl": reading_block, "twin_interface.h": c_header, "interface.md": markdown}
+          "spindle_twin_read.scl": reader("reader_tia.scl"), "spindle_twin_codesys.st": reader("reader_codesys.st"),
+          "spindle_twin_twincat.st": reader("reader_twincat.st"), "twin_interface.h": c_header, "interface.md": markdown}
 
 
 def main():

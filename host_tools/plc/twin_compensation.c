@@ -79,7 +79,7 @@ void twin_step(struct twin_compensation* twin, const struct twin_settings* setti
     return;
   }
   watch_heartbeat(&twin->memory, settings, input, step_us);
-  output->reason = judge(&twin->memory, settings, input);
+  output->reason = (uint16_t)judge(&twin->memory, settings, input);
   output->valid = output->reason == TWIN_REASON_OK;
   hold(twin, settings, input, step_us);
   int32_t target_nm = twin->memory.held_nm;

@@ -2,12 +2,12 @@
 
 checked(block, instances) gives a Checked or raises TypeProblem with the line. It is as strict as the strictest control: no
 type becomes another by itself, a temporary variable is written before it is read, and nothing is declared in vain.
-A Checked steps: numbers are those of the controls, and a result that does not fit its type raises OverflowError.
+A Checked steps: its numbers are those of the controls, and a result that does not fit its type raises OverflowError.
 """
 import struct
 
 RANGES = {"INT": (-32768, 32767), "UINT": (0, 65535), "DINT": (-2**31, 2**31 - 1), "UDINT": (0, 2**32 - 1), "WORD": (0, 65535),
-          "USINT": (0, 255)}
+          "USINT": (0, 255), "BYTE": (0, 255)}
 WHOLE = ("INT", "UINT", "DINT", "UDINT", "USINT")
 SIGNED = ("INT", "DINT", "REAL")
 CONVERSIONS = {"WORD_TO_UINT": ("WORD", "UINT"), "WORD_TO_INT": ("WORD", "INT"), "INT_TO_DINT": ("INT", "DINT"),
@@ -60,7 +60,7 @@ class Checked:
         self.written = set()
         self.walk(block.statements, self.written, 1)
         unused = [name for name, variable in self.variables.items() if name not in self.read_names
-                  and variable.section != "VAR_OUTPUT" and variable.kind.strip('"') not in self.instances]
+                  and variable.section != "VAR_OUTPUT" and not block.program and variable.kind.strip('"') not in self.instances]
         if unused:
             raise TypeProblem(f"{block.name}: nobody reads {', '.join(unused)}")
         source = "def step(v):\n" + "\n".join(self.made or ["  pass"])
@@ -113,6 +113,12 @@ class Checked:
             return "BOOL", text.capitalize()
         return "literal", repr(number(text))
 
+    def of_text(self, text, line):
+        return "STRING", text
+
+    def of_time(self, text, line):
+        return "TIME", text[2:-2]
+
     def of_name(self, name, line):
         variable = self.variable(name, line)
         self.read_names.add(name)
@@ -142,9 +148,11 @@ class Checked:
         outputs = self.instances.get(kind, ({}, {}))[1]
         if member not in outputs:
             self.problem(line, f"{name}.{member}: {kind} has no such output")
-        return outputs[member], "False"
+        return outputs[member], f"v[{name!r}].outputs[{member!r}]"
 
     def of_call(self, function, argument, line):
+        if function == "ADR":
+            return "POINTER", self.expression(argument)[1]
         if function not in CONVERSIONS:
             self.problem(line, f"function {function} is not known")
         taken, given = CONVERSIONS[function]
@@ -194,8 +202,7 @@ class Checked:
                 self.assign(*statement[1:], space)
                 written.add(statement[1][1])
             elif statement[0] == "instance":
-                self.instance(*statement[1:])
-                self.made.append(space + "pass")  # what a called block does is not known here
+                self.instance(*statement[1:], space)
             else:
                 self.choice(statement, written, depth)
         return False
@@ -225,21 +232,21 @@ class Checked:
         if not self.walk(statements, mine, depth + 1):
             ends.append(mine)
 
-    def instance(self, name, parameters, line):
+    def instance(self, name, parameters, line, space):
         kind = self.variable(name, line).kind.strip('"')
         if kind not in self.instances:
             self.problem(line, f"{name} is {kind} and cannot be called")
-        inputs = self.instances[kind][0]
+        inputs, given = self.instances[kind][0], []
         for parameter, direction, value in parameters:
             if direction != ":=" or parameter not in inputs:
                 self.problem(line, f"{kind} has no input {parameter}, it has {', '.join(inputs)}")
-            if inputs[parameter] != "VARIANT":
-                self.value_of(value, inputs[parameter])
-            else:
-                self.expression(value)
+            text = self.expression(value)[1] if inputs[parameter] == "VARIANT" else self.value_of(value, inputs[parameter])
+            given.append(f"{parameter!r}: {text}")
+        self.made.append(f"{space}v[{name!r}].call({{{', '.join(given)}}})")
 
     def initial_values(self):
-        """Of all variables, as a control sets them before the first call; None: a temporary one, which has none."""
+        """Of all variables, as a control sets them before the first call; None: a temporary one, which has none. Instances
+        of other blocks are the caller's: objects with call(inputs) and outputs."""
         found = {}
         for variable in self.variables.values():
             plain = None if variable.section == "VAR_TEMP" else False if variable.kind == "BOOL" else \

@@ -39,7 +39,7 @@ class Generator(unittest.TestCase):
         for name, before, after in (("firmware/serve/registers.toml", "map_version = 2", "map_version = 3"),
                                     ("host_tools/plc/plc.toml", "default = 200000", "default = 200001"),
                                     ("host_tools/plc/logic.st", "Settled := FALSE;", "Settled := TRUE;"),
-                                    ("host_tools/plc/reader.scl", "MB_MODE := 0", "MB_MODE := 104")):
+                                    ("host_tools/plc/reader_tia.scl", "MB_MODE := 0", "MB_MODE := 104")):
             self.change(name, before, after)
             said = self.run_generator("--check")
             self.assertEqual(said.returncode, 1)
@@ -61,7 +61,7 @@ class Generator(unittest.TestCase):
                 ("host_tools/plc/plc.toml", 'A_RUNG = "compensation_rung"', 'A_RUNG = "missing"', "register missing, allowed"),
                 ("host_tools/plc/plc.toml", 'A_RUNG = "compensation_rung"', 'A_RUNG = "compensation_sd"', "allowed: compensation_heartbeat to"),
                 ("host_tools/plc/plc.toml", 'last = "compensation_age"', 'last = "network_id"', "one block"),
-                ("host_tools/plc/reader.scl", "@Head.count@", "@Head.cuont@", "no place"),
+                ("host_tools/plc/reader_tia.scl", "@Head.count@", "@Head.cuont@", "no place"),
                 ("firmware/serve/registers.toml", 'name = "compensation_int16", type = "int16"', 'name = "compensation_int16", type = "uint16"',
                  "an int16 in um")):
             with self.subTest(words):

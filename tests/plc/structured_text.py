@@ -1,9 +1,9 @@
 """A parser of the structured text that host_tools/plc uses, in the forms of IEC 61131-3 (CODESYS, TwinCAT) and of Siemens'
 SCL. It is ours, and knows no more of the languages than those files need: neither Debian nor npm has a compiler of either.
 
-read_blocks(text, dialect) gives the function blocks of a file, or raises SyntaxProblem with the line.
+read_blocks(text, dialect) gives the function blocks and programs of a file, or raises SyntaxProblem with the line.
 
-Expressions and statements are tuples: ("number", text, line), ("name", name, line), ("index", name, expression, line),
+Expressions and statements are tuples: ("number", text, line), ("text", text, line), ("time", text, line), ("name", name, line), ("index", name, expression, line),
 ("member", name, member, line), ("call", function, expression, line), ("unary", operator, expression, line),
 ("binary", operator, left, right, line); ("assign", target, expression, line), ("if", [(condition, statements)], else, line),
 ("instance", name, [(parameter, direction, expression)], line), ("return", line).
@@ -12,10 +12,10 @@ import dataclasses
 import re
 
 ST, SCL = "ST", "SCL"
-TOKEN = re.compile(r"""(?P<space>\s+|\(\*.*?\*\))|(?P<local>\#?[A-Za-z_][A-Za-z0-9_]*)|(?P<quoted>"[A-Za-z_][A-Za-z0-9_]*")
-    |(?P<text>'[^'\n]*')|(?P<number>16\#[0-9A-F]+|\d+\.\d+|\d+(?!\.\d))|(?P<dots>\.\.)|(?P<sign>:=|=>|<>|<=|>=|[-+*/=<>()\[\]{}:;,.])""",
+TOKEN = re.compile(r"""(?P<space>\s+|\(\*.*?\*\))|(?P<time>T\#\d+MS)|(?P<local>\#?[A-Za-z_][A-Za-z0-9_]*)|(?P<quoted>"[A-Za-z_][A-Za-z0-9_]*")
+    |(?P<place>%IW\d+)|(?P<text>'[^'\n]*')|(?P<number>16\#[0-9A-F]+|\d+\.\d+|\d+(?!\.\d))|(?P<dots>\.\.)|(?P<sign>:=|=>|<>|<=|>=|[-+*/=<>()\[\]{}:;,.])""",
                    re.VERBOSE | re.DOTALL)
-WORDS = {"FUNCTION_BLOCK", "END_FUNCTION_BLOCK", "VAR", "VAR_INPUT", "VAR_OUTPUT", "VAR_TEMP", "CONSTANT", "END_VAR", "BEGIN",
+WORDS = {"FUNCTION_BLOCK", "END_FUNCTION_BLOCK", "PROGRAM", "END_PROGRAM", "AT", "VAR", "VAR_INPUT", "VAR_OUTPUT", "VAR_TEMP", "CONSTANT", "END_VAR", "BEGIN",
          "VERSION", "IF", "THEN", "ELSIF", "ELSE", "END_IF", "RETURN", "AND", "OR", "XOR", "NOT", "MOD", "ARRAY", "OF",
          "TRUE", "FALSE"}
 # What comes first binds least.
@@ -42,6 +42,7 @@ class Block:
     name: str
     variables: dict
     statements: list
+    program: bool      # not a function block: what it writes, others may read
 
 
 def tokens(text):
@@ -109,7 +110,7 @@ class Parser:
         return found
 
     def block(self):
-        self.take("FUNCTION_BLOCK")
+        end = "END_" + self.take("FUNCTION_BLOCK", *(["PROGRAM"] if self.dialect == ST else []))
         if self.dialect == SCL:
             name = self.take_kind("quoted", "a name in quotes").strip('"')
             self.attributes()
@@ -120,9 +121,9 @@ class Parser:
             self.section(variables)
         if self.dialect == SCL:
             self.take("BEGIN")
-        statements = self.statements("END_FUNCTION_BLOCK")
-        self.take("END_FUNCTION_BLOCK")
-        return Block(name, variables, statements)
+        statements = self.statements(end)
+        self.take(end)
+        return Block(name, variables, statements, end == "END_PROGRAM")
 
     def attributes(self):
         """{ S7_Optimized_Access := 'TRUE' } and VERSION : 0.1"""
@@ -143,6 +144,9 @@ class Parser:
             line, name = self.line(), self.take_name()
             if name.lower() in (known.lower() for known in variables):
                 raise SyntaxProblem(f"line {line}: {name} is declared twice; capitals make no other name")
+            if self.dialect == ST and self.at("AT"):
+                self.take("AT")
+                self.take_kind("place", "a place of the inputs, %IW and a number")
             self.take(":")
             last = self.array()
             quoted = self.tokens[self.place][0] == "quoted"
@@ -245,9 +249,9 @@ class Parser:
             inner = self.expression()
             self.take(")")
             return inner
-        if kind == "number" or self.at("TRUE", "FALSE"):
+        if kind in ("number", "text", "time") or self.at("TRUE", "FALSE"):
             self.place += 1
-            return ("number", text, line)
+            return (kind if kind in ("text", "time") else "number", text, line)
         if kind == "local" and self.tokens[self.place + 1][1] == "(":
             function = self.take_name()
             self.take("(")
