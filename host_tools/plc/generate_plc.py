@@ -163,7 +163,7 @@ def structured_control_language(plan):
    it gives and what happens when: README.md.
 {what_is_read(plan)} *)
 FUNCTION_BLOCK "SpindleTwin"
-{{ S7_Optimized_Access := 'TRUE' }}
+{{ S7_Optimized_Access := 'FALSE' }}
 VERSION : 0.1
 {declarations(plan)}
 

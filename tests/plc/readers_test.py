@@ -23,15 +23,16 @@ BUSY_CALLS = 3
 
 
 class Master:
-    """A control's Modbus block: a rising edge starts a read, which takes some calls; its inputs must stay meanwhile."""
+    """A control's Modbus block: a rising edge, or a level, starts a read, which takes some calls; its inputs must stay
+    meanwhile."""
 
-    def __init__(self, test, daemon, execute, idle, request, fails):
-        self.test, self.daemon, self.execute, self.request, self.fails = test, daemon, execute, request, fails
+    def __init__(self, test, daemon, execute, idle, request, fails, level=False):
+        self.test, self.daemon, self.execute, self.request, self.fails, self.level = test, daemon, execute, request, fails, level
         self.outputs, self.inputs, self.before, self.left, self.made = dict(idle), {}, False, 0, []
 
     def call(self, inputs):
         self.inputs.update(inputs)
-        edge, self.before = self.inputs[self.execute] and not self.before, self.inputs[self.execute]
+        edge, self.before = self.inputs[self.execute] and (self.level or not self.before), self.inputs[self.execute]
         if self.left > 0:
             self.test.assertEqual(self.request(self.inputs)[:2], self.made[-1], "another request while the block is busy")
             self.left -= 1
@@ -54,8 +55,8 @@ class Master:
 
 
 class MbClient(Master):
-    def __init__(self, test, daemon, fails):
-        super().__init__(test, daemon, "REQ", dict(DONE=False, BUSY=False, ERROR=False, STATUS=0), self.asked, fails)
+    def __init__(self, test, daemon, fails, level=False):
+        super().__init__(test, daemon, "REQ", dict(DONE=False, BUSY=False, ERROR=False, STATUS=0), self.asked, fails, level)
 
     def asked(self, inputs):
         self.test.assertEqual((inputs["MB_MODE"], inputs["DISCONNECT"]), (0, False))
@@ -116,10 +117,13 @@ class Readers(unittest.TestCase):
         values["Twin"] = Twin(twin)
         return reader, values
 
-    def simatic(self, fails):
+    def simatic(self, fails, level=False):
         reader, values = self.started("spindle_twin_read.scl", structured_text.SCL, MB_CLIENT, "MB_CLIENT", "spindle_twin.scl")
-        values.update(Client=MbClient(self, Daemon(), fails), ElapsedUs=10000, Ready=True)
+        values.update(Client=MbClient(self, Daemon(), fails, level), ElapsedUs=10000, Ready=True)
         return reader, values, "Client"
+
+    def simatic_by_level(self, fails):
+        return self.simatic(fails, level=True)
 
     def twincat(self, fails):
         reader, values = self.started("spindle_twin_twincat.st", structured_text.ST, READ_INPUT_REGS, "FB_MBReadInputRegs",
@@ -128,7 +132,7 @@ class Readers(unittest.TestCase):
         return reader, values, "Read"
 
     def test_both_reads_are_made_in_turn_and_the_value_is_followed(self):
-        for started in (self.simatic, self.twincat):
+        for started in (self.simatic, self.simatic_by_level, self.twincat):
             reader, values, modbus = started(lambda n: False)
             for _ in range(300):
                 reader.step(values)
@@ -139,7 +143,7 @@ class Readers(unittest.TestCase):
             self.assertEqual((outputs["ValueNm"], outputs["Valid"], outputs["Settled"]), (12300, True, True))
 
     def test_it_goes_on_through_failed_requests(self):
-        for started in (self.simatic, self.twincat):
+        for started in (self.simatic, self.simatic_by_level, self.twincat):
             for fails in (lambda n: n % 3 == 0, lambda n: n < 20):
                 reader, values, modbus = started(fails)
                 for _ in range(400):
@@ -152,7 +156,7 @@ class Readers(unittest.TestCase):
             self.assertEqual(values["Twin"].outputs["ValueNm"], 0)
 
     def test_a_value_that_stops_coming_is_noticed(self):
-        for started in (self.simatic, self.twincat):
+        for started in (self.simatic, self.simatic_by_level, self.twincat):
             reader, values, modbus = started(lambda n: n > 20)
             for _ in range(600):
                 reader.step(values)
