@@ -1,5 +1,6 @@
 /* spindle-twin-client [ADDRESS [PORT [UNIT [SECONDS]]]]: the compensation as a control would follow it, a line each
- * second; without SECONDS until it is ended. In place of printing, a control hands `output` to its own compensation. */
+ * second and at each other reason; without SECONDS until it is ended. In place of printing, a control hands `output` to
+ * its own compensation. */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
 #include <limits.h>
@@ -72,14 +73,16 @@ int main(int count, char** arguments) {
   struct twin_connection connection = {.socket = -1, .unit = unit};
   const int64_t begun_us = clock_us();
   int64_t before_us = begun_us, printed_s = -1;
+  uint16_t printed_reason = 0;
   for (;;) {
     read_words(&connection, &input, address, port);
     const int64_t now_us = clock_us(), second = (now_us - begun_us) / 1000000;
     input.elapsed_us = (uint32_t)(now_us - before_us);
     before_us = now_us;
     twin_step(&twin, &settings, &input);
-    if (second > printed_s) print_line(&twin.output);
+    if (second > printed_s || twin.output.reason != printed_reason) print_line(&twin.output);
     printed_s = second;
+    printed_reason = twin.output.reason;
     if (seconds > 0 && second >= seconds) break;
     nanosleep(&(struct timespec){0, period_ms * 1000000L}, NULL);
   }
