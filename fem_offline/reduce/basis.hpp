@@ -30,7 +30,7 @@ struct RichModel {
   DenseModel dense;
   Eigen::MatrixXd outputs;  ///< VᵀLᵀ, scaled
   int bodies = 1;           ///< as in RichBasis
-  /// Rows of V at as many unknowns as it has columns, chosen by pivoted QR: where they are near, fields are.
+  /// Rows of V at as many unknowns as it has columns, chosen by pivoting: where they are near, fields are.
   Eigen::MatrixXd points;
   std::vector<int> part_of_point;  ///< the parts' number for air
 };

@@ -1,9 +1,5 @@
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "fem_offline/reduce/dense_model.hpp"
@@ -21,6 +17,8 @@ constexpr double good_enough_K = 0.003;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
 constexpr double candidate_spread_K = 10.0;
+/// How long a state is held in which coolant may stand: the walls that it meets afterwards are warm.
+constexpr double standing_s = 900.0;
 /// Times after a change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
@@ -60,20 +58,21 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
     };
     const auto solve = [&](double rate_per_s, const Eigen::VectorXd& before_K) {
       const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * before_K);
-      const Eigen::MatrixXd matrix = held.conduction + rate_per_s * model.capacity;
-      if (segments.count() > 0) return Eigen::VectorXd(matrix.partialPivLu().solve(heat_W));
-      const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
-      if (factor.info() != Eigen::Success) throw std::runtime_error("the network is not positive definite");
-      return Eigen::VectorXd(factor.solve(heat_W));
+      return ShiftedModel(model, held, rate_per_s).solve(heat_W);
     };
     const Eigen::VectorXd uniform_K = Eigen::VectorXd::Constant(count, boundaries.reference_temperature_K);
     Eigen::Index column = set * per_set;
-    apply(random_state(boundaries, options.box, candidate_spread_K, random));
+    apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows, random));
+    fields.col(column++) = solve(0.0, uniform_K);
+    apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows, random));
     Eigen::VectorXd before_K = solve(0.0, uniform_K);
     fields.col(column++) = before_K;
     if (set % 3 == 0) before_K = uniform_K;
-    apply(random_state(boundaries, options.box, candidate_spread_K, random));
-    fields.col(column++) = solve(0.0, uniform_K);
+    if (set % 3 == 1) {
+      apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random));
+      before_K = solve(1.0 / standing_s, before_K);
+    }
+    apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random));
     for (const double time_s : times_s) fields.col(column++) = solve(1.0 / time_s, before_K);
   });
   return fields;
@@ -116,7 +115,7 @@ PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates
   for_each_index(static_cast<int>(model.parts.size()), options.threads, [&](int index, int) {
     const auto part = static_cast<std::size_t>(index);
     const Eigen::MatrixXd rows = nodal.interpolant(model.parts[part].dofs, Eigen::all);
-    extremes[part] = greedy_extremes(rows * fields);
+    extremes[part] = greedy_extremes(product(rows, fields));
   });
   return extremes;
 }

@@ -1,9 +1,12 @@
 #include "fem_offline/reduce/dense_model.hpp"
 
+#include <Eigen/LU>
+#include <utility>
+
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// What the liquid carries from segment to segment: conduction −= S Γ U A⁻¹ Sᵀ, drive −= S Γ U T_inlet.
+/// What the liquid carries from segment to segment: H = S Γ U, W = S A⁻¹, drive −= S Γ U T_inlet.
 void couple(const DenseModel& model, const rom::CoolantSegments& segments, const rom::BoundaryValues& values,
             double zero_K, HeldModel& held) {
   const Eigen::Index count = segments.count();
@@ -16,9 +19,9 @@ void couple(const DenseModel& model, const rom::CoolantSegments& segments, const
     inlet_K[s] = values.environment_K[segments.inlet[segment]] - zero_K;
   }
   const Eigen::MatrixXd walls_m2 = model.walls_m2(Eigen::all, segments.conductance);
-  const Eigen::MatrixXd heat = walls_m2 * film_W_per_m2K.asDiagonal() * upstream;
-  held.drive -= heat * inlet_K;
-  held.conduction -= heat * segments.area_m2.cwiseInverse().asDiagonal() * walls_m2.transpose();
+  held.carried = walls_m2 * film_W_per_m2K.asDiagonal() * upstream;
+  held.walls = walls_m2 * segments.area_m2.cwiseInverse().asDiagonal();
+  held.drive -= held.carried * inlet_K;
 }
 
 }  // namespace
@@ -26,6 +29,8 @@ void couple(const DenseModel& model, const rom::CoolantSegments& segments, const
 void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
                  const rom::BoundaryValues& values, double zero_K, HeldModel& held) {
   held.conduction = model.conduction;
+  held.carried.resize(model.conduction.rows(), 0);
+  held.walls.resize(model.conduction.rows(), 0);
   held.drive = model.source_distribution * values.heat_W;
   for (std::size_t j = 0; j < model.conductance_terms.size(); ++j) {
     const auto column = static_cast<Eigen::Index>(j);
@@ -37,13 +42,45 @@ void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, con
   if (segments.count() > 0) couple(model, segments, values, zero_K, held);
 }
 
+ShiftedModel::ShiftedModel(const DenseModel& model, const HeldModel& held, double rate_per_s)
+    : symmetric_(held.conduction + rate_per_s * model.capacity, "the reduced conduction matrix"),
+      carried_(held.carried),
+      walls_(held.walls) {}
+
+namespace {
+
+/// (A − H Wᵀ)⁻¹ F = X + Y (1 − WᵀY)⁻¹ WᵀX with X = A⁻¹F, Y = A⁻¹H.
+Eigen::MatrixXd solve_beside(const DenseCholesky& symmetric, const Eigen::MatrixXd& left, const Eigen::MatrixXd& right,
+                             const Eigen::MatrixXd& heat) {
+  const Eigen::Index rank = left.cols();
+  if (rank == 0) return symmetric.solve(heat);
+  Eigen::MatrixXd both(heat.rows(), heat.cols() + rank);
+  both << heat, left;
+  both = symmetric.solve(std::move(both));
+  const auto response = both.rightCols(rank);
+  const Eigen::MatrixXd small = Eigen::MatrixXd::Identity(rank, rank) - right.transpose() * response;
+  return both.leftCols(heat.cols()) +
+         response * small.partialPivLu().solve((right.transpose() * both.leftCols(heat.cols())).eval());
+}
+
+}  // namespace
+
+Eigen::VectorXd ShiftedModel::solve(const Eigen::VectorXd& heat_W) const {
+  return solve_beside(symmetric_, carried_, walls_, heat_W);
+}
+
+Eigen::MatrixXd ShiftedModel::solve_transposed(const Eigen::MatrixXd& rows) const {
+  return solve_beside(symmetric_, walls_, carried_, rows);
+}
+
 rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, double spread_K,
-                                 RandomStream& random) {
+                                 Coolant coolant, RandomStream& random) {
   rom::OperatingState state = boundaries.operating;
   state.speed_rpm = random.uniform(0.0, box.speed_high_rpm);
   state.load = random.uniform(0.0, box.load_high);
   for (double& environment_K : state.environment_K) environment_K += random.uniform(-spread_K, spread_K);
   state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
+  if (coolant == Coolant::flows_or_stands) return state;
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     double& flow_kg_per_s = state.flow_kg_per_s[static_cast<Eigen::Index>(c)];
     if (flow_kg_per_s == 0.0) flow_kg_per_s = box.flow_low * flow_scale_kg_per_s(boundaries, c);

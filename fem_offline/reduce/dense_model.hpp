@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/parameter_box.hpp"
 #include "rom/boundaries.hpp"
 #include "rom/integrate/coolant.hpp"
@@ -20,19 +21,38 @@ struct DenseModel {
   Eigen::VectorXd uniform;              ///< n; the field that is 1 everywhere
 };
 
-/// Conduction and drive of a model under held inputs: C dT/dt = drive − conduction T, with T the rise above `zero_K`.
-/// What a circuit's liquid carries from segment to segment is in both, and makes the conduction unsymmetric.
+/// Conduction and drive of a model under held inputs: C dT/dt = drive − (K − H Wᵀ) T, with T the rise above `zero_K`.
+/// H Wᵀ is what a circuit's liquid carries from segment to segment: M columns each, none without circuits.
 struct HeldModel {
-  Eigen::MatrixXd conduction;
+  Eigen::MatrixXd conduction;  ///< K, symmetric
+  Eigen::MatrixXd carried;     ///< H
+  Eigen::MatrixXd walls;       ///< W
   Eigen::VectorXd drive;
 };
 
 void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
                  const rom::BoundaryValues& values, double zero_K, HeldModel& held);
 
+/// Factor of K + rate · C − H Wᵀ: Cholesky of the symmetric part, and H Wᵀ by the Woodbury identity.
+class ShiftedModel {
+ public:
+  /// Throws std::runtime_error where the symmetric part is not positive definite.
+  ShiftedModel(const DenseModel& model, const HeldModel& held, double rate_per_s);
+  Eigen::VectorXd solve(const Eigen::VectorXd& heat_W) const;
+  /// With the transposed matrix, a column each.
+  Eigen::MatrixXd solve_transposed(const Eigen::MatrixXd& rows) const;
+
+ private:
+  DenseCholesky symmetric_;
+  Eigen::MatrixXd carried_, walls_;
+};
+
+/// Whether circuits may stand still in a random state: then there may be no steady state.
+enum class Coolant { flows, flows_or_stands };
+
 /// A random state of the machine: any speed, load and coolant flow of the box, environments `spread_K` about the
-/// description's. Every circuit flows, since steady fields are asked for and without flow there may be none.
+/// description's.
 rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, double spread_K,
-                                 RandomStream& random);
+                                 Coolant coolant, RandomStream& random);
 
 }  // namespace spindle_twin::fem_offline

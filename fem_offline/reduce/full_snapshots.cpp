@@ -1,12 +1,15 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
 #include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/dense_blas.hpp"
+#include "fem_offline/reduce/full_histories.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
 #include "fem_offline/sparse/cholesky.hpp"
@@ -51,6 +54,20 @@ struct Worker {
     }
     return solutions;
   }
+
+  /// Solutions for all loads at one random set.
+  Eigen::MatrixXd responses(const AffineModel& model, const Loads& loads, const ReduceOptions& options,
+                            std::uint32_t set) {
+    RandomStream random(options.seed, StreamPurpose::full_snapshots, set);
+    const bool corner = random.uniform(0.0, 1.0) < full_corner_share;
+    const bool steady = random.uniform(0.0, 1.0) < steady_share;
+    const double shift_per_s = random.log_uniform(shift_low_per_s, shift_high_per_s);
+    const Eigen::VectorXd conductances = random_conductances(model.boundaries, options.box, corner, random);
+    const Eigen::MatrixXd primal = loads.primal(conductances);
+    Eigen::MatrixXd right_hand_sides(primal.rows(), primal.cols() + loads.outputs.cols());
+    right_hand_sides << primal, loads.outputs;
+    return solve(conductances, steady ? 0.0 : shift_per_s, right_hand_sides);
+  }
 };
 
 void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions& options, Loads& loads) {
@@ -73,7 +90,7 @@ void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions
 
 /// XᵀX by tiles; every tile is one product, so the bits do not depend on the number of threads.
 Eigen::MatrixXd gram_matrix(const Eigen::MatrixXd& columns, int threads) {
-  constexpr Eigen::Index tile = 96;
+  constexpr Eigen::Index tile = 192;
   const Eigen::Index count = columns.cols();
   const int tiles = static_cast<int>((count + tile - 1) / tile);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count, count);
@@ -83,8 +100,7 @@ Eigen::MatrixXd gram_matrix(const Eigen::MatrixXd& columns, int threads) {
     const int column = index - row * (row + 1) / 2;
     const Eigen::Index r = row * tile, c = column * tile;
     const Eigen::Index height = std::min(tile, count - r), width = std::min(tile, count - c);
-    gram.block(r, c, height, width).noalias() =
-        columns.middleCols(r, height).transpose() * columns.middleCols(c, width);
+    gram.block(r, c, height, width) = transposed_product(columns.middleCols(r, height), columns.middleCols(c, width));
   });
   return gram.selfadjointView<Eigen::Lower>();
 }
@@ -145,6 +161,35 @@ Eigen::MatrixXd body_columns(const AffineModel& model, int nodes) {
   return factor.householderQ() * Eigen::MatrixXd::Identity(unknowns, bodies - 1);
 }
 
+/// Solutions for every load at options.full_sets sets, then the fields of options.full_histories histories.
+Eigen::MatrixXd full_snapshots(const AffineModel& model, const Loads& loads, const ReduceOptions& options,
+                               std::vector<std::unique_ptr<Worker>>& workers, const Progress& progress) {
+  const int response_sets = options.full_sets, items = response_sets + options.full_histories;
+  std::vector<Eigen::MatrixXd> of_items(static_cast<std::size_t>(items));
+  std::atomic<int> finished{0};
+  for_each_index(items, options.threads, [&](int item, int index) {
+    auto& worker = workers[static_cast<std::size_t>(index)];
+    if (!worker) worker = std::make_unique<Worker>(model);
+    Eigen::MatrixXd& own = of_items[static_cast<std::size_t>(item)];
+    own = item < response_sets ? worker->responses(model, loads, options, static_cast<std::uint32_t>(item))
+                               : full_history(model, worker->system, worker->analysed, options,
+                                              static_cast<std::uint32_t>(item - response_sets));
+    remove_constant(own);
+    const int done = ++finished;
+    if (index == 0 && progress) progress("FE snapshots", static_cast<double>(done) / items);
+  });
+  Eigen::Index count = 0;
+  for (const Eigen::MatrixXd& own : of_items) count += own.cols();
+  Eigen::MatrixXd snapshots(model.capacity_J_per_K.rows(), count);
+  count = 0;
+  for (Eigen::MatrixXd& own : of_items) {
+    snapshots.middleCols(count, own.cols()) = own;
+    count += own.cols();
+    own.resize(0, 0);
+  }
+  return snapshots;
+}
+
 }  // namespace
 
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
@@ -152,32 +197,16 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
   workers.front() = std::make_unique<Worker>(model);
   scale_outputs(*workers.front(), model, options, loads);
-
-  const Eigen::Index unknowns = model.capacity_J_per_K.rows();
-  const Eigen::Index per_set = loads.heat_W.cols() + loads.film_columns + loads.outputs.cols();
-  Eigen::MatrixXd snapshots(unknowns, per_set * options.full_sets);
-  for_each_index(options.full_sets, options.threads, [&](int set, int index) {
-    auto& worker = workers[static_cast<std::size_t>(index)];
-    if (!worker) worker = std::make_unique<Worker>(model);
-    RandomStream random(options.seed, StreamPurpose::full_snapshots, static_cast<std::uint32_t>(set));
-    const bool corner = random.uniform(0.0, 1.0) < full_corner_share;
-    const bool steady = random.uniform(0.0, 1.0) < steady_share;
-    const double shift = random.log_uniform(shift_low_per_s, shift_high_per_s);
-    const Eigen::VectorXd conductances = random_conductances(model.boundaries, options.box, corner, random);
-    Eigen::MatrixXd right_hand_sides(unknowns, per_set);
-    right_hand_sides << loads.primal(conductances), loads.outputs;
-    Eigen::MatrixXd solutions = worker->solve(conductances, steady ? 0.0 : shift, right_hand_sides);
-    remove_constant(solutions);
-    snapshots.middleCols(set * per_set, per_set) = solutions;
-    if (index == 0 && progress) progress("FE snapshots", static_cast<double>(set + 1) / options.full_sets);
-  });
+  Eigen::MatrixXd snapshots = full_snapshots(model, loads, options, workers, progress);
   workers.clear();
+  const Eigen::Index unknowns = model.capacity_J_per_K.rows();
   const Eigen::MatrixXd bodies = body_columns(model, options.nodes);
-  for (int pass = 0; pass < 2; ++pass) snapshots -= bodies * (bodies.transpose() * snapshots).eval();
+  for (int pass = 0; pass < 2; ++pass) snapshots -= product(bodies, transposed_product(bodies, snapshots));
 
-  const std::vector<int> chosen =
-      most_independent(gram_matrix(snapshots, options.threads),
-                       std::min<Eigen::Index>(options.rich_states, unknowns) - 1 - bodies.cols());
+  const Eigen::Index of_bodies =
+      options.rich_states_per_body * (static_cast<int>(model.parts.size() + model.air_names.size()));
+  const Eigen::Index most = std::min(std::max<Eigen::Index>(options.rich_states, of_bodies), unknowns);
+  const std::vector<int> chosen = most_independent(gram_matrix(snapshots, options.threads), most - 1 - bodies.cols());
   const Eigen::Index count = static_cast<Eigen::Index>(chosen.size());
 
   RichBasis basis;

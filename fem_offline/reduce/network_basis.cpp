@@ -40,14 +40,14 @@ Eigen::MatrixXd moments_of(const Eigen::MatrixXd& snapshots, int threads) {
   std::vector<Eigen::MatrixXd> sums(static_cast<std::size_t>(snapshots.cols() / columns_per_block + 1));
   for_each_block(snapshots.cols(), threads, [&](int block, Eigen::Index first, Eigen::Index width) {
     Eigen::MatrixXd& sum = sums[static_cast<std::size_t>(block)];
-    sum.setZero(states, states);
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(snapshots.middleCols(first, width));
+    const auto block_of = snapshots.middleCols(first, width);
+    sum = product(block_of, Eigen::MatrixXd(block_of.transpose()));
   });
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(states, states);
   for (const Eigen::MatrixXd& sum : sums) {
     if (sum.size() > 0) total += sum;
   }
-  return total.selfadjointView<Eigen::Lower>();
+  return 0.5 * (total + total.transpose());
 }
 
 struct Modes {
@@ -89,8 +89,8 @@ Eigen::VectorXd largest_part_errors_K(const RichModel& rich, const Eigen::Matrix
   Eigen::MatrixXd errors_K = Eigen::MatrixXd::Zero(parts, fields.cols());
   for_each_block(fields.cols(), threads, [&](int, Eigen::Index first, Eigen::Index width) {
     Eigen::MatrixXd left = fields.middleCols(first, width);
-    left -= basis * (basis.transpose() * left).eval();
-    const Eigen::MatrixXd at_points_K = (rich.points * left).cwiseAbs();
+    left -= product(basis, transposed_product(basis, left));
+    const Eigen::MatrixXd at_points_K = product(rich.points, left).cwiseAbs();
     for (std::size_t i = 0; i < rich.part_of_point.size(); ++i) {
       auto own = errors_K.row(rich.part_of_point[i]).segment(first, width);
       own = own.cwiseMax(at_points_K.row(static_cast<Eigen::Index>(i)));

@@ -28,7 +28,8 @@ enum class StreamPurpose : std::uint32_t {
   candidates = 3,
   verification = 4,
   size_choice = 5,
-  drift = 6
+  drift = 6,
+  full_histories = 7
 };
 
 /// Random numbers that depend on (seed, purpose, index) alone, so that item k is the same whatever runs beside it.

@@ -1,5 +1,3 @@
-#include <Eigen/QR>
-
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 
@@ -33,7 +31,7 @@ RichModel project_model(const AffineModel& model, const Loads& loads, const Eige
     SparseMatrix compact(rows.rows(), rows.rows());
     compact.setFromTriplets(entries.begin(), entries.end());
     image.noalias() = compact * rows;
-    Eigen::MatrixXd small = rows.transpose() * image;
+    Eigen::MatrixXd small = transposed_product(rows, image);
     small = (0.5 * (small + small.transpose())).eval();
     (index == 0   ? rich.dense.capacity
      : index == 1 ? rich.dense.conduction
@@ -48,8 +46,7 @@ RichModel project_model(const AffineModel& model, const Loads& loads, const Eige
   rich.dense.source_distribution = basis.transpose() * model.source_distribution;
   rich.dense.uniform = basis.transpose() * Eigen::VectorXd::Ones(basis.rows());
   rich.outputs = basis.transpose() * loads.outputs;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(basis.transpose());
-  const Eigen::VectorXi points = pivoted.colsPermutation().indices().head(basis.cols());
+  const Eigen::VectorXi points = pivot_rows(basis);
   rich.points = basis(points, Eigen::all);
   for (const int point : points) {
     const int part = model.places[static_cast<std::size_t>(point)].part;

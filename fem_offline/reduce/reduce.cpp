@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/loads.hpp"
 #include "fem_offline/reduce/nodal.hpp"
 #include "fem_offline/reduce/parallel.hpp"
@@ -19,22 +20,24 @@ void check_options(const AffineModel& model, const ReduceOptions& options) {
     throw std::invalid_argument("nodes: " + std::to_string(options.nodes) + " is outside 2 to " +
                                 std::to_string(unknowns) + ", the unknowns of the FE model");
   }
-  if (options.full_sets < 1 || options.rich_sets < 1 || options.rich_states < 2 || options.threads < 1) {
-    throw std::invalid_argument("full_sets, rich_sets and threads must be at least 1, rich_states at least 2");
+  if (options.full_sets < 1 || options.full_histories < 0 || options.rich_sets < 1 || options.rich_states < 2 ||
+      options.threads < 1) {
+    throw std::invalid_argument(
+        "full_sets, rich_sets and threads must be at least 1, rich_states at least 2, full_histories at least 0");
   }
 }
 
 /// V = R U by blocks of rows.
 Eigen::MatrixXd combine(const Eigen::MatrixXd& rich, const Eigen::MatrixXd& coordinates, int threads) {
   constexpr Eigen::Index rows_per_block = 1024;
-  Eigen::MatrixXd product(rich.rows(), coordinates.cols());
+  Eigen::MatrixXd combined(rich.rows(), coordinates.cols());
   const int blocks = static_cast<int>((rich.rows() + rows_per_block - 1) / rows_per_block);
   for_each_index(blocks, threads, [&](int block, int) {
     const Eigen::Index first = block * rows_per_block;
     const Eigen::Index height = std::min(rows_per_block, rich.rows() - first);
-    product.middleRows(first, height).noalias() = rich.middleRows(first, height) * coordinates;
+    combined.middleRows(first, height) = product(rich.middleRows(first, height), coordinates);
   });
-  return product;
+  return combined;
 }
 
 }  // namespace

@@ -1,9 +1,5 @@
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
-#include <optional>
-#include <stdexcept>
 
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
@@ -21,53 +17,26 @@ constexpr double rich_spread_K = 8.0;
 constexpr double rich_rest_share = 0.2;
 constexpr int jumps_per_set = 2;
 /// Implicit steps behind a jump, each up to step_spread times longer or shorter.
-constexpr std::array<double, 6> steps_s = {2.0, 6.0, 20.0, 60.0, 200.0, 600.0};
+constexpr std::array<double, 6> steps_s = {0.7, 2.5, 8.0, 30.0, 120.0, 600.0};
 constexpr double step_spread = 1.6;
 constexpr int fields_per_set = 1 + jumps_per_set * static_cast<int>(steps_s.size());
 constexpr int dual_shifts = 3;
 constexpr double dual_shift_low_per_s = 2e-4;
 constexpr double dual_shift_high_per_s = 3.0;
 constexpr double dual_steady_share = 0.4;
-/// Conduction + rate · capacity, factorised.
-class ShiftedModel {
- public:
-  ShiftedModel(const DenseModel& model, const HeldModel& held, double rate_per_s, bool symmetric) {
-    const Eigen::MatrixXd matrix = held.conduction + rate_per_s * model.capacity;
-    if (!symmetric) {
-      general_.emplace(matrix);
-      return;
-    }
-    definite_.emplace(matrix);
-    if (definite_->info() != Eigen::Success) {
-      throw std::runtime_error("the reduced conduction matrix is not positive definite");
-    }
-  }
-
-  Eigen::VectorXd solve(const Eigen::VectorXd& heat_W) const {
-    return definite_ ? Eigen::VectorXd(definite_->solve(heat_W)) : Eigen::VectorXd(general_->solve(heat_W));
-  }
-  Eigen::MatrixXd solve_transposed(const Eigen::MatrixXd& rows) const {
-    return definite_ ? Eigen::MatrixXd(definite_->solve(rows)) : Eigen::MatrixXd(general_->transpose().solve(rows));
-  }
-
- private:
-  std::optional<Eigen::LLT<Eigen::MatrixXd>> definite_;
-  std::optional<Eigen::PartialPivLU<Eigen::MatrixXd>> general_;
-};
 
 /// Snapshots of one parameter set.
 RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
                         const ReduceOptions& options, std::uint32_t set) {
   const DenseModel& model = rich.dense;
-  const bool symmetric = segments.count() == 0;
   RandomStream random(options.seed, StreamPurpose::rich_snapshots, set);
   const bool corner = random.uniform(0.0, 1.0) < rich_corner_share;
   rom::CorrectionFactors factors = rom::no_correction(boundaries);
   factors.conductance = random_conductance_factors(boundaries, options.box, corner, random);
   rom::BoundaryValues values = rom::make_boundary_values(boundaries);
   HeldModel held;
-  const auto jump = [&] {
-    rom::OperatingState state = random_state(boundaries, options.box, rich_spread_K, random);
+  const auto jump = [&](Coolant coolant) {
+    rom::OperatingState state = random_state(boundaries, options.box, rich_spread_K, coolant, random);
     if (random.uniform(0.0, 1.0) < rich_rest_share) state.speed_rpm = state.load = 0.0;
     rom::evaluate_boundaries(boundaries, state, factors, values);
     hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
@@ -76,20 +45,19 @@ RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries
   RichSnapshots snapshots;
   snapshots.fields.resize(model.capacity.rows(), fields_per_set);
   Eigen::VectorXd rise_K;
-  jump();
+  jump(Coolant::flows);
   if (random.uniform(0.0, 1.0) < uniform_start_share) {
     rise_K = random.uniform(-uniform_spread_K, uniform_spread_K) * model.uniform;
   } else {
-    rise_K = ShiftedModel(model, held, 0.0, symmetric).solve(held.drive);
+    rise_K = ShiftedModel(model, held, 0.0).solve(held.drive);
   }
   Eigen::Index column = 0;
   snapshots.fields.col(column++) = rise_K;
   for (int k = 0; k < jumps_per_set; ++k) {
-    jump();
+    jump(Coolant::flows_or_stands);
     for (const double middle_s : steps_s) {
       const double rate_per_s = 1.0 / (middle_s * random.log_uniform(1.0 / step_spread, step_spread));
-      rise_K =
-          ShiftedModel(model, held, rate_per_s, symmetric).solve(held.drive + rate_per_s * (model.capacity * rise_K));
+      rise_K = ShiftedModel(model, held, rate_per_s).solve(held.drive + rate_per_s * (model.capacity * rise_K));
       snapshots.fields.col(column++) = rise_K;
     }
   }
@@ -101,8 +69,7 @@ RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries
     const double low_per_s = dual_shift_low_per_s * std::pow(ratio, k);
     double shift_per_s = random.log_uniform(low_per_s, ratio * low_per_s);
     if (k == 0 && random.uniform(0.0, 1.0) < dual_steady_share) shift_per_s = 0.0;
-    snapshots.duals.middleCols(k * rows, rows) =
-        ShiftedModel(model, held, shift_per_s, symmetric).solve_transposed(rich.outputs);
+    snapshots.duals.middleCols(k * rows, rows) = ShiftedModel(model, held, shift_per_s).solve_transposed(rich.outputs);
   }
   return snapshots;
 }

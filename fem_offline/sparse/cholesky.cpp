@@ -94,6 +94,11 @@ struct Analysis {
 
 }  // namespace
 
+bool openblas_serves_threads() {
+  static const bool loaded = dlsym(RTLD_DEFAULT, "openblas_get_parallel") != nullptr;
+  return loaded && blas_serves_two_threads;
+}
+
 struct CholeskyFactor::Impl {
   Impl(std::shared_ptr<const Analysis> shared, const SparseMatrix& lower) : analysis(std::move(shared)) {
     // CHOLMOD asks for four threads per factor, which wait in loops and on a busy computer cost far more than the

@@ -7,6 +7,9 @@
 
 namespace spindle_twin::fem_offline {
 
+/// Whether the program's BLAS is OpenBLAS and several threads may call it at once.
+bool openblas_serves_threads();
+
 /// Factors of one sparse symmetric positive definite matrix, A = L D Lᵀ (CHOLMOD; large ones are made block by block on
 /// the BLAS if several threads may call it at once). The symbolic analysis can be handed on to other matrices of the
 /// same pattern. The calling program's OpenBLAS is held to one thread from its start.

@@ -49,6 +49,7 @@ rom::Network network_of_200_nodes() {
   fem_offline::ReduceOptions reduce;
   reduce.nodes = 200;
   reduce.full_sets = 20;
+  reduce.full_histories = 20;
   reduce.rich_states = 300;
   reduce.rich_sets = 60;
   return fem_offline::reduce_model(reference_model(element_size_mm, false).affine(), reduce);

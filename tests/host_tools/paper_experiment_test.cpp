@@ -49,6 +49,7 @@ class PaperExperiment : public ::testing::Test {
     fem_offline::ReduceOptions reduce;
     reduce.nodes = 110;
     reduce.full_sets = 16;
+    reduce.full_histories = 16;
     reduce.rich_states = 240;
     reduce.rich_sets = 40;
     network = new rom::Network(fem_offline::reduce_model(fem_offline::FeModel(spindle, section).affine(), reduce));

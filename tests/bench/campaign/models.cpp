@@ -48,6 +48,7 @@ rom::Network twin_network(const TwinOptions& options) {
   reduce.nodes = options.nodes;
   if (options.rough) {
     reduce.full_sets = 16;
+    reduce.full_histories = 16;
     reduce.rich_states = 240;
     reduce.rich_sets = 40;
   }

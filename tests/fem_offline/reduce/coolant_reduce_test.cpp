@@ -29,6 +29,7 @@ const rom::Network& coolant_network() {
     ReduceOptions options;
     options.nodes = 80;
     options.full_sets = 40;
+    options.full_histories = 40;
     options.rich_sets = 60;
     options.rich_states = 250;
     options.seed = 3;

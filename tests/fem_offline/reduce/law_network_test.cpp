@@ -27,6 +27,7 @@ const rom::Network& law_network() {
     ReduceOptions options;
     options.nodes = 120;
     options.full_sets = 30;
+    options.full_histories = 30;
     options.rich_sets = 60;
     options.rich_states = 260;
     return reduce_model(model(), options);

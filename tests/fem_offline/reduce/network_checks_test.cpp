@@ -14,6 +14,7 @@ ReduceOptions checked_options(int nodes) {
   ReduceOptions options;
   options.nodes = nodes;
   options.full_sets = 30;
+  options.full_histories = 30;
   options.rich_sets = 30;
   options.rich_states = 160;
   return options;
@@ -92,6 +93,7 @@ TEST(SizeChoice, says_when_no_size_is_enough) {
   const AffineModel model = make_grid_model();
   ReduceOptions options = checked_options(2);
   options.rich_states = 40;
+  options.rich_states_per_body = 0;
   const Reduction reduction(model, options);
   const SizeChoice choice = choose_size(model, reduction, {{1e-9, 1e-9, 1e-9}, 1}, options);
   EXPECT_FALSE(choice.reached);
@@ -103,6 +105,7 @@ TEST(SizeChoice, names_what_the_network_that_comes_nearest_misses) {
   const AffineModel model = make_grid_model();
   ReduceOptions options = checked_options(2);
   options.rich_states = 40;
+  options.rich_states_per_body = 0;
   const Reduction reduction(model, options);
   const double never = 1e9, always = 1e-9;
   const SizeChoice choice = choose_size(model, reduction, {{never, never, always}, 1}, options);

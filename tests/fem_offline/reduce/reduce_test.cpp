@@ -18,8 +18,9 @@ ReduceOptions small_options(int nodes) {
   options.seed = 7;
   options.threads = 2;
   options.full_sets = 40;
+  options.full_histories = 40;
   options.rich_states = 220;
-  options.rich_sets = 40;
+  options.rich_sets = 60;
   return options;
 }
 

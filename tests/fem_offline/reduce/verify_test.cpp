@@ -14,6 +14,7 @@ const rom::Network& verified_network() {
     ReduceOptions options;
     options.nodes = 60;
     options.full_sets = 40;
+    options.full_histories = 40;
     options.rich_sets = 40;
     options.rich_states = 220;
     return reduce_model(make_grid_model(), options);

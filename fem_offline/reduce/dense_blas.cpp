@@ -1,0 +1,88 @@
+#include "fem_offline/reduce/dense_blas.hpp"
+
+#include <Eigen/Cholesky>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fem_offline/sparse/cholesky.hpp"
+
+extern "C" {
+void dgemm_(const char* transpose_a, const char* transpose_b, const int* rows, const int* columns, const int* inner,
+            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb, const double* beta,
+            double* c, const int* ldc, std::size_t, std::size_t);
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
+void dpotrs_(const char* uplo, const int* n, const int* columns, const double* a, const int* lda, double* b,
+             const int* ldb, int* info, std::size_t);
+void dgetrf_(const int* rows, const int* columns, double* a, const int* lda, int* pivots, int* info);
+}
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+/// op(A) B with op(A) = A for 'N', Aᵀ for 'T'.
+Eigen::MatrixXd blas_product(char transpose, const Eigen::Ref<const Eigen::MatrixXd>& a,
+                             const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  const int rows = static_cast<int>(transpose == 'N' ? a.rows() : a.cols()), columns = static_cast<int>(b.cols());
+  const int inner = static_cast<int>(b.rows());
+  const int lda = static_cast<int>(a.outerStride()), ldb = static_cast<int>(b.outerStride());
+  const double one = 1.0, zero = 0.0;
+  Eigen::MatrixXd result(rows, columns);
+  if (inner == 0) result.setZero();
+  if (result.size() == 0 || inner == 0) return result;
+  dgemm_(&transpose, "N", &rows, &columns, &inner, &one, a.data(), &lda, b.data(), &ldb, &zero, result.data(), &rows, 1,
+         1);
+  return result;
+}
+
+}  // namespace
+
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  return openblas_serves_threads() ? blas_product('N', a, b) : Eigen::MatrixXd(a * b);
+}
+
+Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& b) {
+  return openblas_serves_threads() ? blas_product('T', a, b) : Eigen::MatrixXd(a.transpose() * b);
+}
+
+DenseCholesky::DenseCholesky(Eigen::MatrixXd matrix, const char* what) : lower_(std::move(matrix)) {
+  bool definite = true;
+  if (openblas_serves_threads()) {
+    const int size = static_cast<int>(lower_.rows());
+    int info = 0;
+    dpotrf_("L", &size, lower_.data(), &size, &info, 1);
+    definite = info == 0;
+  } else {
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(lower_);
+    definite = factor.info() == Eigen::Success;
+  }
+  if (!definite) throw std::runtime_error(std::string(what) + " is not positive definite");
+}
+
+Eigen::MatrixXd DenseCholesky::solve(Eigen::MatrixXd right_hand_sides) const {
+  if (openblas_serves_threads()) {
+    const int size = static_cast<int>(lower_.rows()), columns = static_cast<int>(right_hand_sides.cols());
+    int info = 0;
+    dpotrs_("L", &size, &columns, lower_.data(), &size, right_hand_sides.data(), &size, &info, 1);
+    return right_hand_sides;
+  }
+  const auto lower = lower_.triangularView<Eigen::Lower>();
+  lower.solveInPlace(right_hand_sides);
+  lower.transpose().solveInPlace(right_hand_sides);
+  return right_hand_sides;
+}
+
+Eigen::VectorXi pivot_rows(Eigen::MatrixXd columns) {
+  const int rows = static_cast<int>(columns.rows()), count = static_cast<int>(columns.cols());
+  std::vector<int> exchanged(static_cast<std::size_t>(count));
+  int info = 0;
+  dgetrf_(&rows, &count, columns.data(), &rows, exchanged.data(), &info);
+  Eigen::VectorXi order = Eigen::VectorXi::LinSpaced(rows, 0, rows - 1);
+  for (int i = 0; i < count; ++i) std::swap(order[i], order[exchanged[static_cast<std::size_t>(i)] - 1]);
+  return order.head(count);
+}
+
+}  // namespace spindle_twin::fem_offline

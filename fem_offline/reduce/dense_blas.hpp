@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+namespace spindle_twin::fem_offline {
+
+/// A B. OpenBLAS where it is loaded and serves several threads, since it uses the vector instructions of the processor
+/// at hand; else Eigen. Either way on the calling thread alone, so that the bits do not depend on the number of
+/// threads.
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
+/// Aᵀ B, likewise.
+Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& b);
+
+/// Cholesky factor of a dense symmetric matrix, likewise.
+class DenseCholesky {
+ public:
+  /// Reads the lower triangle. Throws std::runtime_error where the matrix is not positive definite: `what` it is.
+  DenseCholesky(Eigen::MatrixXd matrix, const char* what);
+  /// A⁻¹ B
+  Eigen::MatrixXd solve(Eigen::MatrixXd right_hand_sides) const;
+
+ private:
+  Eigen::MatrixXd lower_;
+};
+
+/// As many rows of `columns` as it has columns, chosen by Gaussian elimination with row pivoting: independent ones,
+/// spread by how much combinations of the columns can vary.
+Eigen::VectorXi pivot_rows(Eigen::MatrixXd columns);
+
+}  // namespace spindle_twin::fem_offline
