@@ -305,6 +305,7 @@ void write_outputs(const Spindle& spindle, const DeckModel& deck, const DeckPlan
   for (std::size_t k = 0; k < deck.key_points.size(); ++k) {
     outputs["key_points"][spindle.key_points[k].name] = as_json(deck.key_points[k]);
   }
+  if (!deck.growth_left_out.empty()) outputs["growth_left_out"] = deck.growth_left_out;
   outputs["deformations"] = nlohmann::json::object();
   for (std::size_t d = 0; d < deck.deformations.size(); ++d) {
     const DeformationOutput& output = spindle.deformations[d];
@@ -340,7 +341,7 @@ void write_outputs(const Spindle& spindle, const DeckModel& deck, const DeckPlan
   file.close();
 }
 
-void write_calculix_readme(const Spindle& spindle, const std::string& directory) {
+void write_calculix_readme(const Spindle& spindle, const DeckModel& deck, const std::string& directory) {
   DeckFile file(directory, "README");
   file
       << "CalculiX deck of the spindle '" << spindle.name << "' (SI, degC; axisymmetric, x = r, y = z; CAX8).\n"
@@ -350,6 +351,7 @@ void write_calculix_readme(const Spindle& spindle, const std::string& directory)
       << "order; transient_temperatures_*.inc hold twice its solution minus the one with doubled steps.\n"
       << "outputs.json: nodes of each part, and each key point and deformation as [node, weight] sums.\n"
       << "Air volumes are films to a temperature that is prescribed along time (steady_loads.inc, *AMPLITUDE V0...).\n";
+  if (!deck.growth_left_out.empty()) file << "Without growth: " << deck.growth_left_out << "\n";
   file.close();
 }
 
@@ -357,10 +359,6 @@ void write_calculix_readme(const Spindle& spindle, const std::string& directory)
 
 void write_calculix_deck(const Spindle& spindle, const DeckModel& deck, const DeckPlan& plan, const AirHistory& air,
                          const std::string& directory) {
-  if (!spindle.deformations.empty() && !deck.bonds_match) {
-    throw rom::InputError({spindle.file, 0}, "deformation",
-                          "cannot be exported: the meshes of some parts in contact do not match");
-  }
   make_deck_folder(directory);
   write_mesh(spindle, deck, directory);
   write_exchange(spindle, deck, directory);
@@ -369,7 +367,7 @@ void write_calculix_deck(const Spindle& spindle, const DeckModel& deck, const De
   write_steady(plan, directory);
   write_transient(plan, air, directory, "transient.inp", 1.0);
   write_transient(plan, air, directory, "transient_double.inp", 2.0);
-  if (!spindle.deformations.empty()) {
+  if (!deck.deformations.empty()) {
     write_bonds(deck, directory);
     write_growth(spindle, directory, "steady", "steady_temperatures_1");
     for (std::size_t i = 0; i < plan.output_times_s.size(); ++i) {
@@ -378,8 +376,8 @@ void write_calculix_deck(const Spindle& spindle, const DeckModel& deck, const De
     }
   }
   write_outputs(spindle, deck, plan, air, directory);
-  write_calculix_run(deck.nodes.size(), !spindle.deformations.empty(), directory);
-  write_calculix_readme(spindle, directory);
+  write_calculix_run(deck.nodes.size(), !deck.deformations.empty(), directory);
+  write_calculix_readme(spindle, deck, directory);
 }
 
 }  // namespace spindle_twin::fem_offline

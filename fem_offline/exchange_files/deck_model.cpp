@@ -34,18 +34,34 @@ void refuse_what_decks_cannot_carry(const Spindle& spindle) {
     throw rom::InputError(spindle.imposed_temperature->where, "imposed_temperature",
                           "cannot be exported: there is no heat to conduct");
   }
+}
+
+/// Why the decks carry no growth; empty: they do, or none is asked for.
+std::string growth_left_out(const Spindle& spindle, const DeckModel& deck) {
+  const auto reason = [](const rom::SourceLine& where, const std::string& field, const std::string& text) {
+    return std::string(rom::InputError(where, field, text).what());
+  };
+  if (spindle.deformations.empty()) return {};
   for (const Support& support : spindle.supports) {
     if (support.is_point() || support.hold_r != Hold::free || support.hold_z != Hold::fixed) {
-      throw rom::InputError(support.where, "support",
-                            "only a face held along z can be exported, no point, spring or plane, nothing along r");
+      return reason(support.where, "support",
+                    "decks know only a face held along z, no point, spring or plane, nothing "
+                    "along r");
     }
   }
   for (const DeformationOutput& output : spindle.deformations) {
     if (output.at || output.minus) {
-      throw rom::InputError(output.where, output.name,
-                            "only the mean over a face can be exported, no point and no difference");
+      return reason(output.where, output.name, "decks know only the mean over a face, no point and no difference");
     }
   }
+  for (const DeckPair& pair : deck.pairs) {
+    if (pair.kind != PieceKind::contact || pair.matching) continue;
+    const Contact& contact = spindle.contacts[pair.index];
+    return reason(contact.where, "contact",
+                  "the meshes of '" + spindle.parts[contact.part_a].name + "' and '" +
+                      spindle.parts[contact.part_b].name + "' do not match, so that their nodes cannot be bonded");
+  }
+  return {};
 }
 
 void add_elements(const SectionMesh& mesh, DeckModel& deck) {
@@ -122,7 +138,6 @@ void add_pairs(const Spindle& spindle, const rom::BoundaryValues& values, DeckMo
         for (const std::size_t node : nodes_of(deck, side)) nodes_b.insert(node);
       }
       pair.matching = nodes_a.size() == nodes_b.size() && opposite_nodes(deck, pair).size() == nodes_a.size();
-      if (pair.kind == PieceKind::contact && !pair.matching) deck.bonds_match = false;
       deck.pairs.push_back(pair);
     }
   }
@@ -314,6 +329,8 @@ DeckModel make_deck_model(const Spindle& described, const rom::BoundaryValues& v
   add_films(spindle, values, deck);
   add_heats(spindle, values, deck);
   for (const KeyPoint& point : spindle.key_points) deck.key_points.push_back(row_at(deck, point.part, point.at));
+  deck.growth_left_out = growth_left_out(spindle, deck);
+  if (!deck.growth_left_out.empty()) return deck;
   for (const DeformationOutput& output : spindle.deformations) deck.deformations.push_back(mean_over(deck, output));
   deck.supported_nodes = supported(spindle, deck);
   return deck;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -61,13 +62,14 @@ struct DeckModel {  // NOLINT(public-members): plain data, a member for each blo
   std::vector<DeckRow> key_points;           ///< in the description's order
   std::vector<DeckRow> deformations;         ///< mean over the face, weighted by r, times the output's sign
   std::vector<std::size_t> supported_nodes;  ///< u_z = 0
-  bool bonds_match = true;                   ///< all contact pairs match, so bonded faces may share displacements
+  std::string growth_left_out;  ///< why the two above are empty though growth is asked for: file, line, field
 };
 
 /// Loads are those of `values` (conductances in the order of description/model_places; heats in the description's
 /// order). Throws rom::InputError for a model that the decks cannot carry: planar, not of degree 2, with
-/// radiation, imposed temperatures or start temperatures of single parts, with supports other than faces held along z,
-/// with outputs at points or of differences.
+/// radiation, imposed temperatures or start temperatures of single parts. The thermal part goes alone, and
+/// `growth_left_out` says why, with supports other than faces held along z, with outputs at points or of differences,
+/// and where the meshes of two parts in contact do not match.
 DeckModel make_deck_model(const Spindle& spindle, const rom::BoundaryValues& values);
 
 /// End nodes and midside of a side.

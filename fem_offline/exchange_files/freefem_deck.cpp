@@ -77,7 +77,7 @@ void write_meshes(const Spindle& spindle, const DeckModel& deck, const std::stri
     }
     write_msh(directory, "part_" + std::to_string(part) + ".msh", deck, elements, edges, itself);
   }
-  if (spindle.deformations.empty()) return;
+  if (deck.deformations.empty()) return;
   std::set<std::size_t> wanted;
   for (std::size_t p = 0; p < deck.section.pieces.size(); ++p) {
     if (deck.section.pieces[p].kind != PieceKind::contact) wanted.insert(p);
@@ -103,6 +103,17 @@ Point offset_of(const DeckModel& deck, const DeckPair& pair) {
   const double normal_r = (a.end.z_m - a.start.z_m) / length_m, normal_z = -(a.end.r_m - a.start.r_m) / length_m;
   const double distance_m = (b.start.r_m - a.start.r_m) * normal_r + (b.start.z_m - a.start.z_m) * normal_z;
   return {distance_m * normal_r, distance_m * normal_z};
+}
+
+/// FreeFEM's integral across two meshes gives wrong rises, by kelvins, where the nodes of both sides differ.
+void refuse_contacts_that_do_not_match(const Spindle& spindle, const DeckModel& deck) {
+  for (const DeckPair& pair : deck.pairs) {
+    if (pair.kind != PieceKind::contact || pair.matching) continue;
+    const Contact& contact = spindle.contacts[pair.index];
+    throw rom::InputError(contact.where, "contact",
+                          "cannot be exported to FreeFEM: the meshes of '" + spindle.parts[contact.part_a].name +
+                              "' and '" + spindle.parts[contact.part_b].name + "' do not match; CalculiX takes it");
+  }
 }
 
 struct Deck {
@@ -276,7 +287,7 @@ void write_report(DeckFile& file, const Deck& deck) {
     file << "  cout << state << \" air " << spindle.surroundings[deck.airs[v]].name << " \" << X(first("
          << spindle.parts.size() + v << ")) << endl;\n";
   }
-  if (!spindle.deformations.empty()) {
+  if (!deck.model.deformations.empty()) {
     file << "  W [u, w];\n  real[int] F = expansion(0, W);\n  u[] = E^-1 * F;\n";
     for (const DeformationOutput& output : spindle.deformations) {
       std::string labels;
@@ -340,19 +351,20 @@ void write_script(const Deck& deck, const std::string& directory) {
   for (std::size_t part = 0; part < parts; ++part) {
     file << "Q(first(" << part << "):first(" << part + 1 << ") - 1) = Q" << part << ";\n";
   }
-  if (!deck.spindle.deformations.empty()) write_elastic(file, deck);
+  if (!deck.model.deformations.empty()) write_elastic(file, deck);
   write_report(file, deck);
   write_solutions(file, deck);
   file.close();
 }
 
-void write_freefem_readme(const Spindle& spindle, const std::string& directory) {
+void write_freefem_readme(const Spindle& spindle, const DeckModel& deck, const std::string& directory) {
   DeckFile file(directory, "README");
   file
       << "FreeFEM deck of the spindle '" << spindle.name << "' (SI, degC; axisymmetric, x = r, y = z; P2).\n"
       << "Run in this folder: FreeFem++ -nw -ng -v 0 spindle.edp\n"
       << "Prints the steady state and the transient, one line per figure: state, kind, name, value (parts: maximum and "
          "minimum).\n";
+  if (!deck.growth_left_out.empty()) file << "Without growth: " << deck.growth_left_out << "\n";
   file.close();
 }
 
@@ -360,10 +372,7 @@ void write_freefem_readme(const Spindle& spindle, const std::string& directory) 
 
 void write_freefem_deck(const Spindle& spindle, const DeckModel& deck, const DeckPlan& plan,
                         const std::string& directory) {
-  if (!spindle.deformations.empty() && !deck.bonds_match) {
-    throw rom::InputError({spindle.file, 0}, "deformation",
-                          "cannot be exported: the meshes of some parts in contact do not match");
-  }
+  refuse_contacts_that_do_not_match(spindle, deck);
   make_deck_folder(directory);
   write_meshes(spindle, deck, directory);
   Deck all{spindle, deck, plan, {}};
@@ -371,7 +380,7 @@ void write_freefem_deck(const Spindle& spindle, const DeckModel& deck, const Dec
     if (spindle.surroundings[i].kind == SurroundingKind::air) all.airs.push_back(i);
   }
   write_script(all, directory);
-  write_freefem_readme(spindle, directory);
+  write_freefem_readme(spindle, deck, directory);
 }
 
 }  // namespace spindle_twin::fem_offline

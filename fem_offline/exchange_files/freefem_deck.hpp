@@ -10,7 +10,7 @@ namespace spindle_twin::fem_offline {
 /// the same unknowns as nine-node quadrilaterals), one mesh of all parts with bonded nodes merged, spindle.edp and a
 /// README. Contacts and gaps integrate across the two meshes; air volumes are unknowns of their own; the transient is
 /// BDF2 with a constant step and one factor.
-/// Throws rom::InputError for deformations across contacts whose meshes do not match.
+/// Throws rom::InputError for a contact whose meshes do not match, and if a file cannot be written.
 void write_freefem_deck(const Spindle& spindle, const DeckModel& deck, const DeckPlan& plan,
                         const std::string& directory);
 

@@ -56,6 +56,9 @@ void export_decks(const std::string& spindle_path, const std::string& calculix_d
   rom::BoundaryValues values = rom::make_boundary_values(model.boundaries);
   rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
   const fem_offline::DeckModel deck = fem_offline::make_deck_model(spindle, values);
+  if (!deck.growth_left_out.empty()) {
+    std::fprintf(stderr, "warning: %s; the deck holds the thermal part alone\n", deck.growth_left_out.c_str());
+  }
   fem_offline::DeckPlan plan;
   plan.start_K = rom::first_environment_K(model.boundaries, rom::EnvironmentKind::ambient, model.boundaries.operating)
                      .value_or(model.boundaries.reference_temperature_K);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <numbers>
 #include <regex>
 #include <set>
@@ -139,7 +140,7 @@ TEST_P(Decks, calculix_includes_exist_and_every_element_has_a_section) {
     if (pair.kind == PieceKind::gap) gap_elements += deck.sides_of_piece[pair.piece_a].size();
   }
   EXPECT_EQ(elements, deck.elements.size() + gap_elements);
-  EXPECT_EQ(spindle.deformations.empty(), !std::filesystem::exists(folder / "growth_steady.inp"));
+  EXPECT_EQ(deck.deformations.empty(), !std::filesystem::exists(folder / "growth_steady.inp"));
   EXPECT_TRUE(std::filesystem::exists(folder / "README"));
 }
 
@@ -164,6 +165,75 @@ INSTANTIATE_TEST_SUITE_P(Spindles, Decks, testing::Values("two_rings.toml", "sha
                            const std::string file = instance.param;
                            return file.substr(0, file.find('.'));
                          });
+
+/// What make_deck_model says of two_rings as `spoil` leaves it; growth is then in no row of the deck.
+std::string left_out_of(const std::function<void(Spindle&)>& spoil) {
+  Spindle spindle = read_spindle(spindles + "two_rings.toml");
+  spoil(spindle);
+  const DeckModel deck = make_deck_model(spindle, values_of(spindle));
+  EXPECT_TRUE(deck.growth_left_out.empty() || (deck.deformations.empty() && deck.supported_nodes.empty()));
+  EXPECT_FALSE(deck.elements.empty());
+  return deck.growth_left_out;
+}
+
+const rom::SourceLine line_7{"s.toml", 7};
+
+TEST(GrowthLeftOut, with_every_support_but_a_face_held_along_z) {
+  const Box face{0.020, 0.035, 0.0, 0.0}, point{0.020, 0.020, 0.0, 0.0};
+  const auto with = [](const Support& support) {
+    return left_out_of([&](Spindle& spindle) { spindle.supports = {support}; });
+  };
+  const std::string reason =
+      "s.toml:7: support: decks know only a face held along z, no point, spring or plane, nothing along r";
+  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::fixed, 0.0, 0.0}), "");
+  EXPECT_EQ(with({0, point, line_7, Hold::free, Hold::fixed, 0.0, 0.0}), reason);
+  EXPECT_EQ(with({0, face, line_7, Hold::fixed, Hold::fixed, 0.0, 0.0}), reason);
+  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::spring, 0.0, 1e8}), reason);
+  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::plane, 0.0, 0.0}), reason);
+}
+
+TEST(GrowthLeftOut, with_outputs_at_points_and_of_differences) {
+  DeformationOutput output;
+  output.name = "growth";
+  output.where = line_7;
+  output.face = {0.020, 0.035, 0.010, 0.010};
+  const auto with = [](const DeformationOutput& asked) {
+    return left_out_of([&](Spindle& spindle) { spindle.deformations = {asked}; });
+  };
+  const std::string reason = "s.toml:7: growth: decks know only the mean over a face, no point and no difference";
+  DeformationOutput at_point = output, difference = output;
+  at_point.at = Point{0.020, 0.010};
+  difference.minus = 0;
+  EXPECT_EQ(with(at_point), reason);
+  EXPECT_EQ(with(difference), reason);
+}
+
+/// A taper's mesh does not match its neighbour's: the heat goes to CalculiX all the same. In FreeFEM it would go wrong.
+TEST(GrowthLeftOut, where_the_meshes_of_parts_in_contact_differ) {
+  const Spindle spindle = read_spindle(spindles + "belt_driven.toml");
+  const DeckModel deck = make_deck_model(spindle, values_of(spindle));
+  EXPECT_TRUE(std::regex_search(
+      deck.growth_left_out, std::regex("belt_driven.toml:[0-9]+: contact: the meshes of '.+' and '.+' do not match")))
+      << deck.growth_left_out;
+  const auto folder = std::filesystem::temp_directory_path() / ("growth_left_out_" + std::to_string(getpid()));
+  DeckPlan plan;
+  plan.surrounding_K = spindle.operating.surrounding_K;
+  AirHistory air;
+  for (const Surrounding& surrounding : spindle.surroundings) {
+    if (surrounding.kind == SurroundingKind::air) air.steady_K.push_back(300.0);
+  }
+  air.time_s = {0.0, 1800.0};
+  air.air_K = {air.steady_K, air.steady_K};
+  write_calculix_deck(spindle, deck, plan, air, folder / "calculix");
+  EXPECT_TRUE(std::filesystem::exists(folder / "calculix" / "steady.inp"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "calculix" / "growth_steady.inp"));
+  std::ostringstream text;
+  text << std::ifstream(folder / "calculix" / "README").rdbuf();
+  EXPECT_NE(text.str().find("Without growth: " + deck.growth_left_out), std::string::npos) << text.str();
+  EXPECT_THROW(write_freefem_deck(spindle, deck, plan, folder / "freefem"), rom::InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "freefem"));
+  std::filesystem::remove_all(folder);
+}
 
 TEST(DeckModel, refuses_elements_of_another_degree) {
   Spindle spindle = read_spindle(spindles + "two_rings.toml");

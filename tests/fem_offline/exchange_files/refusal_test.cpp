@@ -50,34 +50,5 @@ TEST(DeckRefusals, radiation_start_temperatures_and_imposed_fields) {
             "s.toml:7: imposed_temperature: cannot be exported: there is no heat to conduct");
 }
 
-TEST(DeckRefusals, every_support_but_a_face_held_along_z) {
-  const Box face{0.020, 0.035, 0.0, 0.0}, point{0.020, 0.020, 0.0, 0.0};
-  const auto with = [](const Support& support) {
-    return error_of([&](Spindle& spindle) { spindle.supports = {support}; });
-  };
-  const std::string refused =
-      "s.toml:7: support: only a face held along z can be exported, no point, spring or plane, nothing along r";
-  EXPECT_EQ(with({0, point, line_7, Hold::free, Hold::fixed, 0.0, 0.0}), refused);
-  EXPECT_EQ(with({0, face, line_7, Hold::fixed, Hold::fixed, 0.0, 0.0}), refused);
-  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::spring, 0.0, 1e8}), refused);
-  EXPECT_EQ(with({0, face, line_7, Hold::free, Hold::plane, 0.0, 0.0}), refused);
-}
-
-TEST(DeckRefusals, outputs_at_points_and_of_differences) {
-  const std::string refused = "s.toml:7: growth: only the mean over a face can be exported, no point and no difference";
-  DeformationOutput output;
-  output.name = "growth";
-  output.where = line_7;
-  output.face = {0.020, 0.035, 0.010, 0.010};
-  const auto with = [](const DeformationOutput& asked) {
-    return error_of([&](Spindle& spindle) { spindle.deformations = {asked}; });
-  };
-  DeformationOutput at_point = output, difference = output;
-  at_point.at = Point{0.020, 0.010};
-  difference.minus = 0;
-  EXPECT_EQ(with(at_point), refused);
-  EXPECT_EQ(with(difference), refused);
-}
-
 }  // namespace exchange_files_refusal_test
 }  // namespace spindle_twin::fem_offline

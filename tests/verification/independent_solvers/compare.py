@@ -25,7 +25,8 @@ def read_columns(path, columns):
 def our_figures(folder):
     """State to {figure: value}; rises above the start in K, deformations in um."""
     steady = json.loads((folder / "steady.json").read_text())
-    points = json.loads((folder / "calculix/outputs.json").read_text())["key_points"]
+    outputs = json.loads((folder / "calculix/outputs.json").read_text())
+    points, carried = outputs["key_points"], outputs["deformations"]
     states = {"steady": {}}
     for part, rise_K in steady["rise_K"]["max"].items():
         states["steady"][f"max {part}"] = rise_K
@@ -33,7 +34,8 @@ def our_figures(folder):
     for point, rise_K in zip(points, steady["rise_K"]["key_points"]):
         states["steady"][f"point {point}"] = rise_K
     for output, moved_um in steady["deformation_um"].items():
-        states["steady"][f"um {output}"] = moved_um
+        if output in carried:
+            states["steady"][f"um {output}"] = moved_um
     series = json.loads((folder / "transient.json").read_text())["series"]
     for time_s in TIMES_S:
         row = min(range(len(series["time_s"])), key=lambda i: abs(series["time_s"][i] - time_s))
@@ -43,7 +45,8 @@ def our_figures(folder):
         for index, point in enumerate(points):
             state[f"point {point}"] = series["key_points_K"][row][index]
         for output, moved_um in series.get("deformation_um", {}).items():
-            state[f"um {output}"] = moved_um[row]
+            if output in carried:
+                state[f"um {output}"] = moved_um[row]
     return states
 
 
@@ -138,6 +141,9 @@ def main():
     name, folder = sys.argv[1], Path(sys.argv[2])
     start_degC = json.loads((folder / "calculix/outputs.json").read_text())["start_degC"]
     freefem, timing = freefem_figures(folder / "freefem", start_degC)
+    left_out = json.loads((folder / "calculix/outputs.json").read_text()).get("growth_left_out")
+    if left_out:
+        print(f"\n{name}: growth not compared: {left_out}")
     good = print_table(name, our_figures(folder), calculix_figures(folder / "calculix"), freefem)
     for air, net_W, through_W, error_K in air_balances(folder / "calculix"):
         free_K = freefem["steady"][f"air {air}"]
