@@ -295,7 +295,7 @@ void write_outputs(const Spindle& spindle, const DeckModel& deck, const DeckPlan
   outputs["reference_temperature_degC"] = degC(spindle.operating.reference_temperature_K);
   outputs["start_degC"] = degC(plan.start_K);
   for (std::size_t part = 0; part < spindle.parts.size(); ++part) {
-    nlohmann::json nodes = nlohmann::json::array();
+    nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < deck.nodes.size(); ++i) {
       if (deck.part_of_node[i] == part) nodes.push_back(i + 1);
     }
@@ -312,7 +312,7 @@ void write_outputs(const Spindle& spindle, const DeckModel& deck, const DeckPlan
     outputs["deformations"][output.name] = {{"direction", output.direction == Direction::radial ? 1 : 2},
                                             {"nodes", as_json(deck.deformations[d])}};
   }
-  nlohmann::json increments = nlohmann::json::array();
+  nlohmann::ordered_json increments = nlohmann::ordered_json::array();
   double from_s = 0.0;
   for (const TimeStage& stage : time_stages(plan)) {
     increments.push_back({{"until_s", stage.until_s}, {"count", std::lround((stage.until_s - from_s) / stage.step_s)}});
