@@ -116,10 +116,7 @@ void ModbusServer::run() {
     for (const Connection& connection : connections_)
       polled.push_back({connection.socket.get(), POLLIN | POLLRDHUP, 0});
     if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
-      const int reason = errno;
-      const auto before = troubles_.pass(clock_.now_ns());
-      if (before) spdlog::error("server: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
-      clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
+      rest_behind_failed_poll(errno);
       for (pollfd& each : polled) each.revents = 0;
     }
     if (polled[0].revents != 0) return;
@@ -134,6 +131,12 @@ void ModbusServer::run() {
     if (polled[1].revents != 0) accept_all();
     if (polled[2].revents != 0) adopt_all();
   }
+}
+
+void ModbusServer::rest_behind_failed_poll(int reason) {
+  const auto before = troubles_.pass(clock_.now_ns());
+  if (before) spdlog::error("server: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
+  clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
 }
 
 void ModbusServer::adopt_all() {

@@ -66,6 +66,7 @@ class ModbusServer {
   void admit(Newcomer newcomer);
   bool make_room_for(std::uint32_t host);
   void wait_for_descriptors(int reason);
+  void rest_behind_failed_poll(int reason);
   void note_request(Connection& connection, const SpindleRegisters* told = nullptr);
   void look_at(Connection& connection, short events);
   void await(Connection& connection, std::size_t bytes);
