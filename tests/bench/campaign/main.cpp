@@ -83,7 +83,7 @@ int run(const Options& options) {
   int missed = 0;
   for (const RunResult& result : results) {
     for (const Score& score : result.estimator) {
-      missed += score.key_points_K <= 0.03 && score.inside >= 0.8 && score.error_um <= 2.5 * score.deviation_um ? 0 : 1;
+      missed += score.key_points_K <= 0.04 && score.inside >= 0.8 && score.error_um <= 2.5 * score.deviation_um ? 0 : 1;
     }
   }
   if (missed > 0) std::printf("\n%d results are worse than any estimator of this kind should give\n", missed);

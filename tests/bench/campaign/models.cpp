@@ -50,7 +50,7 @@ rom::Network twin_network(const TwinOptions& options) {
     reduce.full_sets = 16;
     reduce.full_histories = 16;
     reduce.rich_states = 240;
-    reduce.rich_sets = 40;
+    reduce.rich_sets = 60;
   }
   reduce.threads = options.threads;
   rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm).affine(), reduce);
