@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <utility>
@@ -80,10 +81,7 @@ void TlsFront::run() {
       polled.push_back({link->server(), link->server_events(), 0});
     }
     if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
-      const int reason = errno;
-      const auto before = troubles_.pass(clock_.now_ns());
-      if (before) spdlog::error("server by TLS: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
-      clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
+      rest_behind_failed_poll(errno);
       for (pollfd& each : polled) each.revents = 0;
     }
     if (polled[0].revents != 0) return;
@@ -101,6 +99,12 @@ void TlsFront::run() {
   }
 }
 
+void TlsFront::rest_behind_failed_poll(int reason) {
+  const auto before = troubles_.pass(clock_.now_ns());
+  if (before) spdlog::error("server by TLS: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
+  clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
+}
+
 /// Why a client of this address gets no handshake; null: it does.
 const char* TlsFront::refusal_of(std::uint32_t host) const {
   const auto handshakes = [&](bool of_host) {
@@ -109,8 +113,7 @@ const char* TlsFront::refusal_of(std::uint32_t host) const {
   };
   if (handshakes(true) >= most_handshakes_per_host) return "too many of its handshakes have begun";
   if (handshakes(false) >= most_handshakes) return "too many handshakes have begun";
-  const auto most_links = static_cast<std::size_t>(plan_.connections + most_handshakes);
-  return links_.size() >= most_links ? "too many connections are open" : nullptr;
+  return std::ssize(links_) >= plan_.connections + most_handshakes ? "too many connections are open" : nullptr;
 }
 
 void TlsFront::accept_all() {

@@ -45,6 +45,7 @@ class TlsFront {
 
   void accept_all();
   void wait_for_descriptors(int reason);
+  void rest_behind_failed_poll(int reason);
   const char* refusal_of(std::uint32_t host) const;
   void look_at(TlsLink& link);
   void begin(TlsLink& link);

@@ -150,7 +150,7 @@ std::string why_refused(const SSL* session) {
   const int system = errno;
   const long verdict = SSL_get_verify_result(session);
   const bool queued = ERR_peek_error() != 0;
-  const std::string reason = newest_error();
+  std::string reason = newest_error();
   if (verdict != X509_V_OK) return X509_verify_cert_error_string(verdict);
   if (queued) return reason;
   return system != 0 ? std::strerror(system) : "the client has hung up";
