@@ -34,12 +34,20 @@ double time_of(Database& database, std::int64_t cycle) {
 std::int64_t first_row(Database& database) { return database.whole("SELECT min(id) FROM cycle"); }
 
 /// Ids of cycles follow each other, a run has that of its first one, and the oldest cycles may be gone.
-std::vector<HistoryRun> read_runs(Database& database) {
+std::vector<HistoryRun> read_runs(const std::string& path, Database& database) {
   const std::int64_t first = first_row(database);
-  std::int64_t end = database.whole("SELECT max(id) FROM cycle") + 1;
+  const std::int64_t last = database.whole("SELECT max(id) FROM cycle");
+  if (last == 0) return {};
+  const auto damaged = [&](const std::string& reason) {
+    return rom::InputError({path, 0}, "run", reason + ": the file is damaged");
+  };
+  constexpr std::int64_t most_rows = 1LL << 53;  // of a table's numbers
+  if (first < 1 || last >= most_rows) throw damaged(fmt::format("rows have the numbers {} to {}", first, last));
+  std::int64_t end = last + 1;
   std::vector<HistoryRun> runs;
   Statement run = database.prepare("SELECT id, spindle FROM run ORDER BY id DESC");
   while (end > first && run.step()) {
+    if (run.whole(0) >= end) throw damaged(fmt::format("{} begins behind its last row", run.whole(0)));
     const std::int64_t from = std::max(run.whole(0), first);
     runs.push_back({run.whole(0), run.text(1), time_of(database, from), time_of(database, end - 1), from, end - from});
     end = from;
@@ -76,7 +84,7 @@ SqliteHistoryReader::SqliteHistoryReader(std::string path) {
     }
     const Statement row = database.prepare("SELECT * FROM cycle");
     for (int c = first_value; c < row.columns(); ++c) parts_->columns.push_back(row.column_name(c));
-    parts_->runs = read_runs(database);
+    parts_->runs = read_runs(path, database);
   });
   if (parts_->runs.empty()) throw rom::InputError({path, 0}, "", "this history has no row yet");
 }
