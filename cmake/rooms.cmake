@@ -22,6 +22,9 @@ if(SPINDLE_TWIN_SANITIZE)
     # This check opens a pipe to look at an object's memory. Tests leave a process without descriptors, and then it takes
     # every object for a broken one. The address sanitizer finds the use of an object after its end.
     target_compile_options(spindle_twin_flags INTERFACE -fno-sanitize=vptr)
+    if(SPINDLE_TWIN_SANITIZE_NOT)
+      target_compile_options(spindle_twin_flags INTERFACE -fno-sanitize=${SPINDLE_TWIN_SANITIZE_NOT})
+    endif()
   endif()
 endif()
 
