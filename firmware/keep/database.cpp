@@ -11,6 +11,9 @@ namespace spindle_twin::firmware {
 namespace {
 
 constexpr int busy_timeout_ms = 2000;  ///< for another program that writes
+/// [bytes] of all databases together, each of which keeps 2 MiB of pages: a damaged file claims records of any length,
+/// and memory that is locked is taken at once.
+constexpr sqlite3_int64 most_memory = 60 << 20;
 
 /// A file that cannot be written beside is read as it stands: SQLite would want to make its index of the WAL there.
 std::string uri_of(const std::string& path, Database::Mode mode) {
@@ -89,6 +92,7 @@ std::string Statement::text(int column) const {
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 
 Database::Database(const std::string& path, Mode mode) {
+  sqlite3_hard_heap_limit64(most_memory);
   sqlite3* opened = nullptr;
   const int flags = SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX |
                     (mode == Mode::write ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE : SQLITE_OPEN_READONLY);
