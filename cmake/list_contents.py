@@ -26,7 +26,8 @@ OWN_LICENCE = "MIT"
 SPDX_NAMES = {"expat": "MIT", "mit": "MIT", "mpl-2": "MPL-2.0", "mpl-2.0": "MPL-2.0", "apache-2.0": "Apache-2.0", "isc": "ISC",
               "bsd-3-clause": "BSD-3-Clause", "zlib": "Zlib", "bsl-1.0": "BSL-1.0", "lgpl-2.1+": "LGPL-2.1-or-later",
               "lgpl-2+": "LGPL-2.0-or-later", "gpl-2+": "GPL-2.0-or-later", "gpl-2.0+": "GPL-2.0-or-later",
-              "gpl-2": "GPL-2.0-only", "lgpl-3+": "LGPL-3.0-or-later", "gpl-3+": "GPL-3.0-or-later"}
+              "gpl-2": "GPL-2.0-only", "lgpl-3+": "LGPL-3.0-or-later", "gpl-3+": "GPL-3.0-or-later",
+              "epl-2.0 or edl-1.0": "EPL-2.0 OR BSD-3-Clause"}
 # Packages whose copyright file a program cannot read, and the kernel's headers, which have an exception of their own.
 KNOWN_LICENCES = {"libstdc++": "GPL-3.0-or-later WITH GCC-exception-3.1", "libgcc": "GPL-3.0-or-later WITH GCC-exception-3.1",
                   "libc6": "LGPL-2.1-or-later", "linux-libc": "GPL-2.0-only WITH Linux-syscall-note"}

@@ -10,6 +10,7 @@
 #include "firmware/cycle/plan.hpp"
 #include "firmware/cycle/trial_score.hpp"
 #include "firmware/keep/keep_plan.hpp"
+#include "firmware/plant/plant_plan.hpp"
 #include "firmware/serve/serve_plan.hpp"
 #include "firmware/show/show_plan.hpp"
 #include "rom/file/keys.hpp"
@@ -121,6 +122,7 @@ struct Config {  // NOLINT(public-members): the configuration as read, a member 
   KeepPlan keep;
   ServePlan serve;
   ShowPlan show;
+  PlantPlan plant;
   std::vector<DevicePlan> devices;  ///< their channels go nowhere yet
   CyclePlan cycle;                  ///< without sensors and signals that need the network
   std::vector<ConfiguredSensor> sensors;

@@ -19,7 +19,7 @@ constexpr int last_unit = 247;  // those above are reserved, MODBUS over Serial 
 
 DaemonConfig of_one(const std::string& path) {
   ConfiguredSpindle spindle{"", 1, read_config(path)};
-  DaemonConfig daemon{spindle.config.log_level, spindle.config.serve, spindle.config.show, {}};
+  DaemonConfig daemon{spindle.config.log_level, spindle.config.serve, spindle.config.show, spindle.config.plant, {}};
   daemon.spindles.push_back(std::move(spindle));
   return daemon;
 }
@@ -75,6 +75,7 @@ DaemonConfig of_several(const TomlTable& root, const std::string& path) {
   Listeners listeners;
   daemon.serve = read_serve(root.table("serve"), path, listeners);
   daemon.show = read_http(root.optional_table("http"), listeners);
+  daemon.plant = read_plant(root.optional_table("plant"), path);
   Taken taken;
   for (const TomlTable& table : root.tables("spindle")) {
     if (daemon.spindles.size() == most_spindles) table.fail("name", "is one too many; at most 32 spindles are allowed");

@@ -19,6 +19,7 @@ struct DaemonConfig {
   std::string log_level = "info";
   ServePlan serve;
   ShowPlan show;
+  PlantPlan plant;
   std::vector<ConfiguredSpindle> spindles;  ///< one at least
 };
 
@@ -26,8 +27,8 @@ struct DaemonConfig {
 std::vector<std::string> state_files(const Config& config);
 
 /// Reads a configuration: of one spindle, or a list of spindles (`[[spindle]]`: name, unit, config) with what they have
-/// together ([serve], [http], log_level) and one file for each. Throws rom::InputError with file, line, field and what
-/// is allowed, also where two spindles share a name, a unit, a port or a file that both would write.
+/// together ([serve], [http], [plant], log_level) and one file for each. Throws rom::InputError with file, line, field
+/// and what is allowed, also where two spindles share a name, a unit, a port or a file that both would write.
 DaemonConfig read_daemon_config(const std::string& path);
 
 }  // namespace spindle_twin::firmware

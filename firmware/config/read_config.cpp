@@ -295,6 +295,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   config.serve = read_serve(serve, path, listeners);
   read_plc_timeout(serve, config);
   config.show = read_http(root.optional_table("http"), listeners);
+  config.plant = read_plant(root.optional_table("plant"), path);
   read_spindle(root, config, listeners);
   return config;
 }
@@ -312,7 +313,7 @@ Config read_config_of_one(const TomlTable& root, const std::string& path, const 
   const auto of_all = [&](const TomlTable& table, const std::string& key) {
     table.fail(key, "is of all spindles and stands in " + list + " only");
   };
-  for (const char* key : {"log_level", "http", "spindle"}) {
+  for (const char* key : {"log_level", "http", "plant", "spindle"}) {
     if (root.has(key)) of_all(root, key);
   }
   Config config;

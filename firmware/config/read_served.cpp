@@ -1,7 +1,11 @@
 #include "firmware/config/read_served.hpp"
 
+#include <algorithm>
+#include <cctype>
+
 #include "firmware/acquire/read_address.hpp"
 #include "firmware/config/read_files.hpp"
+#include "firmware/plant/plant_metrics.hpp"
 #include "firmware/serve/tls_identity.hpp"
 
 namespace spindle_twin::firmware {
@@ -29,6 +33,45 @@ std::optional<TlsPlan> read_tls(const std::optional<TomlTable>& table, const std
     table->fail(error.key, error.what());
   }
   return tls;
+}
+
+/// Part of a topic of MQTT, where some characters mean something else.
+std::string read_topic_part(const TomlTable& table, const std::string& key, const std::string& name) {
+  constexpr std::size_t longest = 64;
+  const bool is_plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.' || c == ' ';
+  });
+  if (name.empty() || name.size() > longest || !is_plain) {
+    table.fail(key, "must be 1 to 64 letters, digits, '_', '-', '.' or spaces, is \"" + name + "\"");
+  }
+  return name;
+}
+
+/// [plant.tls]. Its files are checked like those of [serve.tls]: the same three, of the other side.
+std::optional<PlantTls> read_plant_tls(const std::optional<TomlTable>& table, const std::string& config_path) {
+  if (!table) return std::nullopt;
+  TlsPlan files;
+  files.clients_ca = beside(config_path, table->string("ca"));
+  files.certificate = beside(config_path, table->string("certificate"));
+  files.key = beside(config_path, table->string("key"));
+  try {
+    const TlsIdentity identity(files);
+  } catch (const TlsFileError& error) {
+    table->fail(error.key == "clients_ca" ? "ca" : error.key, error.what());
+  }
+  return PlantTls{files.clients_ca, files.certificate, files.key};
+}
+
+std::vector<std::string> read_published(const TomlTable& table) {
+  std::vector<std::string> registers = table.strings_or_empty("registers");
+  for (const std::string& name : registers) {
+    if (is_published(name)) continue;
+    table.fail("registers",
+               "\"" + name +
+                   "\" is none; allowed are names of firmware/serve/registers.md, without _float32, but for "
+                   "orders and repetitions");
+  }
+  return registers;
 }
 
 }  // namespace
@@ -65,6 +108,22 @@ ShowPlan read_http(const std::optional<TomlTable>& table, Listeners& listeners) 
   if (table->has("names")) show.names = table->strings("names");
   listeners.add("[http]", {show.address, show.port}, *table);
   return show;
+}
+
+PlantPlan read_plant(const std::optional<TomlTable>& table, const std::string& config_path) {
+  PlantPlan plant;
+  if (!table) return plant;
+  plant.enabled = true;
+  plant.host = table->string("host");
+  if (plant.host.empty()) table->fail("host", "must be the broker's name or IPv4 address, is empty");
+  plant.tls = read_plant_tls(table->optional_table("tls"), config_path);
+  plant.port = static_cast<int>(table->integer_or("port", plant.tls ? plant_tls_port : plant.port, 1, 65535));
+  plant.group = read_topic_part(*table, "group", table->string_or("group", plant.group));
+  plant.node = read_topic_part(*table, "node", table->string("node"));
+  plant.period_s = table->number_or("period_s", plant.period_s, rom::between(0.1, 3600.0));
+  plant.registers = read_published(*table);
+  plant.queue = static_cast<int>(table->integer_or("queue", plant.queue, 1, 100000));
+  return plant;
 }
 
 }  // namespace spindle_twin::firmware

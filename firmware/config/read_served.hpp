@@ -4,6 +4,7 @@
 #include <string>
 
 #include "firmware/config/listeners.hpp"
+#include "firmware/plant/plant_plan.hpp"
 #include "firmware/serve/serve_plan.hpp"
 #include "firmware/show/show_plan.hpp"
 #include "rom/read/strict_toml.hpp"
@@ -19,5 +20,7 @@ std::string read_log_level(const rom::TomlTable& root);
 ServePlan read_serve(const rom::TomlTable& table, const std::string& config_path, Listeners& listeners);
 /// [http]; without that table nobody listens.
 ShowPlan read_http(const std::optional<rom::TomlTable>& table, Listeners& listeners);
+/// [plant] with [plant.tls], whose files stand relative to `config_path`; without that table nothing is published.
+PlantPlan read_plant(const std::optional<rom::TomlTable>& table, const std::string& config_path);
 
 }  // namespace spindle_twin::firmware

@@ -96,7 +96,9 @@ void run_cycle(Cycle& cycle, const CyclePlan& plan, Clock& clock, const CyclePor
     snapshot.time_ns = clock.now_ns();
     ports.server.write(snapshot);
     if (ports.events != nullptr) ports.events->write(snapshot);
-    if (ports.shown != nullptr) ports.shown->write(snapshot);
+    for (Latest<Snapshot>* const tap : ports.shown) {
+      if (tap != nullptr) tap->write(snapshot);
+    }
     if (ports.remembered != nullptr && ports.remembered->asked()) {
       exchange.kept().remember(ports.remembered->value);
       ports.remembered->fill();

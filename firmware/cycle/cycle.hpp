@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -149,7 +150,7 @@ struct CyclePorts {
   Latest<Snapshot>* events = nullptr;           ///< null: nobody says what happens
   Troubles* troubles = nullptr;                 ///< null: the others have none
   Pulse* pulse = nullptr;                       ///< null: nobody watches
-  Latest<Snapshot>* shown = nullptr;            ///< null: no HTTP port shows them
+  std::array<Latest<Snapshot>*, 2> shown{};     ///< HTTP port, plant network; null: that one is not there
   NetworkExchange* exchange = nullptr;          ///< null: the network stays what it is. Of the cycle that is run
 };
 

@@ -14,7 +14,7 @@ namespace spindle_twin::firmware {
 
 Daemon::Daemon(const DaemonConfig& config, const std::vector<std::unique_ptr<PreparedSpindle>>& spindles,
                const std::atomic<std::uint64_t>& log_lines_dropped)
-    : serve_(config.serve), show_(config.show), spindles_(spindles) {
+    : serve_(config.serve), show_(config.show), plant_(config.plant), spindles_(spindles) {
   double slowest_s = 0.0;
   std::vector<const Pulse*> pulses;
   for (const auto& spindle : spindles) {
@@ -40,6 +40,7 @@ void Daemon::listen() {
                  spindle->name.empty() ? "" : fmt::format(", unit {}", spindle->unit));
   }
   if (serve_.tls) listen_by_tls();
+  if (plant_.enabled) publish();
   if (show_.enabled) show();
 }
 
@@ -57,8 +58,24 @@ void Daemon::show() {
     shown.push_back({spindle->name, spindle->unit, names_of(spindle->file.network), stale_after_s(spindle->cycle_s())});
   }
   shown_.emplace(show_, std::move(shown), clock_);
+  if (published_) shown_->show_plant(published_->counts());
   threads_.emplace_back([this] { shown_->run(); });
   spdlog::info("http on {}:{}", show_.address, shown_->port());
+}
+
+void Daemon::publish() {
+  std::vector<SpindleToPublish> published;
+  for (const auto& spindle : spindles_) {
+    published.push_back({spindle->name, names_of(spindle->file.network), stale_after_s(spindle->cycle_s())});
+  }
+  published_.emplace(plant_, published, clock_);
+  publishes_ = std::thread([this] { published_->run(); });
+  spdlog::info("plant: {}/{} publishes each {:g} s to {}:{}", plant_.group, plant_.node, plant_.period_s, plant_.host,
+               plant_.port);
+}
+
+SpindleRun::ShownTo Daemon::shown_to(std::size_t spindle) {
+  return {shown_ ? &shown_->tap(spindle) : nullptr, published_ ? &published_->tap(spindle) : nullptr};
 }
 
 void Daemon::start() {
@@ -67,8 +84,7 @@ void Daemon::start() {
   // One whose pause was long keeps no other waiting.
   std::vector<std::future<void>> begun;
   for (std::size_t r = 0; r < runs_.size(); ++r) {
-    Latest<Snapshot>* const tap = shown_ ? &shown_->tap(r) : nullptr;
-    begun.push_back(std::async(std::launch::async, [this, r, tap] { runs_[r]->begin(tap); }));
+    begun.push_back(std::async(std::launch::async, [this, r] { runs_[r]->begin(shown_to(r)); }));
   }
   threads_.emplace_back([this] { manager_->run(stop_); });
   for (std::future<void>& each : begun) each.get();
@@ -85,8 +101,10 @@ void Daemon::stop() {
   if (tls_) tls_->stop();
   if (server_) server_->stop();
   if (shown_) shown_->stop();
+  if (published_) published_->stop();
   for (std::thread& thread : std::exchange(threads_, {})) thread.join();
   for (const auto& run : runs_) run->stop();
+  if (publishes_.joinable()) publishes_.join();
   tls_.reset();
   server_.reset();
 }

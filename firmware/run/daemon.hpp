@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "firmware/config/daemon_config.hpp"
+#include "firmware/plant/plant_publisher.hpp"
 #include "firmware/run/spindle_run.hpp"
 #include "firmware/serve/modbus_server.hpp"
 #include "firmware/serve/tls_front.hpp"
@@ -17,7 +18,7 @@
 
 namespace spindle_twin::firmware {
 
-/// All spindles, and what shows them: Modbus, HTTP and the service manager.
+/// All spindles, and what shows them: Modbus, HTTP, the plant network and the service manager.
 class Daemon {
  public:
   /// What is prepared must outlive this.
@@ -39,18 +40,23 @@ class Daemon {
   void listen();
   void listen_by_tls();
   void show();
+  void publish();
+  SpindleRun::ShownTo shown_to(std::size_t spindle);
 
   const ServePlan serve_;
   const ShowPlan show_;
+  const PlantPlan plant_;
   const std::vector<std::unique_ptr<PreparedSpindle>>& spindles_;
   MonotonicClock clock_;
   std::vector<std::unique_ptr<SpindleRun>> runs_;
   std::optional<ModbusServer> server_;
   std::optional<TlsFront> tls_;
+  std::optional<PlantPublisher> published_;
   std::optional<HttpServer> shown_;
   std::optional<ServiceManager> manager_;
   std::atomic<bool> stop_{false};
   std::vector<std::thread> threads_;
+  std::thread publishes_;  ///< ends last: a name server may delay it
 };
 
 }  // namespace spindle_twin::firmware

@@ -57,7 +57,7 @@ void SpindleRun::run(std::vector<std::thread>& threads, Work work) {
   });
 }
 
-void SpindleRun::begin(Latest<Snapshot>* shown) {
+void SpindleRun::begin(const ShownTo& shown) {
   const LogName name(spindle_.name);
   const CyclePlan& plan = spindle_.plan.cycle;
   const KeepPlan& keep = spindle_.config.keep;
@@ -90,7 +90,7 @@ void SpindleRun::stop() {
   keeper_.reset();
 }
 
-CyclePorts SpindleRun::cycle_ports(Latest<Snapshot>* shown) {
+CyclePorts SpindleRun::cycle_ports(const ShownTo& shown) {
   return {readings_,
           signals_,
           snapshots_,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -40,9 +41,12 @@ class SpindleRun {
   SpindlePorts ports();
   const Pulse& pulse() const { return pulse_; }
 
-  /// Goes on from the checkpoint and starts all threads. `shown`: where the HTTP port looks, or null. Takes seconds
-  /// after a long pause; gives up where end() is called meanwhile, in another thread.
-  void begin(Latest<Snapshot>* shown);
+  /// Where HTTP port and plant network look; null: that one is not there.
+  using ShownTo = std::array<Latest<Snapshot>*, 2>;
+
+  /// Goes on from the checkpoint and starts all threads. Takes seconds after a long pause; gives up where end() is
+  /// called meanwhile, in another thread.
+  void begin(const ShownTo& shown);
   /// No work is begun any more, and begin() returns soon. Any thread.
   void end() { stop_.store(true); }
   /// Ends all threads and keeps what the cycle knows. Not while begin() runs.
@@ -51,7 +55,7 @@ class SpindleRun {
  private:
   template <class Work>
   void run(std::vector<std::thread>& threads, Work work);
-  CyclePorts cycle_ports(Latest<Snapshot>* shown);
+  CyclePorts cycle_ports(const ShownTo& shown);
 
   PreparedSpindle& spindle_;
   Clock& clock_;

@@ -281,7 +281,7 @@ Page HttpServer::metrics() {
   counts_.viewers = viewers();
   std::vector<ShownRegisters> all;
   for (const auto& spindle : spindles_) all.push_back(spindle->registers());
-  return {200, "text/plain; version=0.0.4; charset=utf-8", metrics_text(all, counts_)};
+  return {200, "text/plain; version=0.0.4; charset=utf-8", metrics_text(all, counts_, plant_)};
 }
 
 /// The first that is not healthy says why.

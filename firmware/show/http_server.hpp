@@ -34,6 +34,8 @@ class HttpServer {
   HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles, Clock& clock);
 
   int port() const;
+  /// Shown by /metrics from now on; must outlive this. Before run().
+  void show_plant(const PlantCounts& counts) { plant_ = &counts; }
   /// Of the spindle of this number; for its cycle.
   Latest<Snapshot>& tap(std::size_t spindle) { return spindles_[spindle]->tap(); }
   /// Until stop(); a failing poll() is tried again.
@@ -79,6 +81,7 @@ class HttpServer {
   Descriptor wake_;
   HttpAnswerer answerer_;
   HttpCounts counts_;
+  const PlantCounts* plant_ = nullptr;
   std::vector<Connection> connections_;  ///< oldest first
   std::int64_t next_event_ns_ = 0;
   std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then

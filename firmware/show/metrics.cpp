@@ -9,7 +9,7 @@
 #include <iterator>
 #include <vector>
 
-#include "firmware/show/state_json.hpp"
+#include "firmware/show/shown_values.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -90,26 +90,18 @@ std::string name_label(std::string_view name) {
 
 void add_samples(const ShownRegisters& spindle, Register which, std::vector<Sample>& samples) {
   const RegisterEntry& entry = entry_of(which);
-  const std::vector<std::string>* slot_names = spindle.names.of(entry.slot_names);
-  const std::size_t count =
-      slot_names != nullptr ? std::min<std::size_t>(slot_names->size(), entry.slots) : entry.slots;
   const double factor = find_unit(entry.unit)->factor;
-  for (std::size_t slot = 0; slot < count; ++slot) {
-    const double value = shown_value(spindle.image, which, static_cast<int>(slot));
+  for (const ShownValue& shown : shown_values(which, spindle.names)) {
+    const double value = shown_value(spindle.image, shown);
     if (std::isnan(value)) continue;
     std::string labels = name_label(spindle.name);
     if (entry.slots > 1) {
-      labels = joined(labels, fmt::format("{}=\"{}\"", label_of(entry.slot_names),
-                                          slot_names != nullptr ? escaped((*slot_names)[slot]) : std::to_string(slot)));
+      labels = joined(labels,
+                      fmt::format("{}=\"{}\"", label_of(entry.slot_names),
+                                  shown.slot_name != nullptr ? escaped(*shown.slot_name) : std::to_string(shown.slot)));
     }
-    if (!entry.codes_are_bits) {
-      samples.push_back({labels, factor * value});
-      continue;
-    }
-    for (const CodeName& bit : entry.codes) {
-      const bool is_set = (static_cast<unsigned>(value) & bit.value) != 0;
-      samples.push_back({joined(labels, fmt::format("bit=\"{}\"", bit.name)), is_set ? 1.0 : 0.0});
-    }
+    if (shown.bit != nullptr) labels = joined(labels, fmt::format("bit=\"{}\"", shown.bit->name));
+    samples.push_back({labels, factor * value});
   }
 }
 
@@ -127,19 +119,29 @@ void add_counts(std::string& out, const HttpCounts& counts) {
   write(out, "spindle_twin_http_viewers", "gauge", "open event streams", {{"", static_cast<double>(counts.viewers)}});
 }
 
+void add_counts(std::string& out, const PlantCounts& counts) {
+  const auto one = [](const auto& count) { return std::vector<Sample>{{"", static_cast<double>(count.load())}}; };
+  write(out, "spindle_twin_plant_published_total", "counter", "samples that the plant's broker has read",
+        one(counts.published));
+  write(out, "spindle_twin_plant_dropped_total", "counter", "samples that the queue to the plant had no room for",
+        one(counts.dropped));
+  write(out, "spindle_twin_plant_waiting", "gauge", "samples in the queue to the plant", one(counts.waiting));
+  write(out, "spindle_twin_plant_connected", "gauge", "1 while the plant's broker is connected", one(counts.connected));
+}
+
 }  // namespace
 
 std::string metric_name(const RegisterEntry& entry) {
-  std::string name = entry.name;
-  constexpr std::string_view form = "_float32", count = "_count";
-  if (name.ends_with(form)) name.resize(name.size() - form.size());
+  std::string name = shown_name(entry);
+  constexpr std::string_view count = "_count";
   if (name.ends_with(count)) name.replace(name.size() - count.size(), count.size(), "s");
   const std::string_view unit = find_unit(entry.unit)->name;
   if (!unit.empty()) name.append("_").append(unit);
   return "spindle_twin_" + name + (entry.metric == Metric::counter ? "_total" : "");
 }
 
-std::string metrics_text(const std::vector<ShownRegisters>& spindles, const HttpCounts& counts) {
+std::string metrics_text(const std::vector<ShownRegisters>& spindles, const HttpCounts& counts,
+                         const PlantCounts* plant) {
   std::string out;
   std::vector<Sample> samples;
   for (const ShownRegisters& spindle : spindles) {
@@ -150,13 +152,14 @@ std::string metrics_text(const std::vector<ShownRegisters>& spindles, const Http
   write(out, "spindle_twin_build_info", "gauge", "always 1; which program, and which spindle", samples);
   for (std::size_t r = 0; r < register_entries.size(); ++r) {
     const RegisterEntry& entry = register_entries[r];
-    if (entry.command || entry.metric == Metric::none) continue;
+    if (!is_shown(entry)) continue;
     const char* type = entry.metric == Metric::counter ? "counter" : "gauge";
     samples.clear();
     for (const ShownRegisters& spindle : spindles) add_samples(spindle, static_cast<Register>(r), samples);
     write(out, metric_name(entry), type, entry.doc, samples);
   }
   add_counts(out, counts);
+  if (plant != nullptr) add_counts(out, *plant);
   return out;
 }
 

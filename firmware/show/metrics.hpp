@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/serve/register_map.hpp"
+#include "firmware/show/plant_counts.hpp"
 #include "firmware/show/shown_names.hpp"
 
 namespace spindle_twin::firmware {
@@ -28,8 +29,9 @@ struct ShownRegisters {
 
 /// All registers but the command block in Prometheus' text format 0.0.4, in base units, then the counts. Names are
 /// metric_name(); slots have their names as label, bits are one sample each (0 or 1) with the label `bit`; what is not
-/// present has no sample. Allocates.
-std::string metrics_text(const std::vector<ShownRegisters>& spindles, const HttpCounts& counts);
+/// present has no sample. `plant`: null where nothing is published. Allocates.
+std::string metrics_text(const std::vector<ShownRegisters>& spindles, const HttpCounts& counts,
+                         const PlantCounts* plant = nullptr);
 
 /// "nose_float32" in um: "spindle_twin_nose_meters"; counters end in _total.
 std::string metric_name(const RegisterEntry& entry);

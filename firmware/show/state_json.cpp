@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "firmware/serve/pack.hpp"
 #include "firmware/show/json_text.hpp"
+#include "firmware/show/shown_values.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -69,11 +69,6 @@ std::string register_json(const RegisterImage& image, Register which, const Show
 }
 
 }  // namespace
-
-double shown_value(const RegisterImage& image, Register which, int slot) {
-  if (which == Register::heartbeat) return image[entry_of(which).address];
-  return get(image, which, slot);
-}
 
 std::string state_json(const RegisterImage& image, const ShownNames& names) {
   std::string json = fmt::format("{{\"spindle\":{},\"version\":{},\"map_version\":{},\"registers\":{{",

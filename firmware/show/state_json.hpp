@@ -14,7 +14,4 @@ namespace spindle_twin::firmware {
 /// name beside it ("name", "names"), bits the names of those that are set ("set"). Allocates.
 std::string state_json(const RegisterImage& image, const ShownNames& names);
 
-/// The value of a slot in its unit; NaN: not present. The heartbeat uses all 16 bits and is always present.
-double shown_value(const RegisterImage& image, Register which, int slot);
-
 }  // namespace spindle_twin::firmware

@@ -250,6 +250,29 @@ TEST(Config, nobody_listens_for_http_unless_told_to_and_then_on_the_loopback_onl
   EXPECT_EQ(error_of(good + "[http]\npath = \"/\"\n").find("/etc/twin.toml:27: http.path: "), 0U);
 }
 
+TEST(Config, nothing_is_published_unless_told_to) {
+  EXPECT_FALSE(parse_config(good, "/etc/twin.toml").plant.enabled);
+  const std::string named = good + "[plant]\nhost = \"broker\"\nnode = \"mill 7\"\n";
+  const PlantPlan plant = parse_config(named, "/etc/twin.toml").plant;
+  EXPECT_TRUE(plant.enabled);
+  EXPECT_EQ(plant.port, 1883);
+  EXPECT_EQ(plant.group, "spindles");
+  EXPECT_EQ(plant.node, "mill 7");
+  EXPECT_EQ(error_of(good + "[plant]\nhost = \"broker\"\n").find("/etc/twin.toml:26: plant.node: "), 0U);
+  EXPECT_EQ(error_of(good + "[plant]\nnode = \"a\"\n").find("/etc/twin.toml:26: plant.host: "), 0U);
+  for (const char* name : {"", "a/b", "a+", "#", "\\n"}) {
+    const std::string said = error_of(named + "group = \"" + name + "\"\n");
+    EXPECT_EQ(said.find("/etc/twin.toml:29: plant.group: must be 1 to 64 letters"), 0U) << said;
+  }
+  EXPECT_EQ(parse_config(named + "registers = [\"nose\", \"quality\"]\n", "/etc/twin.toml").plant.registers.size(), 2U);
+  for (const char* name : {"nosy", "nose_int16", "command_tare"}) {
+    const std::string said = error_of(named + "registers = [\"nose\", \"" + name + "\"]\n");
+    EXPECT_EQ(said.find("/etc/twin.toml:29: plant.registers: \"" + std::string(name) + "\" is none"), 0U) << said;
+  }
+  const std::string files = "[plant.tls]\nca = \"ca\"\ncertificate = \"c\"\nkey = \"k\"\n";
+  EXPECT_EQ(error_of(named + files).find("/etc/twin.toml:31: plant.tls.certificate: /etc/c: "), 0U);
+}
+
 TEST(Config, a_history_is_bounded_by_days_in_a_database_and_by_segments_in_text) {
   const HistoryPlan plan =
       parse_config(good + "[history]\npath = \"a.sqlite\"\nmost_MiB = 16.0\nmost_days = 7.0\n", "/etc/twin.toml")

@@ -69,8 +69,8 @@ TEST_F(DaemonConfigTest, without_a_list_the_file_is_of_the_only_spindle) {
 
 TEST_F(DaemonConfigTest, what_is_of_all_is_refused_in_the_file_of_one) {
   const std::string list = head + spindle("left", 1, "left.toml");
-  for (const std::string& own :
-       std::vector<std::string>{"log_level = \"debug\"\n", "[http]\n", "[serve]\nport = 7\n", "[[spindle]]\n"}) {
+  for (const std::string& own : std::vector<std::string>{"log_level = \"debug\"\n", "[http]\n", "[plant]\n",
+                                                         "[serve]\nport = 7\n", "[[spindle]]\n"}) {
     write("left.toml", own.starts_with('[') ? of_one + own : own + of_one);
     const std::string said = refusal(list);
     EXPECT_NE(said.find("left.toml:"), std::string::npos) << said;

@@ -104,8 +104,8 @@ Config configured(bool with_values) {
   const auto table = [&](const char* heading) { return table_of_defaults(heading, with_values); };
   return parse_config(
       "network = \"small.rom\"\n[cycle]\n" + table("[cycle]") + "[serve]\n" + table("[serve]") + "[http]\n" +
-          table("# [http]") + "[device]\n" + table("name = \"cabinet\"") +
-          "[[sensor]]\nkey_point = \"k\"\nregister = 0\n" + table("[[sensor]]") +
+          table("# [http]") + "[plant]\nhost = \"h\"\nnode = \"n\"\n" + table("# [plant]") + "[device]\n" +
+          table("name = \"cabinet\"") + "[[sensor]]\nkey_point = \"k\"\nregister = 0\n" + table("[[sensor]]") +
           "[[displacement]]\noutput = \"nose\"\nregister = 10\nsd_um = 1.0\n" + table("# [[displacement]]") +
           "[signals]\nspeed = { source = \"plc\" }\nload = { source = \"plc\" }\n" +
           "coolant = { source = \"plc\" }\nambient = { source = \"plc\" }\n[output]\n" + table("[output]") +
@@ -141,6 +141,7 @@ TEST(Example, what_it_calls_a_default_is_what_a_key_left_out_means) {
   const Config said = configured(true), silent = configured(false);
   EXPECT_EQ(said.serve, silent.serve);
   EXPECT_EQ(said.show, silent.show);
+  EXPECT_EQ(said.plant, silent.plant);
   EXPECT_EQ(said.keep, silent.keep);
   EXPECT_EQ(said.history, silent.history);
   EXPECT_EQ(numbers_of_cycle(said.cycle), numbers_of_cycle(silent.cycle));

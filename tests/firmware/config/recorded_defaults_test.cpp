@@ -26,6 +26,9 @@ const char* const least = R"([network]
 file = "x.rom"
 [serve]
 [http]
+[plant]
+host = "broker"
+node = "mill"
 [[device]]
 name = "cabinet"
 address = "127.0.0.1"
@@ -97,6 +100,9 @@ void add_ports(const Config& config, Lines& lines) {
   const ShowPlan& show = config.show;
   lines.add("http", show.enabled, show.address, show.port, show.names.size());
   add_ranges("http.allow", show.allow, lines);
+  const PlantPlan& plant = config.plant;
+  lines.add("plant", plant.enabled, plant.port, plant.group, plant.period_s, plant.queue, plant.registers.size(),
+            plant.tls.has_value());
 }
 
 void add_devices(const SpindlePlan& plan, Lines& lines) {

@@ -164,6 +164,14 @@ path = "twin.orders"
 path = "twin.checkpoint"
 interval_s = 120.0
 max_age_h = 6.0
+[plant]
+host = "broker"
+port = 1883
+group = "hall"
+node = "mill"
+period_s = 10.0
+queue = 360
+registers = ["nose", "state"]
 )";
 
 /// A sum to which each of these adds its logarithm.

@@ -11,6 +11,7 @@
 #include "firmware/cycle/publish.hpp"
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/serve/pack.hpp"
+#include "firmware/show/shown_values.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
 /// The JSON says what the registers hold, and nothing else.
