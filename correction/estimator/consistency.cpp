@@ -15,12 +15,13 @@ double weight(double elapsed_s, double memory_s) { return 1.0 - std::exp(-elapse
 }  // namespace
 
 Consistency::Consistency(const ConsistencyLimits& limits, Eigen::Index sensors)
-    : limits_(limits), nis_(Eigen::VectorXd::Zero(sensors)), floor_K2_(nis_) {
+    : limits_(limits), nis_(Eigen::VectorXd::Zero(sensors)), floor_K2_(nis_), square_K2_(nis_) {
   restart();
 }
 
 void Consistency::restart() {
   nis_.setZero();
+  square_K2_.setZero();
   floor_K2_.setConstant(limits_.floor_K * limits_.floor_K);
   nis_of_hour_ = rejected_share_ = above_s_ = calm_s_ = 0.0;
   in_doubt_ = false;
@@ -29,6 +30,7 @@ void Consistency::restart() {
 void Consistency::note(Eigen::Index sensor, double innovation_K, double variance_K2, double explained_K2, bool rejected,
                        double since_s) {
   const double square_K2 = innovation_K * innovation_K;
+  square_K2_[sensor] += weight(since_s, limits_.nis_memory_s) * (square_K2 - square_K2_[sensor]);
   const double ratio = std::min(square_K2 / variance_K2, most_nis);
   nis_[sensor] += weight(since_s, limits_.nis_memory_s) * (ratio - nis_[sensor]);
   if (!rejected && !in_doubt_) {

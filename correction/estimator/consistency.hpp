@@ -41,6 +41,8 @@ class Consistency {
   void contradict();
 
   bool in_doubt() const { return in_doubt_; }
+  /// Mean of ν² over a minute.
+  double square_K2(Eigen::Index sensor) const { return square_K2_[sensor]; }
   double nis(Eigen::Index sensor) const { return nis_[sensor]; }
   double largest_nis() const { return nis_.size() > 0 ? nis_.maxCoeff() : 0.0; }
   /// Mean over all sensors and an hour.
@@ -54,7 +56,7 @@ class Consistency {
 
  private:
   ConsistencyLimits limits_;
-  Eigen::VectorXd nis_, floor_K2_;
+  Eigen::VectorXd nis_, floor_K2_, square_K2_;
   double nis_of_hour_ = 0.0, rejected_share_ = 0.0;
   double above_s_ = 0.0, calm_s_ = 0.0;
   double largest_K_ = 0.0, noted_K_ = 0.0, noted_nis_ = 0.0;

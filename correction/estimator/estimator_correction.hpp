@@ -110,7 +110,7 @@ struct EstimatorState {
 /// offsets b and lags τ of the sensors. It corrects state and parameters together.
 /// With S = dx/dθ carried along (sensitivities.hpp) and P the covariance of z (square_root_filter.hpp):
 ///   every period       P += walk,  h = [l S, 1, dy/dτ],  v = y − l T − b
-///   per sensor         r = (noise²/n + floor² + curvature ½ Σ (h_i P_ii)²) max(1, 60 s / interval)
+///   per sensor         r = (noise²/n + floor² + min(curvature ½ Σ (h_i P_ii)², 9 v²)) max(1, 60 s / interval)
 ///   all sensors        consistency: where v² / (h P hᵀ + r) says for a minute that the estimate contradicts its
 ///                      readings, it is loosened: P to the prior around the present z, the start anew (loosen)
 ///   per sensor         z += K v,  P ← P − K h P           if v² <= gate² (h P hᵀ + r)

@@ -10,6 +10,7 @@ namespace {
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Largest step of an ln factor by one reading: as far as a straight line stands for e^θ.
 constexpr double straight = 0.3;
+constexpr double by_chance = 3.0;  ///< deviations of what it leaves out that the rest of a reading may hide
 constexpr double longest_lag_s = 120.0;
 constexpr double lag_missed = 0.3;  // of what an open lag does, the share that a straight line in it leaves out
 
@@ -65,8 +66,11 @@ void EstimatorCorrection::measure(double time_s) {
     made_.innovation_K[s] = channel.mean_residual_K() - filter_.mean()[offset_at(s)];
     const double interval_s = std::max(time_s - channel.fused_s, options_.period_s);
     const double floor_K = consistency_.floor_K(s);
-    const double one_reading_K2 = sensor.noise_K * sensor.noise_K / channel.samples() + floor_K * floor_K +
-                                  curvature_variance(channel.sensitivity()) + lag_curvature_variance(s);
+    // A straight line leaves out no more than what is left of the readings, but by chance.
+    const double seen_K2 = std::max(consistency_.square_K2(s), made_.innovation_K[s] * made_.innovation_K[s]);
+    const double left_out_K2 = std::min(curvature_variance(channel.sensitivity()) + lag_curvature_variance(s),
+                                        by_chance * by_chance * seen_K2);
+    const double one_reading_K2 = sensor.noise_K * sensor.noise_K / channel.samples() + floor_K * floor_K + left_out_K2;
     made_.noise_K2[s] = one_reading_K2 * std::max(1.0, options_.correlation_s / interval_s);
   }
 }
