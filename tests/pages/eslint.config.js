@@ -26,5 +26,5 @@ export default [
   { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
   { files: ["tests/pages/*.js", "tests/bench/table/take_picture.js"],
     languageOptions: { globals: { ...browser, ...names(["console", "process", "URL"]) } } },
-  { files: ["tests/system/clients/*.js"], languageOptions: { globals: names(["Buffer", "process"]) } },
+  { files: ["tests/system/clients/*.js"], languageOptions: { globals: names(["Buffer", "console", "process"]) } },
 ];
