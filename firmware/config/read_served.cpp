@@ -122,7 +122,7 @@ PlantPlan read_plant(const std::optional<TomlTable>& table, const std::string& c
   plant.node = read_topic_part(*table, "node", table->string("node"));
   plant.period_s = table->number_or("period_s", plant.period_s, rom::between(0.1, 3600.0));
   plant.registers = read_published(*table);
-  plant.queue = static_cast<int>(table->integer_or("queue", plant.queue, 1, 100000));
+  plant.queue = static_cast<int>(table->integer_or("queue", plant.queue, 1, 10000));
   return plant;
 }
 

@@ -2,6 +2,7 @@
 
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -17,8 +18,9 @@ namespace spindle_twin::firmware {
 namespace {
 
 constexpr double first_wait_s = 1.0, longest_wait_s = 30.0;
-constexpr double patience_s = 30.0;  // for a connection to stand, and for an answer
-constexpr double proven_s = 10.0;    // a connection that held so long is worth trying again soon
+constexpr double patience_s = 30.0;       // for a connection to stand, and for an answer
+constexpr double proven_s = 10.0;         // a connection that held so long is worth trying again soon
+constexpr double between_births_s = 1.0;  // whoever asks for them, and how often
 constexpr double longest_step_s = 0.5;
 constexpr int keep_alive_s = 30;
 constexpr std::size_t longest_order = 65536;  // bytes
@@ -139,11 +141,17 @@ void BrokerLink::greet(const PlantTime& now) {
   }
   renew_subscription(now);
   birth_wanted_ = true;
+  births_from_ns_ = now.ns;
 }
 
 void BrokerLink::send(const PlantTime& now) {
   if (subscription_ != 0 && now.ns > answer_by_ns_) return lose(now, "the broker does not answer");
-  bool fine = !std::exchange(birth_wanted_, false) || publish(node_.births(now.ms));
+  bool fine = true;
+  if (birth_wanted_ && now.ns >= births_from_ns_) {
+    birth_wanted_ = false;
+    births_from_ns_ = now.ns + ns(between_births_s);
+    fine = publish(node_.births(now.ms));
+  }
   if (subscription_ == 0 && fine) {
     const std::vector<PlantMessage> data = node_.data(now.ms);
     fine = publish(data);
@@ -172,7 +180,8 @@ void BrokerLink::renew_subscription(const PlantTime& now) {
 void BrokerLink::lose(const PlantTime& now, const std::string& why) {
   const bool was_connected = stage_ == Stage::connected;
   if (was_connected && now.ns - stage_began_ns_ > ns(proven_s)) wait_s_ = first_wait_s;
-  const std::string reason = why;  // perhaps heard_
+  const std::string what = fmt::format("{} {}:{}: {}", was_connected ? "connection lost to" : "no connection to",
+                                       plan_.host, plan_.port, why);
   stage_ = Stage::away;
   session_.reset();
   node_.disconnected();
@@ -181,9 +190,7 @@ void BrokerLink::lose(const PlantTime& now, const std::string& why) {
   wait_s_ = std::min(2.0 * wait_s_, longest_wait_s);
   if (!is_news) return;
   if (const auto held_back = lines_.pass(now.ns)) {
-    spdlog::warn("plant: {} {}:{}: {}; tried again, samples wait{}",
-                 was_connected ? "connection lost to" : "no connection to", plan_.host, plan_.port, reason,
-                 LogLimit::also(*held_back));
+    spdlog::warn("plant: {}; tried again, samples wait{}", what, LogLimit::also(*held_back));
   }
 }
 

@@ -84,8 +84,9 @@ class BrokerLink {
   bool accepted_ = false;      ///< heard, not dealt with
   bool birth_wanted_ = false;  ///< likewise
   bool ended_ = false;         ///< likewise
-  std::string heard_;          ///< why it ended, or what the library said last
-  int subscription_ = 0;       ///< the request that is to be answered; 0: none
+  std::int64_t births_from_ns_ = 0;
+  std::string heard_;     ///< why it ended, or what the library said last
+  int subscription_ = 0;  ///< the request that is to be answered; 0: none
   std::int64_t answer_by_ns_ = 0;
   bool may_hear_orders_ = true;
   std::uint64_t dropped_said_ = 0;

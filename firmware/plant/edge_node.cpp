@@ -13,7 +13,6 @@ PayloadMetric of_node(const char* name, DataType type, double value) {
   PayloadMetric metric;
   metric.name = name;
   metric.type = type;
-  metric.says_type = true;
   metric.value = value;
   return metric;
 }
@@ -93,7 +92,6 @@ PayloadMetric EdgeNode::metric(Device& device, std::size_t m, const PlantSample&
   PayloadMetric metric;
   metric.alias = device.first_alias + m;
   metric.type = of.type;
-  metric.says_type = true;
   metric.value = sample.values.numbers[m];
   if (in_birth) {
     metric.name = of.name;

@@ -104,7 +104,7 @@ spindle_twin_plant_Metric metric_message(const PayloadMetric& from, std::uint64_
   to.alias = from.alias.value_or(0);
   to.has_timestamp = true;
   to.timestamp = time_ms;
-  to.has_datatype = from.says_type;
+  to.has_datatype = true;
   to.datatype = static_cast<std::uint32_t>(from.type);
   to.has_is_historical = to.is_historical = from.is_historical;
   set_value(from, to);

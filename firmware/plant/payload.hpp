@@ -15,7 +15,6 @@ struct PayloadMetric {
   std::string name = {};
   std::optional<std::uint64_t> alias = std::nullopt;
   DataType type = DataType::float32;
-  bool says_type = false;
   double value = 0.0;     ///< NaN: null, also of a text
   std::string text = {};  ///< of a metric that is a string
   bool is_historical = false;

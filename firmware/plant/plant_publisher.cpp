@@ -21,6 +21,7 @@ const char* const only_device = "spindle";
 std::vector<PlantDevice> devices(const std::vector<SpindleToPublish>& spindles,
                                  const std::vector<std::string>& registers) {
   std::vector<PlantDevice> all;
+  all.reserve(spindles.size());
   for (const SpindleToPublish& spindle : spindles) {
     all.push_back(
         {spindle.name.empty() ? only_device : spindle.name, std::make_unique<PlantMetrics>(spindle.names, registers)});
@@ -30,7 +31,7 @@ std::vector<PlantDevice> devices(const std::vector<SpindleToPublish>& spindles,
 
 }  // namespace
 
-PlantPublisher::PlantPublisher(const PlantPlan& plan, std::vector<SpindleToPublish> spindles, Clock& clock)
+PlantPublisher::PlantPublisher(const PlantPlan& plan, const std::vector<SpindleToPublish>& spindles, Clock& clock)
     : plan_(plan),
       clock_(clock),
       node_(plan.group, plan.node, devices(spindles, plan.registers), static_cast<std::size_t>(plan.queue)),

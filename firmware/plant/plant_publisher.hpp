@@ -28,7 +28,7 @@ struct SpindleToPublish {
 /// thread only leaves its snapshots.
 class PlantPublisher {
  public:
-  PlantPublisher(const PlantPlan& plan, std::vector<SpindleToPublish> spindles, Clock& clock);
+  PlantPublisher(const PlantPlan& plan, const std::vector<SpindleToPublish>& spindles, Clock& clock);
 
   /// Of the spindle of this number; for its cycle.
   Latest<Snapshot>& tap(std::size_t spindle) { return spindles_[spindle]->tap; }

@@ -5,6 +5,7 @@ plant_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]
 """
 import pathlib
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -59,6 +60,12 @@ class Plant(RunningDaemon):
 
     def prepare_plant(self):
         pass
+
+    def with_plant(self, text):
+        self.daemon.terminate()
+        self.daemon.wait(20)
+        self.config.write_text(text)
+        self.start_again()
 
     def count(self, name):
         with urllib.request.urlopen(f"http://127.0.0.1:{self.http_port}/metrics", timeout=20) as reply:
@@ -184,6 +191,75 @@ class Messages(Plant):
         self.assertEqual(self.log_text().count("plant: connected"), 2)
 
 
+class Troubles(Plant):
+    def sequence(self):
+        return self.read(8, 2)
+
+    def assert_goes_on_and_ends(self):
+        """The cycle runs, and the daemon ends, however the broker is."""
+        before = self.sequence()
+        wait_until(lambda: self.sequence() != before, "another cycle", 10)
+        self.daemon.terminate()
+        self.assertEqual(self.daemon.wait(10), 0)
+
+    def at(self, port):
+        return self.config.read_text().replace(f"port = {self.broker_port}\n", f"port = {port}\n")
+
+    def test_who_asks_for_births_again_and_again_gets_one_a_second(self):
+        self.host.wait_for("DDATA", 3)
+        end = time.monotonic() + 3.0
+        while time.monotonic() < end:
+            self.host.client.publish("spBv1.0/hall 3/NCMD/mill_7", REBIRTH)
+            time.sleep(0.01)
+        self.host.wait_for("NBIRTH", 3)
+        time.sleep(1.5)
+        self.assertLessEqual(len(self.host.messages("NBIRTH")), 6)
+        self.assert_in_sequence(self.host.messages())
+
+    def test_a_broker_that_stands_still_and_goes_on_costs_nothing(self):
+        self.host.wait_for("DDATA", 3)
+        self.broker.process.send_signal(signal.SIGSTOP)
+        wait_until(lambda: self.count("waiting") >= 20, "a queue that grows")
+        self.broker.process.send_signal(signal.SIGCONT)
+        wait_until(lambda: self.count("waiting") <= 2, "an empty queue")
+        self.assertEqual(self.count("dropped_total"), 0)
+        self.assertEqual(len(self.host.messages("NBIRTH")), 1)
+        self.assert_in_sequence(self.host.messages())
+
+    def test_a_broker_that_takes_connections_and_says_nothing_holds_up_nobody(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            self.with_plant(self.at(silent.getsockname()[1]))
+            connection, _ = silent.accept()
+            with connection:
+                self.assertIn(b"MQTT", connection.recv(100))
+                self.assert_goes_on_and_ends()
+
+    def test_a_broker_that_answers_with_noise_is_left(self):
+        with socket.create_server(("127.0.0.1", 0)) as noisy:
+            self.with_plant(self.at(noisy.getsockname()[1]))
+            for _ in range(3):
+                connection, _ = noisy.accept()
+                with connection:
+                    connection.recv(1000)
+                    connection.sendall(bytes(range(256)) * 4)
+            self.assert_goes_on_and_ends()
+
+    def test_a_way_that_swallows_everything_holds_up_nobody(self):
+        with socket.socket() as full:
+            full.bind(("127.0.0.1", 0))
+            full.listen(0)
+            clients = [socket.socket() for _ in range(4)]
+            for client in clients:  # beyond what the kernel holds for a server that does not accept, it answers nothing
+                client.setblocking(False)
+                client.connect_ex(full.getsockname())
+            self.with_plant(self.at(full.getsockname()[1]))
+            wait_until(lambda: self.count("waiting") > 5, "a queue that grows")
+            self.assertEqual(self.count("connected"), 0)
+            self.assert_goes_on_and_ends()
+            for client in clients:
+                client.close()
+
+
 class SmallQueue(Plant):
     period_s, queue = 0.1, 10
 
@@ -229,12 +305,6 @@ class ByTls(Plant):
 
     def prepare_plant(self):
         make_certificates(self.folder)
-
-    def with_plant(self, text):
-        self.daemon.terminate()
-        self.daemon.wait(20)
-        self.config.write_text(text)
-        self.start_again()
 
     def test_a_certificate_on_both_sides_is_needed(self):
         self.host.wait_for("DDATA", 3)

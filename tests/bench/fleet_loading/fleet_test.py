@@ -35,7 +35,7 @@ class Plant:
         self.store = f"http://127.0.0.1:{self.store_port}"
         self.start("store", ["/usr/bin/victoria-metrics", f"-storageDataPath={folder / 'store'}", "-retentionPeriod=1",
                              f"-httpListenAddr=127.0.0.1:{self.store_port}", "-search.latencyOffset=0s",
-                             "-dedup.minScrapeInterval=1ms", "-search.disableCache"])
+                             "-dedup.minScrapeInterval=1ms", "-search.disableCache", "-loggerLevel=ERROR"])
         self.start_broker()
         wait_until(lambda: can_connect(self.store_port), "the store's port")
         self.start("bridge", [PYTHON, FLEET / "bridge", "--broker", f"127.0.0.1:{self.broker_port}", "--store", self.store])
@@ -43,7 +43,8 @@ class Plant:
 
     def start(self, name, command):
         self.processes[name] = subprocess.Popen(["bash", "-c", 'ulimit -n "$(ulimit -Hn)"; exec "$@"', "_",
-                                                 *map(str, command)], stdout=self.log, stderr=self.log)
+                                                 *map(str, command)], stderr=self.log,
+                                                stdout=self.log if name != "store" else subprocess.DEVNULL)
 
     def start_broker(self):
         self.start("broker", ["/usr/sbin/mosquitto", "-c", self.folder / "mosquitto.conf"])

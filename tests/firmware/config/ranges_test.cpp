@@ -103,7 +103,7 @@ const std::vector<Bounds> all_bounds = {
     {"http", "port", 1, 65535, true},
     {"plant", "port", 1, 65535, true},
     {"plant", "period_s", 0.1, 3600.0},
-    {"plant", "queue", 1, 100000, true},
+    {"plant", "queue", 1, 10000, true},
     {"device", "port", 1, 65535, true},
     {"device", "unit", 0, 255, true},
     {"device", "timeout_s", 0.01, 10.0},

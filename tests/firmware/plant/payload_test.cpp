@@ -27,9 +27,10 @@ TEST(PlantPayload, a_float_of_a_message_of_data) {
   PayloadMessage message{1000, std::nullopt, 7};
   message.metrics.push_back(number(3, DataType::float32, 1.5));
   const Bytes wanted = {0x08, 0xE8, 0x07,              // timestamp = 1 : 1000
-                        0x12, 0x0A,                    // metrics = 2, 10 bytes
+                        0x12, 0x0C,                    // metrics = 2, 12 bytes
                         0x10, 0x03,                    // alias = 2 : 3
                         0x18, 0xE8, 0x07,              // timestamp = 3 : 1000
+                        0x20, 0x09,                    // datatype = 4 : Float
                         0x65, 0x00, 0x00, 0xC0, 0x3F,  // float_value = 12 : 1.5
                         0x18, 0x07};                   // seq = 3 : 7
   EXPECT_EQ(encode_payload(message), wanted);
@@ -38,7 +39,8 @@ TEST(PlantPayload, a_float_of_a_message_of_data) {
 TEST(PlantPayload, a_zero_is_said_and_so_is_the_first_number_of_a_birth) {
   PayloadMessage message{1, std::nullopt, 0};
   message.metrics.push_back(number(0, DataType::uint16, 0.0));
-  EXPECT_EQ(encode_payload(message), (Bytes{0x08, 0x01, 0x12, 0x06, 0x10, 0x00, 0x18, 0x01, 0x50, 0x00, 0x18, 0x00}));
+  EXPECT_EQ(encode_payload(message),
+            (Bytes{0x08, 0x01, 0x12, 0x08, 0x10, 0x00, 0x18, 0x01, 0x20, 0x06, 0x50, 0x00, 0x18, 0x00}));
 }
 
 TEST(PlantPayload, without_a_value_it_is_null_and_has_no_other) {
@@ -46,9 +48,10 @@ TEST(PlantPayload, without_a_value_it_is_null_and_has_no_other) {
   message.metrics.push_back(number(2, DataType::float32, std::numeric_limits<double>::quiet_NaN()));
   message.metrics.back().quality = MetricQuality::bad;
   const Bytes wanted = {0x08, 0x01,                                         // timestamp
-                        0x12, 0x17,                                         // metrics
+                        0x12, 0x19,                                         // metrics
                         0x10, 0x02,                                         // alias
                         0x18, 0x01,                                         // timestamp
+                        0x20, 0x09,                                         // datatype
                         0x38, 0x01,                                         // is_null = 7 : true
                         0x4A, 0x0F,                                         // properties = 9
                         0x0A, 0x07, 'Q',  'u',  'a',  'l',  'i', 't', 'y',  // keys = 1

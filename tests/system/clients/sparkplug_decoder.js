@@ -8,5 +8,5 @@ const plain = (key, value) => (value !== null && typeof value === "object" && "l
   ? value.high * 2 ** 32 + (value.low >>> 0) : value);
 
 createInterface({ input: process.stdin }).on("line", (line) => {
-  console.log(JSON.stringify(decoder.decodePayload(Buffer.from(line, "hex")), plain));
+  process.stdout.write(`${JSON.stringify(decoder.decodePayload(Buffer.from(line, "hex")), plain)}\n`);
 });
