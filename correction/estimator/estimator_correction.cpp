@@ -13,6 +13,7 @@ namespace {
 
 constexpr double due_slack_s = 1e-6;
 constexpr double disturbance_width_memory_s = 7200.0;
+constexpr double environment_width_memory_s = 14400.0;
 constexpr double idle_width = 1e-3;
 constexpr double open_width = 2.0;
 constexpr double start_missed_memory_s = 600.0;
@@ -126,6 +127,7 @@ void EstimatorCorrection::forget() {
   consistency_.restart();
   contradicted_ = false;
   disturbance_width_ = disturbance_idle_;
+  environment_width_ = 1.0;
   note_curvature();
   displacement_.pending = false;
 }
@@ -181,9 +183,8 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
     const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
     const double memory_s = i == parameters_.start() ? start_memory_s_ : parameter.memory_s;
     if (memory_s > 0.0) {
-      const double width = parameter.kind == ParameterKind::disturbance ? disturbance_width_ : 1.0;
       keep[i] = std::exp(-elapsed_s / memory_s);
-      growth[i] = std::pow(width * parameter.deviation, 2.0) * (1.0 - keep[i] * keep[i]);
+      growth[i] = std::pow(width_of(parameter) * parameter.deviation, 2.0) * (1.0 - keep[i] * keep[i]);
     } else {
       growth[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
     }
@@ -194,10 +195,16 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
   }
 }
 
+double EstimatorCorrection::width_of(const Parameter& parameter) const {
+  if (parameter.kind == ParameterKind::disturbance) return disturbance_width_;
+  return parameter.kind == ParameterKind::environment ? environment_width_ : 1.0;
+}
+
 void EstimatorCorrection::pass_time(double elapsed_s) {
   passing_of_time(elapsed_s, keep_, growth_);
   disturbance_width_ =
       std::max(disturbance_idle_, disturbance_width_ * std::exp(-elapsed_s / disturbance_width_memory_s));
+  environment_width_ = std::max(1.0, environment_width_ * std::exp(-elapsed_s / environment_width_memory_s));
   filter_.pass_time(prior_mean_, keep_, growth_);
   note_curvature();
 }

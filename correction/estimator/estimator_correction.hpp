@@ -269,6 +269,10 @@ class EstimatorCorrection {
   void widen_films(const rom::OperatingState& operating);
   /// Unexplained heats become wider, at least `first` of their prior's deviations.
   void widen_disturbances(double first);
+  /// What environments read wrong may be as large as widest_K from now on, and fades again within hours.
+  void widen_environments(double widest_K);
+  /// Of a parameter's prior deviation, how many it may be at the moment.
+  double width_of(const Parameter& parameter) const;
   /// The length that waits is further off than its variance allows for.
   bool displacement_contradicts();
   bool update(double time_s);
@@ -303,6 +307,7 @@ class EstimatorCorrection {
   Eigen::VectorXd start_missed_;    ///< 1σ of what the effect of each start parameter may miss, when it was opened
   double disturbance_width_ = 1.0;  ///< of the unexplained heats, times their prior's
   double disturbance_idle_ = 1.0;   ///< the same while nothing speaks for any
+  double environment_width_ = 1.0;  ///< of what environments read wrong, times their prior's
   bool contradicted_ = false;       ///< told so
   bool started_ = false, standing_by_ = false, start_unseen_ = false;
   long updates_ = 0, failures_ = 0, loosened_ = 0;

@@ -73,6 +73,11 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   start_memory_s_ = state.start[0];
   widened_s_ = seen_s_ + state.start[1];
   disturbance_width_ = state.start[2];
+  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
+    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
+    if (parameter.kind != ParameterKind::environment || !(parameter.deviation > 0.0)) continue;
+    environment_width_ = std::max(environment_width_, filter_.deviation(i) / parameter.deviation);
+  }
   start_missed_ = Eigen::Map<const Eigen::VectorXd>(state.start.data() + of_start, start_missed_.size());
   start_unseen_ = false;
   note_curvature();

@@ -25,6 +25,9 @@ constexpr double disturbance_step = 3.0;
 constexpr double disturbance_first = 2.0;
 constexpr double disturbance_by_length = 8.0;
 constexpr double disturbance_widest = 30.0;
+// What environments read wrong, of the largest innovation: a sensor shows a part of it. At most so many deviations.
+constexpr double environment_share = 2.0;
+constexpr double environment_widest = 50.0;
 constexpr double displacement_nis = 2.0;  // squared innovation of a length over its variance, from which it opens them
 
 constexpr double new_flow_share = 0.1;  // a film learnt at one flow is another at a flow that differs by more
@@ -166,6 +169,16 @@ void EstimatorCorrection::widen_disturbances(double first) {
   }
 }
 
+void EstimatorCorrection::widen_environments(double widest_K) {
+  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
+    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
+    if (parameter.kind != ParameterKind::environment || !(parameter.deviation > 0.0)) continue;
+    environment_width_ = std::max(environment_width_, std::min(widest_K / parameter.deviation, environment_widest));
+    const double wanted_K = environment_width_ * parameter.deviation;
+    growth_[i] = std::max(growth_[i], wanted_K * wanted_K - std::pow(keep_[i] * filter_.deviation(i), 2.0));
+  }
+}
+
 void EstimatorCorrection::open_start(double widest_K, double shapes_share, double groups_share) {
   const Eigen::Index first = parameters_.start();
   if (first < 0) return;
@@ -185,10 +198,8 @@ void EstimatorCorrection::open_start(double widest_K, double shapes_share, doubl
 void EstimatorCorrection::forget_the_implausible() {
   row_ = filter_.mean();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
-    const bool tried_heat =
-        i < parameters_.count() && parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance;
-    const double width = tried_heat ? std::max(disturbance_width_, 1.0) : 1.0;
-    const double deviation = width * filter_.scale()[i];
+    const double width = i < parameters_.count() ? width_of(parameters_.list()[static_cast<std::size_t>(i)]) : 1.0;
+    const double deviation = std::max(width, 1.0) * filter_.scale()[i];
     if (!(std::abs(row_[i] - prior_mean_[i]) > implausible * deviation)) continue;
     row_[i] = prior_mean_[i];
     keep_[i] = 0.0;
@@ -215,6 +226,7 @@ void EstimatorCorrection::loosen(double widest_K) {
     growth_[offset_at(s)] = std::max(0.0, wanted_K * wanted_K - b * b);
   }
   widen_disturbances(disturbance_first);
+  widen_environments(environment_share * open_K);
   forget_the_implausible();
   open_start(open_K, start_groups_share, start_groups_share);
   filter_.widen(keep_, growth_);

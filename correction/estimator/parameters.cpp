@@ -16,6 +16,7 @@ constexpr double largest_contact = 2.302585092994046;
 constexpr double largest_film = 1.6094379124341003;
 constexpr double largest_heat = 1.6094379124341003;
 constexpr double widest = 4.0;  // deviations, for everything else
+constexpr double widest_environment_K = 20.0;
 constexpr double slowest_speed = 0.05;
 constexpr double largest_start_K = 500.0;
 constexpr double largest_capacity = 1.6094379124341003;
@@ -79,8 +80,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   }
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     add({"bias " + boundaries.environments[e].name, ParameterKind::environment, static_cast<int>(e), 0.0,
-         priors.environment_K, 0.0, priors.environment_memory_s, -widest * priors.environment_K,
-         widest * priors.environment_K},
+         priors.environment_K, 0.0, priors.environment_memory_s, -widest_environment_K, widest_environment_K},
         environment_[e]);
   }
   if (std::find(friction_.begin(), friction_.end(), true) != friction_.end()) {

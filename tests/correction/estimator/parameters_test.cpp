@@ -30,7 +30,7 @@ Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_writte
     case ParameterKind::film:
       return {-0.5 * 0.3 * 0.3, 0.3, -five, five, 0.003, 0.0};
     case ParameterKind::environment:
-      return {0.0, 0.1, -0.4, 0.4, 0.0, 1800.0};
+      return {0.0, 0.1, -20.0, 20.0, 0.0, 1800.0};
     case ParameterKind::bearing_temperature:
       return {0.010, 0.005, 0.0, 0.030, 0.0, 0.0};
     case ParameterKind::speed_exponent:
