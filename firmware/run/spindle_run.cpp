@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "firmware/keep/state_files.hpp"
+#include "firmware/watch/keep_running.hpp"
 #include "firmware/watch/log.hpp"
 
 namespace spindle_twin::firmware {
@@ -14,6 +15,12 @@ namespace {
 /// The only spindle is also asked for by clients that have no setting for the unit.
 Units units_of(const PreparedSpindle& spindle) {
   return spindle.name.empty() ? units_of_one_spindle() : Units().set(static_cast<std::size_t>(spindle.unit));
+}
+
+/// The work of a thread that may begin anew where it threw.
+template <class Runs>
+auto begun_again(const char* what, Runs& runs, const std::atomic<bool>& stop) {
+  return [what, &runs, &stop] { keep_running(what, stop, [&] { runs.run(stop); }); };
 }
 
 }  // namespace
@@ -70,13 +77,13 @@ void SpindleRun::begin(const ShownTo& shown) {
 
   if (!spindle_.config.exchange.slot.empty()) {
     slot_.emplace(spindle_, exchange_, [this] { keeper_->keep_now(); });
-    run(threads_, [this] { slot_->run(stop_); });
+    run(threads_, begun_again("exchange", *slot_, stop_));
   }
-  for (const auto& device : devices_) run(threads_, [this, &device] { device->run(stop_); });
-  if (history_) run(after_cycle_, [this] { history_->run(stop_after_cycle_); });
-  run(after_cycle_, [this] { order_keeper_.run(stop_after_cycle_); });
-  run(after_cycle_, [this] { events_.run(stop_after_cycle_); });
-  run(threads_, [this] { keeper_->run(stop_); });
+  for (const auto& device : devices_) run(threads_, begun_again("device", *device, stop_));
+  if (history_) run(after_cycle_, begun_again("history", *history_, stop_after_cycle_));
+  run(after_cycle_, begun_again("keeping of orders", order_keeper_, stop_after_cycle_));
+  run(after_cycle_, begun_again("log of events", events_, stop_after_cycle_));
+  run(threads_, begun_again("checkpoint", *keeper_, stop_));
   run(threads_, [this, shown] { run_cycle(spindle_.cycle, spindle_.plan.cycle, clock_, cycle_ports(shown), stop_); });
 }
 

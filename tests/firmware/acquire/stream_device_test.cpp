@@ -2,17 +2,15 @@
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <memory>
-#include <sstream>
 
 #include "tests/firmware/acquire/stream_frames.hpp"
+#include "tests/firmware/support/logged.hpp"
 
 namespace spindle_twin::firmware {
 namespace acquire_stream_device_test {
@@ -43,24 +41,6 @@ class NoDescriptors {
 
  private:
   rlimit before_{};
-};
-
-/// What is logged while it lives.
-class Logged {
- public:
-  Logged() {
-    auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(lines_);
-    sink->set_pattern("%l %v");
-    spdlog::set_default_logger(std::make_shared<spdlog::logger>("", std::move(sink)));
-  }
-  ~Logged() { spdlog::set_default_logger(before_); }
-  Logged(const Logged&) = delete;
-  Logged& operator=(const Logged&) = delete;
-  std::string text() const { return lines_.str(); }
-
- private:
-  std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
-  std::ostringstream lines_;
 };
 
 class StreamDeviceTest : public testing::Test {
