@@ -50,6 +50,7 @@ int run(int argc, char** argv) {
   add_simulate(app);
   add_replay(app);
   add_history(app);
+  add_evaluate(app);
   add_export(app);
   add_identify(app);
   add_laws(app);

@@ -18,6 +18,7 @@ void add_deploy(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_history(CLI::App& app);
+void add_evaluate(CLI::App& app);
 void add_export(CLI::App& app);
 void add_identify(CLI::App& app);
 void add_laws(CLI::App& app);

@@ -8,15 +8,17 @@ import os
 import random
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
 import unittest
 
 from ports import can_connect, wait_until
-from running_daemon import PROGRAMS, RunningDaemon, main
+from running_daemon import PROGRAMS, RunningDaemon, float32, main
 
 HISTORY_LOST = 128
+NOSE_UM = 20  # nose_float32
 READ = """
 import json, sqlite3, sys
 database = sqlite3.connect(f"file:{sys.argv[1]}?mode=rw", uri=True, timeout=20)
@@ -118,6 +120,61 @@ class Replay(History):
         script = 'mount --bind "$1" "$1" && mount -o remount,ro,bind "$1" && exec "$0" history "$1/history.sqlite"'
         result = subprocess.run(["unshare", "-m", "sh", "-c", script, PROGRAMS["tool"], disk], capture_output=True, text=True)
         self.assertEqual((result.returncode, len(result.stdout.splitlines())), (0, 2), result.stderr)
+
+
+class Evaluate(History):
+    clock_rate = 100.0  # a warm-up within seconds
+
+    def touch_off(self, share):
+        """Hands over `share` of the growth that the daemon says, so unsure that it hardly changes what it says next."""
+        nose_um = float32(*self.read(NOSE_UM, 2))
+        words = struct.unpack(">4H", struct.pack(">2f", share * nose_um, 50.0))
+        self.assertFalse(self.client.write_registers(1010, [*words, 0, 1], slave=1).isError())
+        return nose_um
+
+    def warm_up(self, share):
+        """A run with six touch-offs."""
+        self.start_again()
+        self.write_signals()
+        self.wait_for_state(1)
+        before_um = -1.0
+        for _ in range(6):
+            wait_until(lambda: float32(*self.read(NOSE_UM, 2)) > before_um + 0.2, "growth")
+            before_um = self.touch_off(share)
+        time.sleep(0.5)
+        self.stop()
+        (self.folder / "twin.checkpoint").unlink()
+
+    def test_touch_offs_say_whether_the_compensation_helps_and_a_wrong_sign_makes_it_worse(self):
+        self.warm_up(1.0)
+        helps = self.tool("evaluate", self.folder / self.path, "--json")
+        self.assertEqual((helps.returncode, helps.stderr), (0, ""))
+        said = json.loads(helps.stdout)
+        self.assertEqual((said["whole"]["readings"], said["whole"]["verdict"]), (5, "helps"))
+        self.assertLess(said["whole"]["left_rms_um"], 0.2 * said["whole"]["growth_rms_um"])
+        self.assertEqual(len(said["weeks"]), 1)
+        self.warm_up(-1.0)
+        self.warm_up(-1.0)
+        worse = self.tool("evaluate", self.folder / self.path)
+        self.assertEqual(worse.returncode, 3)
+        self.assertIn("the compensation of nose makes it worse; check sign, unit and network", worse.stderr)
+        self.assertRegex(worse.stdout, r"(?m)^all +15 .* makes it worse$")
+
+    def test_parts_made_with_the_wrong_sign_are_named(self):
+        self.start_again()
+        self.write_signals()
+        self.wait_for_state(1)
+        lines = ["time_utc,growth_um,compensated"]
+        for _ in range(4):
+            time.sleep(1.01 - time.time() % 1.0)  # the file's times are of whole seconds
+            nose_um = float32(*self.read(NOSE_UM, 2))
+            lines.append(f"{time.strftime('%Y-%m-%d %H:%M:%S', time.gmtime())},{2.0 * nose_um},1")
+        self.stop()
+        parts = self.folder / "parts.csv"
+        parts.write_text("\n".join(lines) + "\n")
+        result = self.tool("evaluate", self.folder / self.path, "--measured", parts)
+        self.assertEqual(result.returncode, 3)
+        self.assertRegex(result.stdout, r"the control applies -\d\.\d\d times what is published: with the wrong sign")
 
 
 class Kills(History):

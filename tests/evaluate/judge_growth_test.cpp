@@ -1,0 +1,119 @@
+#include "host_tools/evaluate/judge_growth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace spindle_twin::host_tools {
+namespace judge_growth_test {
+
+constexpr double ever = std::numeric_limits<double>::infinity();
+constexpr double um = 1e-6;
+
+/// A warm-up of 12 um within two hours, read each ten minutes; `published` of it is what the twin says.
+std::vector<GrowthReading> warm_up(double published, ReadingOrigin origin = ReadingOrigin::touch_off) {
+  std::vector<GrowthReading> readings;
+  for (int n = 0; n <= 12; ++n) {
+    const double grown_m = 12.0 * um * (1.0 - std::exp(-n / 4.0));
+    readings.push_back({600.0 * n, 0, origin, grown_m, published * grown_m});
+  }
+  return readings;
+}
+
+TEST(JudgeGrowth, a_perfect_prediction_leaves_nothing) {
+  const GrowthJudgement judged = judge_growth(warm_up(1.0), -ever, ever);
+  EXPECT_EQ(judged.readings, 12U) << "the first is the zero";
+  EXPECT_EQ(judged.left_rms_m, 0.0);
+  EXPECT_NEAR(judged.growth_worst_m, 12.0 * um * (1.0 - std::exp(-3.0)), 1e-12);
+  EXPECT_EQ(judged.verdict, Verdict::helps);
+}
+
+TEST(JudgeGrowth, the_wrong_sign_doubles_the_growth_and_makes_it_worse) {
+  const GrowthJudgement judged = judge_growth(warm_up(-1.0), -ever, ever);
+  EXPECT_NEAR(judged.left_rms_m, 2.0 * judged.growth_rms_m, 1e-15);
+  EXPECT_EQ(judged.verdict, Verdict::makes_worse);
+}
+
+TEST(JudgeGrowth, zeros_of_measurement_and_prediction_are_of_no_account_in_each_stretch) {
+  std::vector<GrowthReading> readings = warm_up(0.9);
+  for (std::size_t n = 0; n < readings.size(); ++n) {
+    readings[n].stretch = n < 6 ? 0 : 1;
+    readings[n].measured_m += n < 6 ? 3.0 * um : -70.0 * um;
+    readings[n].predicted_m += n < 6 ? -20.0 * um : 5.0 * um;
+  }
+  const GrowthJudgement judged = judge_growth(readings, -ever, ever);
+  EXPECT_EQ(judged.readings, 11U);
+  EXPECT_NEAR(judged.left_rms_m, 0.1 * judged.growth_rms_m, 1e-15);
+}
+
+TEST(JudgeGrowth, a_week_counts_its_own_readings_against_a_zero_of_the_week_before) {
+  const std::vector<GrowthReading> readings = warm_up(0.5);
+  const GrowthJudgement first = judge_growth(readings, 0.0, 3600.0), second = judge_growth(readings, 3600.0, 7200.0);
+  EXPECT_EQ(first.readings, 5U);
+  EXPECT_EQ(second.readings, 6U) << "7200 s belong to the next";
+  EXPECT_GT(second.growth_rms_m, first.growth_rms_m);
+}
+
+TEST(JudgeGrowth, parts_made_with_compensation_are_judged_against_what_was_published) {
+  const auto judged = [](double applied) {
+    std::vector<GrowthReading> parts = warm_up(1.0, ReadingOrigin::by_hand_compensated);
+    for (GrowthReading& part : parts) part.measured_m -= applied * part.predicted_m;
+    return judge_growth(parts, -ever, ever);
+  };
+  EXPECT_NEAR(judged(0.8).left_rms_m, 0.2 * judged(0.8).growth_rms_m, 1e-15);
+  EXPECT_EQ(judged(0.8).verdict, Verdict::helps);
+  EXPECT_NEAR(judged(-1.0).left_rms_m, 2.0 * judged(-1.0).growth_rms_m, 1e-15);
+  EXPECT_EQ(judged(-1.0).verdict, Verdict::makes_worse);
+  EXPECT_EQ(judged(0.0).verdict, Verdict::not_told);
+}
+
+TEST(JudgeGrowth, where_neither_growth_nor_prediction_stands_out_of_the_noise_nothing_is_told) {
+  std::mt19937_64 random(20261123);
+  std::normal_distribution<double> normal;
+  int told = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<GrowthReading> readings = {{0.0, 0, ReadingOrigin::touch_off, 0.0, 0.0}};
+    for (int n = 1; n <= 20; ++n) {
+      readings.push_back(
+          {60.0 * n, 0, ReadingOrigin::touch_off, 2.0 * um * normal(random), 0.01 * um * normal(random)});
+    }
+    told += judge_growth(readings, -ever, ever).verdict != Verdict::not_told ? 1 : 0;
+  }
+  EXPECT_LE(told, 20) << "5 % are beyond two standard errors, seed 20261123";
+  EXPECT_EQ(judge_growth(std::vector<GrowthReading>(3), -ever, ever).verdict, Verdict::too_few);
+}
+
+TEST(AppliedScale, is_found_from_what_compensated_parts_have_left) {
+  const auto left_of = [](double applied) {
+    std::vector<GrowthReading> parts = warm_up(1.0, ReadingOrigin::by_hand_compensated);
+    for (GrowthReading& part : parts) part.measured_m -= applied * part.predicted_m;
+    return parts;
+  };
+  struct Case {
+    double applied;
+    AppliedAs expected;
+  };
+  for (const Case& c : {Case{1.0, AppliedAs::as_published},
+                        {-1.0, AppliedAs::wrong_sign},
+                        {0.0, AppliedAs::not_at_all},
+                        {0.1, AppliedAs::not_at_all},
+                        {0.3937, AppliedAs::wrong_scale},
+                        {10.0, AppliedAs::wrong_scale},
+                        {-10.0, AppliedAs::wrong_scale},
+                        {1.3, AppliedAs::not_told}}) {
+    const auto scale = applied_scale(left_of(c.applied));
+    ASSERT_TRUE(scale);
+    EXPECT_NEAR(*scale, c.applied, 1e-12);
+    EXPECT_EQ(applied_as(scale), c.expected) << c.applied;
+  }
+  EXPECT_FALSE(applied_scale(warm_up(1.0))) << "touch-offs do not tell what the control does";
+  std::vector<GrowthReading> cold = left_of(1.0);
+  for (GrowthReading& part : cold) part.predicted_m *= 0.01;
+  EXPECT_FALSE(applied_scale(cold)) << "hardly any growth";
+  EXPECT_EQ(applied_as(std::nullopt), AppliedAs::not_told);
+}
+
+}  // namespace judge_growth_test
+}  // namespace spindle_twin::host_tools
