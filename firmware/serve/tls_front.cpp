@@ -89,6 +89,7 @@ void TlsFront::run() {
       TlsLink& link = *links_[l];
       const short client = polled[first_link + 2 * l].revents;
       const short server = polled[first_link + 2 * l + 1].revents;
+      if ((server & (POLLRDHUP | POLLHUP | POLLERR)) != 0) link.note_leaving_server(clock_.now_ns());
       if (client != 0 || server != 0) look_at(link);
       // A client that is gone is reported for as long as it is there, whatever one waits for.
       if ((client & (POLLERR | POLLHUP | POLLNVAL)) != 0) link.end();

@@ -14,6 +14,7 @@ namespace {
 
 /// Of one client in one turn, so that a busy one leaves time for the others.
 constexpr int most_records = 4;
+constexpr std::int64_t taken_within_ns = 10 * ns_per_s;
 
 }  // namespace
 
@@ -61,7 +62,8 @@ short TlsLink::client_events() const {
 
 short TlsLink::server_events() const {
   if (server_ended_) return 0;
-  return static_cast<short>((up_.empty() ? 0 : POLLOUT) | (down_.empty() ? POLLIN : 0));
+  return static_cast<short>((up_.empty() ? 0 : POLLOUT) | (down_.empty() ? POLLIN : 0) |
+                            (server_leaves_ ? 0 : POLLRDHUP));
 }
 
 bool TlsLink::read_client() {
@@ -78,7 +80,13 @@ bool TlsLink::read_client() {
 
 /// What the client does not take within a second, it does not get.
 void TlsLink::note_end_of_server(std::int64_t now_ns) {
+  note_leaving_server(now_ns);
   server_ended_ = true;
+}
+
+void TlsLink::note_leaving_server(std::int64_t now_ns) {
+  if (server_leaves_ || server_ended_) return;
+  server_leaves_ = true;
   deadline_ns_ = now_ns + ns_per_s;
 }
 
@@ -99,15 +107,19 @@ bool TlsLink::read_server(std::int64_t now_ns) {
   return got > 0;
 }
 
-bool TlsLink::write_client() {
+/// A server that leaves is not seen behind what it has said, as long as that is not taken: so there is a deadline, too.
+bool TlsLink::write_client(std::int64_t now_ns) {
   if (down_.empty()) return false;
   ERR_clear_error();
   const int sent = SSL_write(session_.get(), down_.rest().data(), static_cast<int>(down_.rest().size()));
-  if (sent > 0)
+  if (sent > 0) {
     down_.taken(static_cast<std::size_t>(sent));
-  else
-    write_waits_for_ = wanted(sent);
-  return sent > 0;
+    if (!server_leaves_) deadline_ns_ = 0;
+    return true;
+  }
+  write_waits_for_ = wanted(sent);
+  if (deadline_ns_ == 0) deadline_ns_ = now_ns + taken_within_ns;
+  return false;
 }
 
 void TlsLink::move_bytes(std::int64_t now_ns) {
@@ -115,7 +127,7 @@ void TlsLink::move_bytes(std::int64_t now_ns) {
     bool moved = read_client();
     moved |= write_server(now_ns);
     moved |= read_server(now_ns);
-    moved |= write_client();
+    moved |= write_client(now_ns);
     if (server_ended_ && down_.empty()) return end();
     if (!moved) return;
   }

@@ -29,12 +29,16 @@ class TlsLink {
   /// Moves what can be moved now.
   void move_bytes(std::int64_t now_ns);
 
-  /// What poll() has to wait for, of both sockets; server() is -1 until there is one.
+  /// What poll() has to wait for, of both sockets; server() is -1 until there is one, and while it is known that the
+  /// server is leaving and the client has not taken what it has said.
   int client() const { return client_.get(); }
-  int server() const { return server_.get(); }
+  int server() const { return server_leaves_ && server_events() == 0 ? -1 : server_.get(); }
+  /// poll() has seen that the server closes its side: the client has a second to take the rest.
+  void note_leaving_server(std::int64_t now_ns);
   short client_events() const;
   short server_events() const;
-  /// Of the handshake, and of the last bytes once the server has ended; 0: none.
+  /// Of the handshake, of a client that takes nothing of what waits for it (10 s), and of the last bytes once the
+  /// server has ended; 0: none.
   std::int64_t deadline_ns() const { return deadline_ns_; }
   bool over() const { return over_; }
   /// Says good-bye, as far as that goes now.
@@ -57,7 +61,7 @@ class TlsLink {
   bool read_client();
   bool write_server(std::int64_t now_ns);
   bool read_server(std::int64_t now_ns);
-  bool write_client();
+  bool write_client(std::int64_t now_ns);
   void note_end_of_server(std::int64_t now_ns);
   short wanted(int result);
 
@@ -66,7 +70,7 @@ class TlsLink {
   std::uint32_t host_;
   std::int64_t deadline_ns_;
   short read_waits_for_, write_waits_for_;
-  bool server_ended_ = false;
+  bool server_leaves_ = false, server_ended_ = false;
   bool over_ = false;
   Record up_, down_;  ///< to the server, to the client
 };
