@@ -21,6 +21,10 @@ namespace {
 constexpr int not_found = 404;
 constexpr int wrong_method = 405;
 constexpr int wrong_host = 421;
+/// Load style, script and values from here, nothing from elsewhere; stand in nobody's frame.
+constexpr const char* what_a_page_may =
+    "default-src 'none'; style-src 'self'; script-src 'self'; connect-src 'self'; img-src data:; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'";
 
 /// A request that is there as a whole, and the answer as it grows.
 class MemoryStream final : public httplib::Stream {
@@ -73,7 +77,7 @@ std::string own_name() {
 std::string reason_of(int status, const std::string& path) {
   switch (status) {
     case not_found:
-      return "there is nothing at " + path + "; see /";
+      return "there is nothing at " + path + "; see /routes";
     case wrong_method:
       return "only GET and HEAD are allowed: nothing can be changed here";
     case wrong_host:
@@ -101,7 +105,10 @@ class HttpAnswerer::Library final : public httplib::Server {
       response.set_content("{\"error\":" + json_text(reason_of(response.status, request.path)) + "}\n",
                            "application/json");
     });
-    set_default_headers({{"Cache-Control", "no-store"}, {"X-Content-Type-Options", "nosniff"}});
+    set_default_headers({{"Cache-Control", "no-store"},
+                         {"X-Content-Type-Options", "nosniff"},
+                         {"Referrer-Policy", "no-referrer"},
+                         {"Content-Security-Policy", what_a_page_may}});
   }
 
   HttpAnswer answer(const std::string& request) {

@@ -13,9 +13,11 @@
 #include <cerrno>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "firmware/serve/listen.hpp"
+#include "firmware/show/page_files.hpp"
 #include "firmware/show/routes.hpp"
 
 namespace spindle_twin::firmware {
@@ -250,15 +252,17 @@ void HttpServer::renew() {
 
 Page HttpServer::page(const std::string& path) {
   const bool is_one = spindles_.size() == 1 && spindles_[0]->name().empty();
-  if (path == "/") {
+  if (std::optional<Page> file = page_file(path)) return std::move(*file);
+  if (path == "/api/v1/words") return {200, "application/json", words_json() + "\n"};
+  if (path == "/routes") {
     return {200, "text/plain; charset=utf-8", is_one ? index_text(routes) : index_text(routes_of_several)};
   }
   renew();
   if (path == "/metrics") return metrics();
   if (path == "/healthz") return all_healthy();
+  if (path == "/api/v1/spindles") return list();
   const std::string of_one = "/api/v1/";
   if (is_one) return path.starts_with(of_one) ? page_of(*spindles_[0], path.substr(of_one.size())) : Page{404};
-  if (path == "/api/v1/spindles") return list();
   for (const auto& spindle : spindles_) {
     const std::string folder = "/api/v1/spindles/" + spindle->name() + "/";
     if (!path.starts_with(folder)) continue;

@@ -3,7 +3,7 @@
 // A chart: `label` (what the values are, with unit), `time_s`, `series` ({name, values, ink, width, dashed, steps, sd}), `range`
 // (of the values; else all of them), `from_zero`. `ink` names a colour of style.css; with `sd` a band of ±2σ is drawn.
 // All charts of a page share one axis of time: they zoom together and point at the same moment.
-import { element, fixed } from "./elements.js";
+import { element, fixed } from "./pages/elements.js";
 
 const charts = [];
 const listeners = [];

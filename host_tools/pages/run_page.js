@@ -1,6 +1,6 @@
 // The page of `spindle-twin report`: a run of the daemon beside its simulated plant.
 import { drawChart, onMoment } from "./chart.js";
-import { addRow, byId, element, fixed, pageData, signed } from "./elements.js";
+import { addRow, byId, element, fixed, pageData, signed } from "./pages/elements.js";
 import { drawSection } from "./section.js";
 
 const run = pageData();

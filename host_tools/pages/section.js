@@ -3,8 +3,8 @@
 // A scene: `outlines` ({part, points_m}), `bodies` ({name, centre_m, rise_K, tip}), `nodes` ({name, part, at_m, rise_K}),
 // `flows` (as in `spindle-twin inspect --json`), `key_points` ({name, at_m, tip, label}), `lumps` (every node is a body of
 // its own, and all there is to draw), `low_K` and `high_K` (the scale of colours). Places are [r, z] in m.
-import { colourScale, ramp } from "./colours.js";
-import { fixed, svgElement } from "./elements.js";
+import { colourScale, ramp } from "./pages/colours.js";
+import { fixed, svgElement } from "./pages/elements.js";
 import { drawFlows, drawWatts } from "./section_flows.js";
 import { drawBeside, drawPartNames } from "./section_names.js";
 import { makeRoom, makeView } from "./section_view.js";

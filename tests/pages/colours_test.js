@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
-const folder = new URL("../../host_tools/pages/", import.meta.url);
+const folder = new URL("../../pages/", import.meta.url);
 const style = readFileSync(new URL("style.css", folder), "utf8");
 const [light, dark] = style.split("@media (prefers-color-scheme: dark)");
 const theme = text => Object.fromEntries([...text.matchAll(/--([\w-]+): #([\da-f]{3,6});/g)].map(([, name, hex]) =>

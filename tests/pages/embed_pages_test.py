@@ -5,7 +5,7 @@ import sys
 import tempfile
 import unittest
 
-GENERATOR = pathlib.Path(__file__).resolve().parents[2] / "host_tools" / "pages" / "embed_pages.py"
+GENERATOR = pathlib.Path(__file__).resolve().parents[2] / "pages" / "embed_pages.py"
 PAGE = """<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -60,6 +60,21 @@ class EmbedPages(unittest.TestCase):
         self.assertEqual(self.run_generator("--cpp", self.folder / "out").returncode, 0)
         self.assertIn(page, (self.folder / "out" / "page_texts.cpp").read_text())
         self.assertIn("extern const std::string_view page_text;", (self.folder / "out" / "page_texts.hpp").read_text())
+
+    def test_a_served_page_is_three_texts_that_know_each_other(self):
+        served = PAGE.replace('<script id="data" type="application/json"></script>\n', "")
+        served = served.replace("</head>", '  <link rel="stylesheet" href="own.css">\n</head>')
+        self.write("page.html", served)
+        self.write("own.css", "i { color: blue; }")
+        out = self.folder / "firmware" / "show"
+        result = self.run_generator("--served", "--cpp", out, "--in", "firmware/show")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        text = (out / "page_texts.cpp").read_text()
+        self.assertIn("namespace spindle_twin::firmware {", text)
+        self.assertEqual((text.count('href="page.css"'), text.count("href=")), (1, 1))
+        self.assertEqual((text.count('src="page.js"'), text.count("src=")), (1, 1))
+        order = [text.index(words) for words in ("b { color: red; }", "i { color: blue; }", "var lib", "const one", "const sum")]
+        self.assertEqual(order, sorted(order))
 
     def test_one_name_in_two_files_is_refused(self):
         self.write("two.js", "const one = 3;\nexport const two = one;\n")

@@ -21,7 +21,9 @@ export default [
       "prefer-const": "error",
     },
   },
-  { files: ["host_tools/pages/*.js", "tests/bench/table/*.js"], languageOptions: { globals: browser } },
+  { files: ["pages/*.js", "host_tools/pages/*.js", "tests/bench/table/*.js"], languageOptions: { globals: browser } },
+  { files: ["firmware/show/page/*.js"],
+    languageOptions: { globals: { ...browser, ...names(["AbortSignal", "fetch", "location", "setInterval", "setTimeout"]) } } },
   // The only script that knows the chart library.
   { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
   { files: ["tests/pages/*.js", "tests/bench/table/take_picture.js"],

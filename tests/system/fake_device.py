@@ -1,4 +1,5 @@
-"""A data-acquisition device for tests: fake_device.py PORT. Input registers 0-7: four float32 (ABCD), in degC."""
+"""A data-acquisition device for tests: fake_device.py PORT. Input registers 0-7: four float32 (ABCD), in degC;
+a test may write them as holding registers."""
 import struct
 import sys
 
@@ -14,5 +15,6 @@ def words(value):
 
 if __name__ == "__main__":
     registers = [word for value in TEMPERATURES_DEGC for word in words(value)]
-    slave = ModbusSlaveContext(ir=ModbusSequentialDataBlock(0, registers + [0] * 8), zero_mode=True)
+    block = ModbusSequentialDataBlock(0, registers + [0] * 8)
+    slave = ModbusSlaveContext(ir=block, hr=block, zero_mode=True)
     StartTcpServer(context=ModbusServerContext(slaves=slave, single=True), address=("127.0.0.1", int(sys.argv[1])))

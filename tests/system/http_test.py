@@ -179,11 +179,12 @@ class Values(Http):
 
 
 class Protocol(Http):
-    def test_the_first_page_names_every_route_and_each_answers(self):
-        status, _, body = self.get("/")
+    def test_the_list_names_every_route_and_each_answers(self):
+        status, _, body = self.get("/routes")
         self.assertEqual(status, 200)
         routes = [line.split()[0] for line in body.splitlines() if line.startswith("/")]
-        self.assertEqual(routes, ["/", "/healthz", "/api/v1/state", "/api/v1/events", "/metrics"])
+        self.assertEqual(routes, ["/", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/state",
+                                  "/api/v1/events", "/metrics"])
         for route in routes:
             if route != "/api/v1/events":
                 self.assertIn(self.get(route)[0], (200, 503), route)
@@ -205,7 +206,7 @@ class Protocol(Http):
         self.assertGreater(int(reply.headers["Content-Length"]), 1000)
         self.assertIsNone(reply.headers["Content-Encoding"])
         self.assertEqual(reply.read(), b"")
-        self.assertEqual(self.raw(b"HEAD /api/v1/events HTTP/1.1\r\n\r\n").count(b"data:"), 0)
+        self.assertEqual(self.raw(b"HEAD /api/v1/events HTTP/1.1\r\n\r\n").count(b"\ndata:"), 0)
 
     def test_what_is_no_request_is_refused_and_a_long_one_too(self):
         for text in (b"hello\r\n\r\n", b"GET\r\n\r\n", b"\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",

@@ -183,7 +183,7 @@ class Spindles(unittest.TestCase):
         with urllib.request.urlopen(f"http://127.0.0.1:{self.http}/api/v1/spindles/right/events", timeout=10) as events:
             lines = [events.readline().decode() for _ in range(3)]
         self.assertEqual(json.loads(lines[2].removeprefix("data: "))["registers"]["speed"]["value"], 9000)
-        index = [line.split()[0] for line in self.get("/")[1].splitlines() if line.startswith("/")]
+        index = [line.split()[0] for line in self.get("/routes")[1].splitlines() if line.startswith("/")]
         for path in index:
             self.assertNotEqual(self.get(path.replace("{NAME}", "left"))[0] if "events" not in path else 200, 404, path)
 

@@ -4,7 +4,7 @@ import pathlib
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-PAGES = HERE.parents[2] / "host_tools" / "pages"
+PAGES = HERE.parents[2] / "pages"
 sys.path.insert(0, str(PAGES))
 
 import embed_pages  # noqa: E402

@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 """Makes each page one text that needs nothing else, and writes these texts as C++.
 
-  embed_pages.py --cpp FOLDER --library NAME=FOLDER PAGE.html...   FOLDER/page_texts.hpp and .cpp
-  embed_pages.py --html PAGE.html --library NAME=FOLDER            one page to stdout
+  embed_pages.py --cpp FOLDER --in ROOM --library NAME=FOLDER PAGE.html...   FOLDER/page_texts.hpp and .cpp, included as
+                                                                           ROOM/page_texts.hpp; FOLDER ends with ROOM
+  embed_pages.py --html PAGE.html --library NAME=FOLDER                      one page to stdout
+  with --served: a page for a server, as three texts: PAGE_html, PAGE_css and PAGE_js
 
 A style sheet (<link rel="stylesheet" href>) or script (<script src>) is replaced by its text. A script of type module
 comes with all that it imports, each file once and before those that use it: imports are of names from "./file.js", one
 line each, and all files of a page share one scope. Paths that begin with the NAME of a library are taken from its folder.
-The element <script id="data"> stays empty: the program writes the data there.
+The element <script id="data"> stays empty: the program writes the data there. A served page has none, and loads its one
+style sheet and its one script, into which all are put together, from beside itself: PAGE.css and PAGE.js.
 """
 import argparse
 import pathlib
@@ -86,12 +89,27 @@ def whole_page(files, name):
     return text
 
 
-def cpp_texts(pages):
+def served_page(files, name):
+    """HTML, style and script of a page that a server gives: {"html": ..., "css": ..., "js": ...}."""
+    text, stem = files.text(name), pathlib.PurePath(name).stem
+    styles, scripts = STYLE.findall(text), SCRIPT.findall(text)
+    if not styles or not scripts or not scripts[-1][0]:
+        raise PageError(f"{name}: a style sheet and, as last script, one of type module must stand there")
+    last = {"style": styles[-1], "script": scripts[-1][1]}
+    html = STYLE.sub(lambda found: f'  <link rel="stylesheet" href="{stem}.css">\n' if found[1] == last["style"] else "", text)
+    html = re.sub(SCRIPT.pattern + r"\n", lambda found: f'<script type="module" src="{stem}.js"></script>\n'
+                  if found[2] == last["script"] else "", html)
+    return {"html": html, "css": "\n".join(files.text(path).strip() for path in styles) + "\n",
+            "js": "\n".join(script(files, path, is_module) for is_module, path in scripts) + "\n"}
+
+
+def cpp_texts(pages, room):
     """Header and source that hold the pages, {name: text}."""
-    about = "// Made by host_tools/pages/embed_pages.py.\n"
+    about = "// Made by pages/embed_pages.py.\n"
+    namespace = "spindle_twin::" + room.split("/")[0]
     names = "".join(f"extern const std::string_view {name}_text;\n" for name in pages)
-    header = f"{about}#pragma once\n\n#include <string_view>\n\nnamespace spindle_twin::host_tools {{\n\n{names}\n}}\n"
-    source = f'{about}#include "host_tools/pages/page_texts.hpp"\n\nnamespace spindle_twin::host_tools {{\n\n'
+    header = f"{about}#pragma once\n\n#include <string_view>\n\nnamespace {namespace} {{\n\n{names}\n}}\n"
+    source = f'{about}#include "{room}/page_texts.hpp"\n\nnamespace {namespace} {{\n\n'
     for name, text in pages.items():
         if f"){DELIMITER}\"" in text:
             raise PageError(f"{name}: holds the mark that ends a text")
@@ -99,20 +117,34 @@ def cpp_texts(pages):
     return header, source + "\n}\n"
 
 
+def all_texts(paths, libraries, is_served):
+    """{name: text} of the pages."""
+    texts = {}
+    for path in paths:
+        files = Files(path.parent, libraries)
+        if is_served:
+            texts |= {f"{path.stem}_{kind}": text for kind, text in served_page(files, path.name).items()}
+        else:
+            texts[path.stem] = whole_page(files, path.name)
+    return texts
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cpp", type=pathlib.Path, metavar="FOLDER")
+    parser.add_argument("--in", dest="room", default="host_tools/pages", metavar="ROOM")
+    parser.add_argument("--served", action="store_true")
     parser.add_argument("--html", action="store_true")
     parser.add_argument("--library", action="append", default=[], metavar="NAME=FOLDER")
     parser.add_argument("pages", nargs="+", type=pathlib.Path)
     options = parser.parse_args()
     libraries = {name: pathlib.Path(folder) for name, _, folder in (entry.partition("=") for entry in options.library)}
     try:
-        texts = {path.stem: whole_page(Files(path.parent, libraries), path.name) for path in options.pages}
+        texts = all_texts(options.pages, libraries, options.served)
         if options.html:
             sys.stdout.write("".join(texts.values()))
         if options.cpp:
-            header, source = cpp_texts(texts)
+            header, source = cpp_texts(texts, options.room)
             options.cpp.mkdir(parents=True, exist_ok=True)
             (options.cpp / "page_texts.hpp").write_text(header, encoding="utf-8")
             (options.cpp / "page_texts.cpp").write_text(source, encoding="utf-8")

@@ -1,0 +1,64 @@
+// The daemon's live page: asks once a second for the state of the spindle that is chosen, and shows it.
+import { byId, element } from "./pages/elements.js";
+import { setText } from "./cells.js";
+import { showState } from "./show_state.js";
+
+const period_ms = 1000, patience_ms = 3000;
+let words = null, since = null, version = null;
+
+async function ask(path) {
+  const answer = await fetch(path, { cache: "no-store", signal: AbortSignal.timeout(patience_ms) });
+  if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+  return answer.json();
+}
+
+const chosen = () => byId("spindle").value;
+const folder = () => chosen() ? `api/v1/spindles/${encodeURIComponent(chosen())}` : "api/v1";
+
+// Names and meanings; again after a silence, as another daemon may have started.
+async function begin() {
+  const { spindles } = await ask("api/v1/spindles");
+  words = await ask("api/v1/words");
+  const select = byId("spindle");
+  const before = select.value || decodeURIComponent(location.hash.slice(1));
+  select.replaceChildren();
+  for (const { name, spindle } of spindles) element("option", { value: name }, select, name ? `${name}: ${spindle}` : spindle);
+  if (spindles.some(({ name }) => name === before)) select.value = before;
+  byId("choice").hidden = spindles.length < 2;
+}
+
+function showSilence(error) {
+  since ??= new Date();
+  words = null;
+  document.body.classList.add("old");
+  byId("silence").hidden = false;
+  setText(byId("silence"), `No answer from the daemon since ${since.toLocaleTimeString("en-GB")}: what stands below is old. ` +
+    (error.name === "TimeoutError" ? "It did not answer in time." : ""));
+}
+
+function endSilence() {
+  since = null;
+  document.body.classList.remove("old");
+  byId("silence").hidden = true;
+}
+
+async function renew() {
+  try {
+    if (words === null) await begin();
+    const spindle = chosen();
+    const state = await ask(`${folder()}/state`);
+    // Another daemon: its page may be another too.
+    version ??= state.version;
+    if (version !== state.version) location.reload();
+    if (spindle === chosen()) showState(words, state);
+    endSilence();
+  } catch (error) {
+    showSilence(error);
+  }
+  setTimeout(renew, period_ms);
+}
+
+byId("spindle").addEventListener("change", () => {
+  location.hash = encodeURIComponent(chosen());
+});
+renew();

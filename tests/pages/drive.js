@@ -1,0 +1,66 @@
+// A browser that a test in another language drives: each line of the input is JSON, each gives one line of JSON.
+//   {"open": ADDRESS, "options": {...}}    a new page there, the only one
+//   {"evaluate": EXPRESSION}               its value in the page
+//   {"choose": [SELECTOR, VALUE]}          in a select element
+//   {"picture": FILE}                      of the whole page
+//   {"judge": true}                        what axe-core finds wrong
+//   {"seen": true}                         requests to elsewhere, and complaints of the console
+import { readFileSync } from "node:fs";
+import { createInterface } from "node:readline";
+import { startBrowser } from "./browser.js";
+
+const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+const browser = await startBrowser();
+let page, seen;
+
+async function open(address, options) {
+  await page?.context().close();
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  page = await context.newPage();
+  seen = { elsewhere: [], complaints: [] };
+  const { origin } = new URL(address);
+  page.on("request", request => {
+    if (!request.url().startsWith(`${origin}/`) && !request.url().startsWith("data:")) seen.elsewhere.push(request.url());
+  });
+  page.on("console", message => {
+    if (["error", "warning"].includes(message.type())) seen.complaints.push(message.text());
+  });
+  page.on("pageerror", error => seen.complaints.push(String(error)));
+  await page.goto(address);
+  return null;
+}
+
+async function judge() {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate("axe.run()");
+  return violations.map(({ id, nodes }) => `${id}: ${nodes.map(node => node.html).join(" ")}`);
+}
+
+async function picture(path) {
+  await page.screenshot({ path, fullPage: true });
+  return null;
+}
+
+async function choose([selector, value]) {
+  await page.selectOption(selector, value);
+  return null;
+}
+
+function obey(order) {
+  if (order.open) return open(order.open, order.options ?? {});
+  if (order.evaluate) return page.evaluate(order.evaluate);
+  if (order.choose) return choose(order.choose);
+  if (order.picture) return picture(order.picture);
+  return order.judge ? judge() : seen;
+}
+
+for await (const line of createInterface({ input: process.stdin })) {
+  let answer;
+  try {
+    answer = { value: await obey(JSON.parse(line)) ?? null };
+  } catch (error) {
+    answer = { error: String(error) };
+  }
+  console.log(JSON.stringify(answer));
+}
+await browser.close();

@@ -1,0 +1,143 @@
+"""The daemon's live page in Chromium, beside its Modbus server: what a person reads there is what a PLC reads.
+
+live_page_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]
+With SPINDLE_TWIN_PICTURES=FOLDER it leaves pictures there, of desktop and phone, light and dark.
+"""
+import json
+import os
+import pathlib
+import re
+import struct
+import subprocess
+import time
+
+from pymodbus.client import ModbusTcpClient
+
+from ports import can_connect, free_port, wait_until
+from running_daemon import RunningDaemon, float32, main
+
+DRIVE = pathlib.Path(__file__).resolve().parents[1] / "pages" / "drive.js"
+PICTURES = os.environ.get("SPINDLE_TWIN_PICTURES")
+PHONE = {"viewport": {"width": 390, "height": 844}, "hasTouch": True, "isMobile": True, "deviceScaleFactor": 2}
+NOT_A_NUMBER = struct.unpack(">HH", struct.pack(">f", float("nan")))
+
+
+class LivePage(RunningDaemon):
+    def setUp(self):
+        super().setUp()
+        self.http_port = free_port()
+        self.config.write_text(self.config.read_text() + f"[http]\nport = {self.http_port}\n")
+        self.daemon.terminate()
+        self.daemon.wait(20)
+        self.start_again()
+        wait_until(lambda: can_connect(self.http_port), "the HTTP port")
+        self.browser = self.start(["node", DRIVE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(self.browser.stdout.close)
+        self.addCleanup(self.browser.stdin.close)
+
+    def tell(self, **order):
+        self.browser.stdin.write(json.dumps(order) + "\n")
+        self.browser.stdin.flush()
+        answer = json.loads(self.browser.stdout.readline())
+        self.assertNotIn("error", answer, order)
+        return answer["value"]
+
+    def open(self, **options):
+        self.tell(open=f"http://127.0.0.1:{self.http_port}/", options=options)
+
+    def text(self, element):
+        return self.tell(evaluate=f"document.getElementById({json.dumps(element)}).textContent")
+
+    def table(self, element):
+        """Rows of texts by the name in the first cell."""
+        rows = self.tell(evaluate=f"[...document.querySelectorAll('#{element} tbody tr')]"
+                                  ".map(row => [...row.cells].map(cell => cell.textContent))")
+        return {row[0]: row[1:] for row in rows}
+
+    def facts(self, element):
+        pairs = self.tell(evaluate=f"[...document.querySelectorAll('#{element} > div')]"
+                                   ".map(fact => [fact.children[1].textContent, fact.children[0].textContent])")
+        return dict(pairs[::-1])
+
+    def run_well(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        wait_until(lambda: "running" in self.text("state"), "the state on the page")
+
+    def write_sensor(self, first, words):
+        client = ModbusTcpClient("127.0.0.1", port=self.device_port)
+        self.assertTrue(client.connect())
+        self.assertFalse(client.write_registers(first, list(words), slave=1).isError())
+        client.close()
+
+    def number(self, text):
+        return float(re.search(r"[-+]?[\d.]+", text.replace("\u2212", "-")).group())
+
+
+class Values(LivePage):
+    def test_what_is_read_on_the_page_is_what_is_read_by_modbus(self):
+        self.open()
+        self.run_well()
+        def both():
+            cycle = self.number(self.text("moment"))
+            shown = self.facts("growth"), self.facts("machine"), self.table("temperatures"), self.table("factors")
+            same = cycle == self.number(self.text("moment"))
+            words = self.read(0, 124)
+            return (shown, words) if same and words[8] << 16 | words[9] <= cycle + 15 else None
+        (growth, machine, temperatures, factors), words = wait_until(both, "page and registers at nearly one time")
+        self.assertAlmostEqual(self.number(growth["nose growth minus tare"]), float32(*words[20:22]), delta=0.2)
+        self.assertEqual(self.number(machine["speed"]), words[34])
+        self.assertEqual(self.number(machine["load"]), words[35] / 10)
+        self.assertEqual(self.number(machine["ambient"]), words[37] / 100)
+        self.assertEqual([row[0] for row in temperatures.values()], ["28.50", "28.25", "28.00"])
+        for slot, (measured, predicted, band, difference, sensor) in enumerate(temperatures.values()):
+            self.assertAlmostEqual(self.number(predicted), words[56 + slot] / 100, delta=0.2)
+            self.assertAlmostEqual(self.number(difference), float(measured) - float(predicted), delta=0.011)
+            self.assertGreater(self.number(band.removeprefix("± ")), 0)
+            self.assertEqual(sensor, "good")
+        factor_words = self.read(602, 1)
+        heat = [row for row in factors.values() if row[0] == "heat"]
+        self.assertAlmostEqual(self.number(heat[0][1]), factor_words[0] / 1000, delta=0.05)
+        self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
+
+    def test_a_pulled_sensor_shows_within_three_seconds_with_its_reason(self):
+        self.open()
+        self.run_well()
+        self.write_sensor(2, NOT_A_NUMBER)
+        pulled = time.monotonic()
+        wait_until(lambda: "not a number" in self.table("temperatures")["sleeve_middle"][-1], "the reason", 10)
+        self.assertLess(time.monotonic() - pulled, 3.0)
+        self.assertIn("Sensor sleeve_middle: reading is not a number", self.text("messages"))
+        self.assertIn("degraded", self.text("state"))
+
+    def test_the_page_says_that_the_daemon_is_silent_and_goes_on_after_its_restart(self):
+        self.open()
+        self.run_well()
+        self.daemon.kill()
+        self.daemon.wait()
+        wait_until(lambda: "No answer from the daemon since" in self.text("silence"), "the alert", 10)
+        self.assertFalse(self.tell(evaluate="document.getElementById('silence').hidden"))
+        self.start_again()
+        wait_until(lambda: self.tell(evaluate="document.getElementById('silence').hidden"), "the page to go on", 10)
+        self.run_well()
+
+
+class Look(LivePage):
+    def test_no_finding_of_axe_on_desktop_and_phone_in_light_and_dark_and_nothing_wider_than_the_phone(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        for window, options in (("desktop", {}), ("phone", PHONE)):
+            for scheme in ("light", "dark"):
+                self.open(colorScheme=scheme, **options)
+                wait_until(lambda: "28.50" in str(self.table("temperatures")), "the values on the page")
+                if PICTURES:
+                    self.tell(picture=f"{PICTURES}/live_page_{window}_{scheme}.png")
+                wide = self.tell(evaluate="document.documentElement.scrollWidth - document.documentElement.clientWidth")
+                self.assertEqual((self.tell(judge=True), wide), ([], 0))
+        self.write_sensor(2, NOT_A_NUMBER)
+        wait_until(lambda: "Sensor sleeve_middle" in self.text("messages"), "the missing sensor on the page")
+        self.assertEqual(self.tell(judge=True), [])
+
+
+if __name__ == "__main__":
+    main()
