@@ -44,6 +44,10 @@ foreach(package spindle-twind spindle-twin)
       file(APPEND ${packed}/${package}/copyright " ${line}\n")
     endif()
   endforeach()
+  if(package STREQUAL "spindle-twind")  # its live page draws with uPlot
+    file(APPEND ${packed}/${package}/copyright
+      "\nFiles: pages/uplot/*\nCopyright: 2022 Leon Sorokin\nLicense: Expat\n")
+  endif()
   spindle_twin_compress(${packed}/${package}/changelog ${packed}/${package}/changelog.gz)
   spindle_twin_compress(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${packed}/${package}/CHANGELOG.md.gz)
 endforeach()

@@ -5,6 +5,7 @@ const names = list => Object.fromEntries(list.map(name => [name, "readonly"]));
 const browser = names(["addEventListener", "document", "DOMPoint", "getComputedStyle", "matchMedia"]);
 
 export default [
+  { ignores: ["pages/uplot/"] },
   js.configs.recommended,
   {
     languageOptions: { ecmaVersion: 2022, sourceType: "module" },
@@ -23,8 +24,10 @@ export default [
   },
   { files: ["pages/*.js", "host_tools/pages/*.js", "tests/bench/table/*.js"], languageOptions: { globals: browser } },
   { files: ["firmware/show/page/*.js"],
-    languageOptions: { globals: { ...browser, ...names(["AbortSignal", "fetch", "location", "setInterval", "setTimeout"]) } } },
-  // The only script that knows the chart library.
+    languageOptions: {
+      globals: { ...browser, ...names(["AbortSignal", "fetch", "location", "ResizeObserver", "setTimeout"]) } } },
+  // The only scripts that know a chart library.
+  { files: ["firmware/show/page/curve_chart.js"], languageOptions: { globals: names(["uPlot"]) } },
   { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
   { files: ["tests/pages/*.js", "tests/bench/table/take_picture.js"],
     languageOptions: { globals: { ...browser, ...names(["console", "process", "URL"]) } } },

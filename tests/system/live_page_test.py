@@ -14,7 +14,7 @@ import time
 from pymodbus.client import ModbusTcpClient
 
 from ports import can_connect, free_port, wait_until
-from running_daemon import RunningDaemon, float32, main
+from running_daemon import CONFIG, RunningDaemon, float32, main
 
 DRIVE = pathlib.Path(__file__).resolve().parents[1] / "pages" / "drive.js"
 PICTURES = os.environ.get("SPINDLE_TWIN_PICTURES")
@@ -23,6 +23,9 @@ NOT_A_NUMBER = struct.unpack(">HH", struct.pack(">f", float("nan")))
 
 
 class LivePage(RunningDaemon):
+    # Slow enough that the device's values, which never move, are not called stuck within a test.
+    config_text = CONFIG.replace("clock_rate = 10.0", "clock_rate = 3.0")
+
     def setUp(self):
         super().setUp()
         self.http_port = free_port()
@@ -62,7 +65,10 @@ class LivePage(RunningDaemon):
     def run_well(self):
         self.write_signals()
         self.wait_for_state(1)
-        wait_until(lambda: "running" in self.text("state"), "the state on the page")
+        try:
+            wait_until(lambda: "running" in self.text("state"), "the state on the page", 10)
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {self.tell(seen=True)}") from error
 
     def write_sensor(self, first, words):
         client = ModbusTcpClient("127.0.0.1", port=self.device_port)
@@ -100,6 +106,25 @@ class Values(LivePage):
         self.assertAlmostEqual(self.number(heat[0][1]), factor_words[0] / 1000, delta=0.05)
         self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
 
+    def curve(self, chart, series):
+        return self.number(self.tell(evaluate=f"document.querySelector('#{chart}-legend [data-series=\"{series}\"] b').textContent"))
+
+    def test_the_curves_end_with_the_numbers_that_stand_beside_them(self):
+        self.open()
+        self.run_well()
+        self.tell(choose=["#point", "sleeve_outer"])
+        def both():
+            growth, temperatures = self.facts("growth"), self.table("temperatures")["sleeve_outer"]
+            curves = [self.curve("growth", "growth"), self.curve("growth", "compensation"), self.curve("point", "predicted"),
+                      self.curve("point", "measured")]
+            shown = [self.number(text) for text in (growth["nose growth minus tare"], growth["compensation output"],
+                                                    temperatures[1], temperatures[0])]
+            return shown if shown == curves else None
+        first = wait_until(both, "curves and numbers of one moment")
+        self.assertEqual(first[3], 28.0)
+        self.assertEqual(self.tell(evaluate="document.querySelectorAll('.curves canvas').length"), 2)
+        self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
+
     def test_a_pulled_sensor_shows_within_three_seconds_with_its_reason(self):
         self.open()
         self.run_well()
@@ -131,6 +156,7 @@ class Look(LivePage):
                 self.open(colorScheme=scheme, **options)
                 wait_until(lambda: "28.50" in str(self.table("temperatures")), "the values on the page")
                 if PICTURES:
+                    time.sleep(6)  # of curves
                     self.tell(picture=f"{PICTURES}/live_page_{window}_{scheme}.png")
                 wide = self.tell(evaluate="document.documentElement.scrollWidth - document.documentElement.clientWidth")
                 self.assertEqual((self.tell(judge=True), wide), ([], 0))

@@ -1,5 +1,6 @@
 // The daemon's live page: asks once a second for the state of the spindle that is chosen, and shows it.
 import { byId, element } from "./pages/elements.js";
+import { addToCurves, clearCurves } from "./curves.js";
 import { setText } from "./cells.js";
 import { showState } from "./show_state.js";
 
@@ -42,23 +43,33 @@ function endSilence() {
   byId("silence").hidden = true;
 }
 
-async function renew() {
+// The state of the chosen spindle; null, and said so, where nobody answers.
+async function answered() {
   try {
     if (words === null) await begin();
-    const spindle = chosen();
     const state = await ask(`${folder()}/state`);
-    // Another daemon: its page may be another too.
-    version ??= state.version;
-    if (version !== state.version) location.reload();
-    if (spindle === chosen()) showState(words, state);
     endSilence();
+    return state;
   } catch (error) {
     showSilence(error);
+    return null;
   }
+}
+
+async function renew() {
+  const spindle = chosen();
+  const state = await answered();
   setTimeout(renew, period_ms);
+  if (state === null || (chosen() !== spindle && spindle !== "")) return;
+  // Another daemon: its page may be another too.
+  version ??= state.version;
+  if (version !== state.version) location.reload();
+  showState(words, state);
+  addToCurves(state.registers);
 }
 
 byId("spindle").addEventListener("change", () => {
   location.hash = encodeURIComponent(chosen());
+  clearCurves();
 });
 renew();

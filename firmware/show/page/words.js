@@ -1,7 +1,8 @@
 // What states, faults and sensors mean, in the register map's own words (/api/v1/words).
 
 // "bit 13: a sensor has failed, see sensor_fault" is "a sensor has failed": bits and registers are for programs.
-const without = doc => doc.replace(/^bit \d+: /, "").replace(/[:;,]? see `?[a-z]+(_[a-z]+)*`?/g, "");
+const without = doc => doc.replace(/^bit \d+: /, "")
+  .replace(/ \(see [^)]*\)|[:;,]? see `?[a-z]+(_[a-z]+)*`?/g, "");
 
 // The meaning of a code by its name; the name itself where there is none.
 export function meaning(words, register, name) {
