@@ -21,7 +21,8 @@ STYLE = re.compile(r'[ \t]*<link rel="stylesheet" href="([^"]+)">\n')
 SCRIPT = re.compile(r'<script( type="module")? src="([^"]+)"></script>')
 IMPORT = re.compile(r'^import \{[^}]*\} from "\./([^"]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=(?:const|function) )", re.MULTILINE)
-NAME = re.compile(r"^(?:export )?(?:const|let|function) (?:(\w+)|\{)", re.MULTILINE)
+DECLARED = re.compile(r"^(?:export )?(?:(?:async )?function\*? (\w+)|(?:const|let) (.*))", re.MULTILINE)
+BRACKETS = re.compile(r"\([^()]*\)|\[[^][]*\]|\{[^{}]*\}")
 DATA = '<script id="data" type="application/json"></script>'
 DELIMITER = "page_text"
 
@@ -57,11 +58,19 @@ def modules(files, path, seen):
     return f"{before}// {path}\n{own}"
 
 
+def own_names(text):
+    """What a file declares for all; of a list in one line each name."""
+    for function, line in DECLARED.findall(text):
+        while BRACKETS.search(line):
+            line = BRACKETS.sub("", line)
+        yield from [function] if function else re.findall(r"(?:^|, )(\w+)(?= =[^=>]|,|;)", line)
+
+
 def one_scope(seen):
     """Fails where two files of a page give a name of their own the same spelling."""
     owner = {}
     for path, text in seen.items():
-        for name in filter(None, NAME.findall(text)):
+        for name in own_names(text):
             if owner.setdefault(name, path) != path:
                 raise PageError(f"{path}: '{name}' is a name of {owner[name]} too; all files of a page share one scope")
 

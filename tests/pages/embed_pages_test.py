@@ -80,6 +80,10 @@ class EmbedPages(unittest.TestCase):
         self.write("two.js", "const one = 3;\nexport const two = one;\n")
         self.assertIn("two.js: 'one' is a name of one.js too", self.error())
 
+    def test_a_name_that_is_not_the_first_of_its_line_counts_too(self):
+        self.write("two.js", "const width = Math.max(1, 2), one = 3;\nexport const two = one + width;\n")
+        self.assertIn("two.js: 'one' is a name of one.js too", self.error())
+
     def test_other_imports_are_refused(self):
         self.write("two.js", 'import two from "https://example.org/two.js";\nexport { two };\n')
         self.assertIn("two.js: 'import two from", self.error())

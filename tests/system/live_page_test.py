@@ -24,15 +24,14 @@ NOT_A_NUMBER = struct.unpack(">HH", struct.pack(">f", float("nan")))
 
 class LivePage(RunningDaemon):
     # Slow enough that the device's values, which never move, are not called stuck within a test.
-    config_text = CONFIG.replace("clock_rate = 10.0", "clock_rate = 3.0")
+    config_text = CONFIG.replace("clock_rate = 10.0", "clock_rate = 3.0") + "[http]\nport = {http}\n"
+
+    def start_devices(self):
+        self.http_port = free_port()
+        return super().start_devices() | {"http": self.http_port}
 
     def setUp(self):
         super().setUp()
-        self.http_port = free_port()
-        self.config.write_text(self.config.read_text() + f"[http]\nport = {self.http_port}\n")
-        self.daemon.terminate()
-        self.daemon.wait(20)
-        self.start_again()
         wait_until(lambda: can_connect(self.http_port), "the HTTP port")
         self.browser = self.start(["node", DRIVE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.browser.stdout.close)
@@ -145,6 +144,40 @@ class Values(LivePage):
         self.start_again()
         wait_until(lambda: self.tell(evaluate="document.getElementById('silence').hidden"), "the page to go on", 10)
         self.run_well()
+
+
+class Several(LivePage):
+    def setUp(self):
+        super().setUp()
+        own = re.sub(r"\[(serve|http)\]\nport = \d+\n", "", self.config.read_text()).replace("small.rom", "../small.rom")
+        spindles = f"[serve]\nport = {self.port}\n[http]\nport = {self.http_port}\n"
+        for unit, name in enumerate(("left", "right"), 1):
+            (self.folder / name).mkdir()
+            (self.folder / name / "twin.toml").write_text(own)
+            spindles += f'[[spindle]]\nname = "{name}"\nunit = {unit}\nconfig = "{name}/twin.toml"\n'
+        self.config.write_text(spindles)
+        self.daemon.terminate()
+        self.daemon.wait(20)
+        self.start_again()
+        wait_until(lambda: can_connect(self.http_port), "the HTTP port")
+
+    def speed_shown(self):
+        text = self.facts("machine").get("speed", "0")
+        return self.number(text) if text != "–" else None
+
+    def test_the_spindle_that_is_chosen_is_shown_also_by_its_address(self):
+        for unit, rpm in ((1, 3000), (2, 9000)):
+            self.assertFalse(self.client.write_register(1000, rpm, slave=unit).isError())
+        self.open()
+        wait_until(lambda: self.speed_shown() == 3000, "the first spindle", 10)
+        self.assertFalse(self.tell(evaluate="document.getElementById('choice').hidden"))
+        self.tell(choose=["#spindle", "right"])
+        wait_until(lambda: self.speed_shown() == 9000, "the other spindle", 10)
+        self.assertEqual(self.tell(evaluate="location.hash"), "#right")
+        self.assertEqual(self.tell(judge=True), [])
+        self.tell(open=f"http://127.0.0.1:{self.http_port}/#right")
+        wait_until(lambda: self.speed_shown() == 9000, "the spindle in the address", 10)
+        self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
 
 
 class Look(LivePage):
