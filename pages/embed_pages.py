@@ -7,13 +7,15 @@
   with --served: a page for a server, as three texts: PAGE_html, PAGE_css and PAGE_js
 
 A style sheet (<link rel="stylesheet" href>) or script (<script src>) is replaced by its text. A script of type module
-comes with all that it imports, each file once and before those that use it: imports are of names from "./file.js", one
-line each, and all files of a page share one scope. Paths that begin with the NAME of a library are taken from its folder.
-The element <script id="data"> stays empty: the program writes the data there. A served page has none, and loads its one
-style sheet and its one script, into which all are put together, from beside itself: PAGE.css and PAGE.js.
+comes with all that it imports, each file once and before those that use it: imports are of names from "./file.js" beside
+the importing file, one line each, and all files of a page share one scope. Paths that begin with the NAME of a library
+are taken from its folder. The element <script id="data"> stays empty: the program writes the data there. A served page
+has none, and loads its one style sheet and its one script, into which all are put together, from beside itself: PAGE.css
+and PAGE.js.
 """
 import argparse
 import pathlib
+import posixpath
 import re
 import sys
 
@@ -49,7 +51,8 @@ def modules(files, path, seen):
     if path in seen:
         return ""
     seen[path] = text = files.text(path)
-    before = "".join(modules(files, imported, seen) for imported in IMPORT.findall(text))
+    beside = posixpath.dirname(path)
+    before = "".join(modules(files, posixpath.join(beside, imported), seen) for imported in IMPORT.findall(text))
     own = EXPORT.sub("", IMPORT.sub("", text))
     left_over = re.search(r"^\s*(import|export)\b.*", own, re.MULTILINE)
     if left_over:

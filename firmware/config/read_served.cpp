@@ -106,6 +106,9 @@ ShowPlan read_http(const std::optional<TomlTable>& table, Listeners& listeners) 
   show.port = static_cast<int>(table->integer_or("port", show.port, 1, 65535));
   show.allow = read_allow(*table);
   if (table->has("names")) show.names = table->strings("names");
+  show.notice = table->string_or("notice", show.notice);
+  constexpr std::size_t longest_notice = 300;
+  if (show.notice.size() > longest_notice) table->fail("notice", "must be a text of at most 300 bytes");
   listeners.add("[http]", {show.address, show.port}, *table);
   return show;
 }

@@ -7,6 +7,7 @@
 #include <future>
 #include <utility>
 
+#include "firmware/show/scene_json.hpp"
 #include "firmware/show/shown_names.hpp"
 #include "firmware/watch/log.hpp"
 
@@ -55,7 +56,9 @@ void Daemon::listen_by_tls() {
 void Daemon::show() {
   std::vector<SpindleToShow> shown;
   for (const auto& spindle : spindles_) {
-    shown.push_back({spindle->name, spindle->unit, names_of(spindle->file.network), stale_after_s(spindle->cycle_s())});
+    const rom::Network& network = spindle->file.network;
+    shown.push_back({spindle->name, spindle->unit, names_of(network), stale_after_s(spindle->cycle_s()),
+                     scene_json(network, show_.notice)});
   }
   shown_.emplace(show_, std::move(shown), clock_);
   if (published_) shown_->show_plant(published_->counts());

@@ -274,6 +274,7 @@ Page HttpServer::page(const std::string& path) {
 
 Page HttpServer::page_of(ShownSpindle& spindle, const std::string& what) {
   if (what == "state") return {200, "application/json", spindle.state() + "\n"};
+  if (what == "scene") return {200, "application/json", spindle.scene() + "\n"};
   if (what != "events") return {404};
   if (viewers() >= most_viewers) return {503, "application/json", error_json("there are 8 viewers already")};
   asked_for_ = &spindle;

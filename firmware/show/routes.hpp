@@ -9,25 +9,27 @@ struct Route {
   const char* path;
   const char* doc;
 };
-inline constexpr std::array<Route, 8> routes{{
+inline constexpr std::array<Route, 9> routes{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the prediction may be used (state running or degraded), 503 while it may not"},
     {"/api/v1/spindles", "the spindle's unit and state, as a list of one"},
     {"/api/v1/words", "what the codes and bits of the registers mean"},
+    {"/api/v1/scene", "what does not change: outlines of the parts, key points, the notice"},
     {"/api/v1/state", "every register of the map as JSON, of one cycle"},
     {"/api/v1/events", "the same as server-sent events, at most one a second"},
     {"/metrics", "the same for Prometheus, text format 0.0.4"},
 }};
 
 /// Of a daemon with several spindles, whose names stand in the place of {NAME}.
-inline constexpr std::array<Route, 9> routes_of_several{{
+inline constexpr std::array<Route, 10> routes_of_several{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the predictions of all spindles may be used, 503 while one may not"},
     {"/api/v1/spindles", "the names of the spindles, their units and states"},
     {"/api/v1/words", "what the codes and bits of the registers mean"},
     {"/api/v1/spindles/{NAME}/healthz", "200 while the prediction of this spindle may be used, else 503"},
+    {"/api/v1/spindles/{NAME}/scene", "what of it does not change: outlines of the parts, key points, the notice"},
     {"/api/v1/spindles/{NAME}/state", "every register of its map as JSON, of one cycle"},
     {"/api/v1/spindles/{NAME}/events", "the same as server-sent events, at most one a second"},
     {"/metrics", "the registers of all spindles for Prometheus, text format 0.0.4, with the label spindle_name"},

@@ -14,6 +14,7 @@ struct ShowPlan {
   int port = 9502;                    ///< 0 takes a free one (tests)
   std::vector<AddressRange> allow;    ///< clients that are answered
   std::vector<std::string> names;     ///< of this computer, beside its own name; small letters
+  std::string notice;                 ///< what the page says first: that the spindle is simulated
 
   bool operator==(const ShowPlan&) const = default;
 };

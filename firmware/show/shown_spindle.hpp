@@ -18,6 +18,7 @@ struct SpindleToShow {
   int unit = 1;                ///< by which Modbus clients ask for it
   ShownNames names;            ///< of its network
   double stale_after_s = 5.0;  ///< clock time; a cycle older than that is no longer healthy
+  std::string scene = "{}";    ///< scene_json()
 };
 
 /// A cycle is called dead that is three periods late, or five seconds where that is longer.
@@ -38,6 +39,7 @@ class ShownSpindle {
   Page health(std::int64_t now_ns) const;
   /// All its registers on one line.
   std::string state() const;
+  const std::string& scene() const { return spindle_.scene; }
   /// {"name": ..., "unit": ..., "spindle": ..., "state": ...}
   std::string summary() const;
   ShownRegisters registers() const { return {image_, spindle_.names, spindle_.name}; }

@@ -1,7 +1,7 @@
 // The page of `spindle-twin inspect --html`: a network in its steady state.
 import { drawChart } from "./chart.js";
 import { addFacts, addRow, aside, byId, duration, fixed, left, pageData, power, signed } from "./pages/elements.js";
-import { drawSection } from "./section.js";
+import { drawSection } from "./pages/section.js";
 
 const mostRows = 22;  // of a table that is ranked; 40 outputs of a certificate
 const data = pageData();

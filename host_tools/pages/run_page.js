@@ -1,7 +1,7 @@
 // The page of `spindle-twin report`: a run of the daemon beside its simulated plant.
 import { drawChart, onMoment } from "./chart.js";
 import { addRow, byId, element, fixed, pageData, signed } from "./pages/elements.js";
-import { drawSection } from "./section.js";
+import { drawSection } from "./pages/section.js";
 
 const run = pageData();
 const less = (values, others) => values.map((v, row) => v === null || others[row] === null ? null : v - others[row]);

@@ -55,6 +55,16 @@ class EmbedPages(unittest.TestCase):
         self.assertEqual(order, sorted(order))
         self.assertNotRegex(text, r"(?m)^(import|export)|src=|href=")
 
+    def test_a_module_of_a_library_imports_those_beside_it(self):
+        self.write("library/three.js", 'import { four } from "./four.js";\nexport const three = four - 1;\n')
+        self.write("library/four.js", "export const four = 4;\n")
+        self.write("four.js", "export const wrong = 0;\n")
+        self.write("page.js", 'import { three } from "./lib/three.js";\nconst sum = three;\n')
+        text = self.run_generator("--html").stdout
+        order = [text.index(words) for words in ("const four", "const three", "const sum")]
+        self.assertEqual(order, sorted(order))
+        self.assertNotIn("wrong", text)
+
     def test_the_texts_in_cpp_are_the_pages(self):
         page = self.run_generator("--html").stdout
         self.assertEqual(self.run_generator("--cpp", self.folder / "out").returncode, 0)

@@ -2,7 +2,8 @@
 import js from "@eslint/js";
 
 const names = list => Object.fromEntries(list.map(name => [name, "readonly"]));
-const browser = names(["addEventListener", "document", "DOMPoint", "getComputedStyle", "matchMedia"]);
+const browser = names(["addEventListener", "document", "DOMPoint", "getComputedStyle", "matchMedia",
+  "removeEventListener"]);
 
 export default [
   { ignores: ["pages/uplot/"] },

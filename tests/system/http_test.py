@@ -183,7 +183,8 @@ class Protocol(Http):
         status, _, body = self.get("/routes")
         self.assertEqual(status, 200)
         routes = [line.split()[0] for line in body.splitlines() if line.startswith("/")]
-        self.assertEqual(routes, ["/", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/state",
+        self.assertEqual(routes, ["/", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/scene",
+                                  "/api/v1/state",
                                   "/api/v1/events", "/metrics"])
         for route in routes:
             if route != "/api/v1/events":

@@ -14,7 +14,7 @@ import time
 from pymodbus.client import ModbusTcpClient
 
 from ports import can_connect, free_port, wait_until
-from running_daemon import CONFIG, RunningDaemon, float32, main
+from running_daemon import CONFIG, PROGRAMS, RunningDaemon, float32, main
 
 DRIVE = pathlib.Path(__file__).resolve().parents[1] / "pages" / "drive.js"
 PICTURES = os.environ.get("SPINDLE_TWIN_PICTURES")
@@ -24,7 +24,8 @@ NOT_A_NUMBER = struct.unpack(">HH", struct.pack(">f", float("nan")))
 
 class LivePage(RunningDaemon):
     # Slow enough that the device's values, which never move, are not called stuck within a test.
-    config_text = CONFIG.replace("clock_rate = 10.0", "clock_rate = 3.0") + "[http]\nport = {http}\n"
+    config_text = CONFIG.replace("clock_rate = 10.0", "clock_rate = 3.0") + (
+        '[http]\nport = {http}\nnotice = "Simulated: <b>no machine</b>"\n')
 
     def start_devices(self):
         self.http_port = free_port()
@@ -94,6 +95,7 @@ class Values(LivePage):
         self.assertEqual(self.number(machine["speed"]), words[34])
         self.assertEqual(self.number(machine["load"]), words[35] / 10)
         self.assertEqual(self.number(machine["ambient"]), words[37] / 100)
+        self.assertEqual(self.text("notice"), "Simulated: <b>no machine</b>")
         self.assertEqual([row[0] for row in temperatures.values()], ["28.50", "28.25", "28.00"])
         for slot, (measured, predicted, band, difference, sensor) in enumerate(temperatures.values()):
             self.assertAlmostEqual(self.number(predicted), words[56 + slot] / 100, delta=0.2)
@@ -149,7 +151,7 @@ class Values(LivePage):
 class Several(LivePage):
     def setUp(self):
         super().setUp()
-        own = re.sub(r"\[(serve|http)\]\nport = \d+\n", "", self.config.read_text()).replace("small.rom", "../small.rom")
+        own = re.sub(r"\[(serve|http)\]\nport = \d+\n(notice = .*\n)?", "", self.config.read_text()).replace("small.rom", "../small.rom")
         spindles = f"[serve]\nport = {self.port}\n[http]\nport = {self.http_port}\n"
         for unit, name in enumerate(("left", "right"), 1):
             (self.folder / name).mkdir()
@@ -178,6 +180,38 @@ class Several(LivePage):
         self.tell(open=f"http://127.0.0.1:{self.http_port}/#right")
         wait_until(lambda: self.speed_shown() == 9000, "the spindle in the address", 10)
         self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
+
+
+class Section(LivePage):
+    def test_parts_with_outlines_have_the_colours_of_the_scale_and_say_their_temperature(self):
+        self.daemon.kill()
+        self.daemon.wait()
+        subprocess.run([PROGRAMS["make_network"], self.folder / "small.rom", "outlined"], check=True)
+        self.start_again()
+        wait_until(lambda: can_connect(self.http_port), "the HTTP port")
+        self.open()
+        self.run_well()
+        before, cycle = self.read(402, 3), self.read(8, 2)
+        wait_until(lambda: self.number(self.text("moment")) >= cycle[0] << 16 | cycle[1], "a later cycle on the page")
+        tips = "[...document.querySelectorAll('#section path[data-tip]')].map(part => [part.dataset.tip, part.getAttribute('fill')])"
+        shown = {}
+        for tip, colour in self.tell(evaluate=tips):
+            name, degC = re.match(r"(\w+): highest ([\d.]+) °C", tip).groups()
+            self.assertRegex(colour, r"^rgb\(\d+,\d+,\d+\)$")
+            shown[name] = float(degC)
+        after = self.read(402, 3)
+        self.assertEqual(sorted(shown), ["bearing", "rotor", "sleeve"])
+        for slot, name in enumerate(("rotor", "bearing", "sleeve")):
+            low, high = sorted((before[slot] / 100, after[slot] / 100))
+            self.assertTrue(low - 0.06 <= shown[name] <= high + 0.06, f"{name}: {low} {shown[name]} {high}")
+        self.assertFalse(self.tell(evaluate="document.getElementById('section-place').hidden"))
+        self.assertEqual((self.tell(judge=True), self.tell(seen=True)), ([], {"elsewhere": [], "complaints": []}))
+
+    def test_parts_without_outlines_stand_in_their_list(self):
+        self.open()
+        self.run_well()
+        self.assertEqual(self.tell(evaluate="[document.getElementById('section-place').hidden,"
+                                            " document.getElementById('all-parts').open]"), [True, True])
 
 
 class Look(LivePage):

@@ -4,7 +4,7 @@ import { svgElement } from "./pages/elements.js";
 const width = 160, height = 16, octaves = 2;
 const at = factor => width / 2 * (1 + Math.max(-1, Math.min(1, Math.log2(factor) / octaves)));
 
-function draw(svg) {
+function drawScale(svg) {
   svgElement("rect", { y: 4, height: height - 8, rx: 2 }, svg);
   for (const factor of [0.25, 0.5, 2, 4]) {
     svgElement("line", { x1: at(factor), x2: at(factor), y1: 4, y2: height - 4, stroke: "var(--edge)" }, svg);
@@ -17,7 +17,7 @@ export function setBar(cell, factor) {
   let svg = cell.querySelector("svg");
   if (!svg) {
     svg = svgElement("svg", { class: "factor", viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" }, cell);
-    draw(svg);
+    drawScale(svg);
   }
   const to = factor === null || factor <= 0 ? at(1) : at(factor);
   const bar = svg.firstChild;

@@ -1,11 +1,12 @@
 // The daemon's live page: asks once a second for the state of the spindle that is chosen, and shows it.
 import { byId, element } from "./pages/elements.js";
 import { addToCurves, clearCurves } from "./curves.js";
+import { makeSection } from "./live_section.js";
 import { setText } from "./cells.js";
 import { showState } from "./show_state.js";
 
 const period_ms = 1000, patience_ms = 3000;
-let words = null, since = null, version = null;
+let words = null, section = null, since = null, version = null;
 
 async function ask(path) {
   const answer = await fetch(path, { cache: "no-store", signal: AbortSignal.timeout(patience_ms) });
@@ -28,6 +29,16 @@ async function begin() {
   byId("choice").hidden = spindles.length < 2;
 }
 
+// What does not change of the chosen spindle; again where another was chosen meanwhile.
+async function beginSection() {
+  const spindle = chosen();
+  const scene = await ask(`${folder()}/scene`);
+  if (spindle !== chosen()) return;
+  section = makeSection(scene);
+  setText(byId("notice"), scene.notice);
+  byId("notice").hidden = scene.notice === "";
+}
+
 function showSilence(error) {
   since ??= new Date();
   words = null;
@@ -47,6 +58,7 @@ function endSilence() {
 async function answered() {
   try {
     if (words === null) await begin();
+    if (section === null) await beginSection();
     const state = await ask(`${folder()}/state`);
     endSilence();
     return state;
@@ -65,11 +77,14 @@ async function renew() {
   version ??= state.version;
   if (version !== state.version) location.reload();
   showState(words, state);
+  section?.show(state.registers);
   addToCurves(state.registers);
 }
 
 byId("spindle").addEventListener("change", () => {
   location.hash = encodeURIComponent(chosen());
   clearCurves();
+  section?.leave();
+  section = null;
 });
 renew();

@@ -1,4 +1,4 @@
-// The parts as fields coloured by temperature, with a legend. A network file's outlines stay with the host tool.
+// The parts as fields coloured by temperature, with a legend.
 import { colourScale, ramp } from "./pages/colours.js";
 import { fixed, svgElement } from "./pages/elements.js";
 
@@ -21,7 +21,7 @@ function drawLegend(svg, scale, width, y) {
 }
 
 // parts: [name, degC or null]; drawn anew, as all colours change with the scale.
-export function drawParts(place, parts) {
+export function listParts(place, parts) {
   place.replaceChildren();
   const known = parts.map(([, value]) => value).filter(value => value !== null);
   if (!known.length) {

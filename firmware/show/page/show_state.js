@@ -1,7 +1,7 @@
 // One state of a spindle, on the page.
 import { amiss, hasBit, meaning, nameOf, plain, sensorWords } from "./words.js";
 import { byId, fixed, signed } from "./pages/elements.js";
-import { drawParts } from "./parts.js";
+import { listParts } from "./parts.js";
 import { setBar } from "./factor_bars.js";
 import { setFacts, setList, setTable, setText } from "./cells.js";
 
@@ -70,7 +70,7 @@ export function showState(words, state) {
   showHeader(words, state);
   showGrowth(words, registers);
   setList(byId("messages"), amiss(words, registers));
-  drawParts(byId("parts"), Object.entries(registers.part_maximum_float32.values));
+  listParts(byId("parts"), Object.entries(registers.part_maximum_float32.values));
   showTemperatures(words, registers);
   showFactors(registers);
 }

@@ -2,9 +2,10 @@
 //
 // A scene: `outlines` ({part, points_m}), `bodies` ({name, centre_m, rise_K, tip}), `nodes` ({name, part, at_m, rise_K}),
 // `flows` (as in `spindle-twin inspect --json`), `key_points` ({name, at_m, tip, label}), `lumps` (every node is a body of
-// its own, and all there is to draw), `low_K` and `high_K` (the scale of colours). Places are [r, z] in m.
-import { colourScale, ramp } from "./pages/colours.js";
-import { fixed, svgElement } from "./pages/elements.js";
+// its own, and all there is to draw), `low_K` and `high_K` (the scale of colours; `unit` where it is not K). Places are
+// [r, z] in m.
+import { colourScale, ramp } from "./colours.js";
+import { fixed, svgElement } from "./elements.js";
 import { drawFlows, drawWatts } from "./section_flows.js";
 import { drawBeside, drawPartNames } from "./section_names.js";
 import { makeRoom, makeView } from "./section_view.js";
@@ -19,6 +20,7 @@ function tipsInto(svg, pointed) {
   svg.onclick = show;
   return (node, words) => {
     node.dataset.tip = words;
+    node.setAttribute("role", "img");
     node.setAttribute("aria-label", words);
   };
 }
@@ -83,7 +85,7 @@ function drawKeyPoints(drawing) {
   return marks;
 }
 
-function drawRamp({ svg, view, colour }) {
+function drawRamp({ svg, view, scene, colour }) {
   const wide = view.upright ? Math.min(240, view.width - 2 * view.side - 24) : 240;
   const gradient = svgElement("linearGradient", { id: "ramp" }, svgElement("defs", {}, svg));
   ramp.forEach((c, i) => svgElement("stop", { offset: i / (ramp.length - 1), "stop-color": `rgb(${c.join(",")})` }, gradient));
@@ -92,7 +94,7 @@ function drawRamp({ svg, view, colour }) {
     const value = fixed(colour.low + (colour.high - colour.low) * i / 4, 1);
     svgElement("text", { x: view.side + wide * i / 4, y: view.bottom + 25, class: "soft middle" }, svg, value);
   }
-  svgElement("text", { x: view.side + wide + 14, y: view.bottom + 10, class: "soft" }, svg, "K");
+  svgElement("text", { x: view.side + wide + 14, y: view.bottom + 10, class: "soft" }, svg, scene.unit ?? "K");
 }
 
 // Scale of colours, what the signs mean, and the length of 20 or 50 mm.
@@ -149,17 +151,24 @@ function draw(svg, pointed, scene, width) {
   return { drawing, paths, names, marks };
 }
 
-// Draws, and again when the window's width changes. `show(bodies, key_points)` gives bodies and key points other numbers.
+// Draws, and again when the window's width changes. `show(bodies, key_points)` gives bodies and key points other numbers,
+// `rescale(low_K, high_K)` the colours another scale; `leave()` makes room for another section in the same place.
 export function drawSection(svg, pointed, scene) {
   const widthNow = () => Math.round(Math.min(1160, Math.max(320, svg.parentElement.clientWidth)));
   let width = widthNow();
   let drawn = draw(svg, pointed, scene, width);
-  addEventListener("resize", () => {
+  const follow = () => {
     if (widthNow() === width) return;
     width = widthNow();
     drawn = draw(svg, pointed, scene, width);
-  });
+  };
+  addEventListener("resize", follow);
   return {
+    leave: () => removeEventListener("resize", follow),
+    rescale(low_K, high_K) {
+      Object.assign(scene, { low_K, high_K });
+      drawn = draw(svg, pointed, scene, width);
+    },
     show(bodies, keyPoints) {
       Object.assign(scene, { bodies, key_points: keyPoints });
       paintBodies(drawn.drawing, drawn.paths, drawn.names, bodies);

@@ -1,5 +1,5 @@
 // Heat flows of the section: an arrow across each contact, gap and film, its width by the watts.
-import { fixed, svgElement } from "./pages/elements.js";
+import { fixed, svgElement } from "./elements.js";
 import { extentOf } from "./section_view.js";
 
 // Of every heat that is drawn: the smallest, as a share of the largest, and how many get their watts in letters.

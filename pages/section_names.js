@@ -1,5 +1,5 @@
 // Letters on the section: names of parts where they fit inside, names of lumped nodes and of key points beside them.
-import { svgElement } from "./pages/elements.js";
+import { svgElement } from "./elements.js";
 
 // The place inside the path nearest to its middle where a text of that half size fits and nothing else stands.
 function placeInside(path, half, room) {

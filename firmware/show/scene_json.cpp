@@ -1,0 +1,41 @@
+#include "firmware/show/scene_json.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "firmware/show/json_text.hpp"
+
+namespace spindle_twin::firmware {
+namespace {
+
+template <class Things, class Text>
+std::string listed(const Things& things, Text text) {
+  std::string all;
+  for (const auto& thing : things) {
+    if (!all.empty()) all += ',';
+    all += text(thing);
+  }
+  return all;
+}
+
+std::string place(double r_m, double z_m) { return fmt::format("[{},{}]", r_m, z_m); }
+
+std::string outline(const rom::OutlineRing& ring) {
+  std::string points;
+  for (Eigen::Index i = 0; i < ring.points_m.cols(); ++i) {
+    points.append(i > 0 ? "," : "").append(place(ring.points_m(0, i), ring.points_m(1, i)));
+  }
+  return fmt::format("{{\"part\":{},\"points_m\":[{}]}}", json_text(ring.part), points);
+}
+
+std::string key_point(const rom::KeyPoint& point) {
+  return fmt::format("{{\"name\":{},\"at_m\":{}}}", json_text(point.name), place(point.r_m, point.z_m));
+}
+
+}  // namespace
+
+std::string scene_json(const rom::Network& network, const std::string& notice) {
+  return fmt::format("{{\"notice\":{},\"outlines\":[{}],\"key_points\":[{}]}}", json_text(notice),
+                     listed(network.outlines, outline), listed(network.key_points, key_point));
+}
+
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,37 @@
+#include "firmware/show/scene_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/firmware/support/small_network.hpp"
+
+namespace spindle_twin::firmware {
+namespace show_scene_json_test {
+
+TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice) {
+  rom::Network network = tests::small_network();
+  network.outlines = {{"rotor", (Eigen::MatrixXd(2, 3) << 0.01, 0.03, 0.03, 0.0, 0.0, 0.125).finished()},
+                      {"sleeve \"rear\"", Eigen::MatrixXd::Zero(2, 0)}};
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, "a <b>simulated</b> \"spindle\""));
+  EXPECT_EQ(scene.at("notice"), "a <b>simulated</b> \"spindle\"");
+  ASSERT_EQ(scene.at("outlines").size(), 2U);
+  EXPECT_EQ(scene["outlines"][0]["part"], "rotor");
+  EXPECT_EQ(scene["outlines"][0]["points_m"], nlohmann::json({{0.01, 0.0}, {0.03, 0.0}, {0.03, 0.125}}));
+  EXPECT_EQ(scene["outlines"][1]["part"], "sleeve \"rear\"");
+  EXPECT_TRUE(scene["outlines"][1]["points_m"].empty());
+  ASSERT_EQ(scene.at("key_points").size(), network.key_points.size());
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    EXPECT_EQ(scene["key_points"][k]["name"], network.key_points[k].name);
+    EXPECT_EQ(scene["key_points"][k]["at_m"], nlohmann::json({network.key_points[k].r_m, network.key_points[k].z_m}));
+  }
+}
+
+TEST(SceneJson, of_a_network_without_outlines_is_whole_too) {
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(tests::small_network(), ""));
+  EXPECT_EQ(scene.at("notice"), "");
+  EXPECT_TRUE(scene.at("outlines").is_array());
+}
+
+}  // namespace show_scene_json_test
+}  // namespace spindle_twin::firmware
