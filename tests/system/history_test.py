@@ -25,6 +25,10 @@ database = sqlite3.connect(f"file:{sys.argv[1]}?mode=rw", uri=True, timeout=20)
 print(json.dumps([database.execute("PRAGMA integrity_check").fetchall(),
                   database.execute("SELECT run, sequence FROM cycle ORDER BY id").fetchall()]))
 """
+FIRST_TIME = """
+import sqlite3, sys
+print(*sqlite3.connect(sys.argv[1]).execute("SELECT unix_s FROM cycle ORDER BY id LIMIT 1").fetchone())
+"""
 MOUNTS = os.geteuid() == 0 and subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode == 0
 
 
@@ -164,17 +168,32 @@ class Evaluate(History):
         self.start_again()
         self.write_signals()
         self.wait_for_state(1)
-        lines = ["time_utc,growth_um,compensated"]
-        for _ in range(4):
-            time.sleep(1.01 - time.time() % 1.0)  # the file's times are of whole seconds
-            nose_um = float32(*self.read(NOSE_UM, 2))
-            lines.append(f"{time.strftime('%Y-%m-%d %H:%M:%S', time.gmtime())},{2.0 * nose_um},1")
+        start_um = float32(*self.read(NOSE_UM, 2))
+        start_s = time.time()
+        wait_until(lambda: float32(*self.read(NOSE_UM, 2)) > start_um + 6.0 and time.time() > start_s + 6.0, "a warm-up")
         self.stop()
         parts = self.folder / "parts.csv"
-        parts.write_text("\n".join(lines) + "\n")
+        parts.write_text("time_utc,growth_um,compensated\n" + "".join(
+            f"{time.strftime('%Y-%m-%d %H:%M:%S', time.gmtime(second))},{2.0 * nose_um},1\n"
+            for second, nose_um in self.published_at_whole_seconds(start_s)))
         result = self.tool("evaluate", self.folder / self.path, "--measured", parts)
-        self.assertEqual(result.returncode, 3)
+        self.assertEqual(result.returncode, 3, result.stdout + result.stderr)
         self.assertRegex(result.stdout, r"the control applies -\d\.\d\d times what is published: with the wrong sign")
+
+    def published_at_whole_seconds(self, from_s):
+        """(unix second, nose) of the last row before each whole second since `from_s`; a file by hand has no finer."""
+        export = self.folder / "export.csv"
+        written = self.tool("history", self.folder / self.path, "--csv", export)
+        self.assertEqual(written.returncode, 0, written.stderr)
+        rows = list(csv.DictReader(export.read_text().splitlines()))
+        first_s = json.loads(subprocess.run([sys.executable, "-c", FIRST_TIME, self.folder / self.path],
+                                            capture_output=True, text=True, check=True).stdout)
+        published = {}
+        for row in rows:
+            unix_s = first_s + 1e-9 * (float(row["clock_ns"]) - float(rows[0]["clock_ns"]))
+            if unix_s >= from_s:
+                published[int(unix_s) + 1] = float(row["deformation.nose_um"])
+        return list(published.items())[:-1]  # the last second has no row after it
 
 
 class Kills(History):
