@@ -1,3 +1,4 @@
+#include <spdlog/fmt/chrono.h>
 #include <spdlog/spdlog.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <memory>
 #include <string>
@@ -22,6 +24,7 @@
 #include "firmware/run/prepare.hpp"
 #include "firmware/watch/log.hpp"
 #include "firmware/watch/memory_lock.hpp"
+#include "rom/units.hpp"
 
 namespace {
 
@@ -86,6 +89,16 @@ int run_until_signal(Daemon& daemon, const sigset_t& signals) {
   return signal;
 }
 
+/// Of when a calibration is, and what it promises; empty without one.
+std::string calibration_text(const Config& config) {
+  if (!config.calibration) return {};
+  const correction::Calibration& calibration = config.calibration->calibration;
+  return fmt::format("{}: calibrated {:%Y-%m-%d} from {:.1f} h of test, which promised {:.2f} um (1 sigma){}",
+                     config.calibration->path, fmt::gmtime(static_cast<std::time_t>(calibration.made_unix_s)),
+                     calibration.tested_s / rom::seconds_per_hour, calibration.promised_m * rom::um_per_m,
+                     calibration.accepted ? "" : "; written although it missed its limits");
+}
+
 void say_ok(const std::string& config_path, const PreparedSpindle& spindle) {
   const rom::Network& network = spindle.file.network;
   const std::string who =
@@ -93,6 +106,7 @@ void say_ok(const std::string& config_path, const PreparedSpindle& spindle) {
   std::printf("%s:%s ok, %s with %zu nodes, %s, %s\n", config_path.c_str(), who.c_str(), network.spindle.c_str(),
               network.nodes.size(), network.certificate.cases > 0 ? "certified" : "hand-written without certificate",
               signer(spindle.file).c_str());
+  if (spindle.config.calibration) std::printf("%s\n", calibration_text(spindle.config).c_str());
   std::fputs(expect_of_sensors(network, spindle.plan.cycle).c_str(), stdout);
 }
 
@@ -100,6 +114,7 @@ void log_network(const PreparedSpindle& spindle) {
   const LogName name(spindle.name);
   const std::string& path = spindle.config.network.path;
   spdlog::info("{}: SHA-256 {}, {}", path, spindle.file.sha256, signer(spindle.file));
+  if (spindle.config.calibration) spdlog::info("{}", calibration_text(spindle.config));
   if (!spindle.note.empty()) spdlog::error("{}", spindle.note);
   if (spindle.file.network.certificate.cases == 0) {
     spdlog::warn("{} is hand-written: its error is unknown, the quality bit \"uncertified\" is set", path);

@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
   add_evaluate(app);
   add_export(app);
   add_identify(app);
+  add_calibrate(app);
   add_laws(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE

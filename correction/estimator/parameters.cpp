@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/read/input_error.hpp"
 #include "rom/read/options.hpp"
 
 namespace spindle_twin::correction {
@@ -97,6 +98,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   add_capacities(network, priors);
   add_disturbances(network, priors);
   add_starts(network, priors);
+  if (priors.calibrated) take_calibrated(*priors.calibrated);
   mean_.resize(count());
   for (Eigen::Index i = 0; i < count(); ++i) mean_[i] = list_[static_cast<std::size_t>(i)].mean;
 }
@@ -143,6 +145,22 @@ void ParameterModel::add_starts(const rom::Network& network, const EstimatorPrio
   }
 }
 
+void ParameterModel::take_calibrated(const CalibratedPrior& calibrated) {
+  for (std::size_t i = 0; i < calibrated.names.size(); ++i) {
+    const auto found = std::find_if(list_.begin(), list_.end(),
+                                    [&](const Parameter& parameter) { return parameter.name == calibrated.names[i]; });
+    if (found == list_.end()) {
+      throw rom::InputError({}, "calibration", "\"" + calibrated.names[i] + "\" is no parameter of this network");
+    }
+    const auto slot = static_cast<Eigen::Index>(i);
+    found->mean = std::clamp(calibrated.mean[slot], found->minimum, found->maximum);
+    found->deviation = std::sqrt(calibrated.covariance(slot, slot));
+    calibrated_slots_.push_back(found - list_.begin());
+  }
+  calibrated_covariance_ = calibrated.covariance;
+  calibrated_from_ = calibrated.origin;
+}
+
 rom::CorrectionFactors ParameterModel::make_factors(const rom::Network& network) const {
   rom::CorrectionFactors factors = no_correction(network.boundaries);
   const Eigen::Index nodes = network.capacity_J_per_K.rows();
@@ -166,6 +184,16 @@ Eigen::MatrixXd ParameterModel::covariance() const {
   for (const int a : heat_) {
     for (const int b : heat_) {
       if (a != b && a >= 0 && b >= 0) covariance(a, b) = heat_common_ * heat_common_;
+    }
+  }
+  for (const Eigen::Index slot : calibrated_slots_) {
+    covariance.row(slot).setZero();
+    covariance.col(slot).setZero();
+  }
+  for (std::size_t a = 0; a < calibrated_slots_.size(); ++a) {
+    for (std::size_t b = 0; b < calibrated_slots_.size(); ++b) {
+      covariance(calibrated_slots_[a], calibrated_slots_[b]) =
+          calibrated_covariance_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
     }
   }
   return covariance;

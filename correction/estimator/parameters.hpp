@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "correction/estimator/calibrated_prior.hpp"
 #include "correction/estimator/start_shapes.hpp"
 #include "correction/estimator/thermal_groups.hpp"
 #include "rom/network.hpp"
@@ -65,6 +67,8 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
   /// A nominal value is the median of what machines have: start at the mean of the heats and of the resistances, which
   /// lie σ²/2 above in ln. Starting at the medians biases the nose by micrometres.
   bool centred = true;
+  /// What a calibration knows instead of the deviations above, of the parameters that it names; null: none.
+  std::shared_ptr<const CalibratedPrior> calibrated = nullptr;
 
   template <class Options, class Visit>
   static void each(Options& priors, Visit&& visit) {
@@ -106,7 +110,8 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
 /// of it alike: C 1_g / C_g at the nodes.
 class ParameterModel {
  public:
-  /// Throws rom::InputError naming the option for a prior out of range. Allocates.
+  /// Throws rom::InputError naming the option for a prior out of range, and a calibrated parameter that this network
+  /// does not have. Allocates.
   ParameterModel(const rom::Network& network, const EstimatorPriors& priors);
 
   const std::vector<Parameter>& list() const { return list_; }
@@ -115,6 +120,8 @@ class ParameterModel {
   /// Value of θ at which all factors are 1.
   Eigen::VectorXd neutral() const { return Eigen::VectorXd::Zero(count()); }
   Eigen::MatrixXd covariance() const;
+  /// CalibratedPrior::origin; empty without one.
+  const std::string& calibrated_from() const { return calibrated_from_; }
 
   bool is_friction(Eigen::Index source) const { return friction_[static_cast<std::size_t>(source)]; }
   /// Heat of this group in W is θ of its slot.
@@ -152,8 +159,12 @@ class ParameterModel {
   void add_capacities(const rom::Network& network, const EstimatorPriors& priors);
   void add_disturbances(const rom::Network& network, const EstimatorPriors& priors);
   void add_starts(const rom::Network& network, const EstimatorPriors& priors);
+  void take_calibrated(const CalibratedPrior& calibrated);
 
   std::vector<Parameter> list_;
+  std::string calibrated_from_;
+  std::vector<Eigen::Index> calibrated_slots_;  // of the calibrated prior's parameters
+  Eigen::MatrixXd calibrated_covariance_;
   Eigen::VectorXd mean_;
   std::vector<int> heat_, exponent_, conductance_, environment_, capacity_, disturbance_;
   std::vector<ThermalGroup> groups_;

@@ -25,6 +25,9 @@ void check_network(const Config& config, const rom::Network& network) {
   check_room(config, "deformation outputs", network.deformations.size(), slots::deformations);
   check_room(config, "coolant circuits", network.boundaries.circuits.size(), slots::circuits);
   check_room(config, "measured heats", rom::measured_heats(network.boundaries).size(), slots::heats);
+  if (config.calibration && config.cycle.estimator) {
+    check_fits(config.calibration->calibration, network, config.cycle.estimator->priors, config.calibration->path);
+  }
 }
 
 /// Coolant and ambient are needed where the network has such a surrounding, and ambient where a tare counts from it.

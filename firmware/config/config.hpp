@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "correction/calibration/calibration.hpp"
 #include "firmware/acquire/driver.hpp"
 #include "firmware/config/listeners.hpp"
 #include "firmware/config/read_devices.hpp"
@@ -106,6 +107,12 @@ struct ConfiguredExchange {
   ExchangePlan plan;
 };
 
+/// What a commissioning test has left of the priors.
+struct ConfiguredCalibration {
+  std::string path;
+  correction::Calibration calibration;
+};
+
 /// What of the compensation needs the network.
 struct ConfiguredCompensation {
   std::string other;  ///< deformation output that the slope comes from; empty: none
@@ -136,6 +143,7 @@ struct Config {  // NOLINT(public-members): the configuration as read, a member 
   std::vector<ConfiguredLimit> output_limits;
   ConfiguredCompensation compensation;
   ConfiguredExchange exchange;
+  std::optional<ConfiguredCalibration> calibration;
 };
 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.
@@ -155,8 +163,8 @@ struct SpindlePlan {
 /// Finds the configuration's names in the network. A coolant circuit without a flow signal has its operating
 /// flow for ever, a measured heat without a signal its law. Throws rom::InputError for a sensor, source, circuit, heat
 /// or node that the network does not have (its message lists those it has), for a current or power that no heat of the
-/// network follows, for no coolant or ambient signal where the network has such a surrounding, and for a network with
-/// more outputs than the register map has room for.
+/// network follows, for a calibration of another spindle, for no coolant or ambient signal where the network has such a
+/// surrounding, and for a network with more outputs than the register map has room for.
 SpindlePlan bind_config(const Config& config, const rom::Network& network);
 
 }  // namespace spindle_twin::firmware

@@ -2,13 +2,25 @@
 
 #include <algorithm>
 
+#include "firmware/config/read_files.hpp"
 #include "rom/read/options.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
 
-void read_priors(const std::optional<rom::TomlTable>& table, correction::EstimatorPriors& priors) {
-  if (table) rom::read_options(*table, priors);
+/// The priors of the table, and what a calibration knows better.
+void read_priors(const rom::TomlTable& correction, Config& config, correction::EstimatorPriors& priors) {
+  if (const auto table = correction.optional_table("prior")) rom::read_options(*table, priors);
+  const std::optional<std::string> file = correction.optional_string("calibration");
+  correction::DriftOptions drift;
+  if (const auto table = correction.optional_table("drift")) {
+    rom::read_options(*table, drift);
+    if (!file) correction.fail("drift", "is of a calibration, and there is none");
+  }
+  if (!file) return;
+  const std::string path = beside(config.path, *file);
+  config.calibration = ConfiguredCalibration{path, correction::read_calibration(path)};
+  priors.calibrated = prior_of(config.calibration->calibration, drift);
 }
 
 void read_estimator(const rom::TomlTable& table, Config& config) {
@@ -17,7 +29,7 @@ void read_estimator(const rom::TomlTable& table, Config& config) {
   options.period_s = std::max(options.period_s, shortest_s);
   correction::EstimatorOptions::each(options,
                                      rom::ReadOptions(table).narrow("period_s", rom::between(shortest_s, 60.0)));
-  read_priors(table.optional_table("prior"), options.priors);
+  read_priors(table, config, options.priors);
 }
 
 void read_paper(const rom::TomlTable& table, Config& config) {
@@ -47,7 +59,7 @@ void read_correction(const std::optional<rom::TomlTable>& table, Config& config)
   if (law == "none") {
     // It stands by for ever: how far the model can be trusted without correction follows from the same priors.
     correction::EstimatorOptions& options = config.cycle.estimator.emplace();
-    if (table) read_priors(table->optional_table("prior"), options.priors);
+    if (table) read_priors(*table, config, options.priors);
     return;
   }
   if (config.sensors.empty()) table->fail("law", "\"" + law + "\" needs at least one [[sensor]]");

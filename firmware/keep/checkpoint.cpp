@@ -4,13 +4,16 @@
 #include <span>
 
 #include "firmware/keep/checkpoint.pb.h"
-#include "firmware/keep/packed_message.hpp"
 #include "firmware/keep/state_files.hpp"
+#include "rom/file/packed_message.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
+
+using rom::attach;
+using rom::Way;
 
 using Message = spindle_twin_firmware_Checkpoint;
 template <Way way>
@@ -49,11 +52,11 @@ std::vector<std::uint8_t> encode_checkpoint(const Checkpoint& checkpoint) {
   const auto& from = checkpoint.remembered.signals;
   const std::vector<double> signals(from.begin(), from.end());
   const Message message = message_of<Way::encode>(checkpoint, signals);
-  return seal(format, spindle_twin_firmware_Checkpoint_fields, &message);
+  return rom::seal(format, spindle_twin_firmware_Checkpoint_fields, &message);
 }
 
 Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::string& file) {
-  const std::span<const std::uint8_t> payload = unseal(format, bytes, file);
+  const std::span<const std::uint8_t> payload = rom::unseal(format, bytes, file);
   Checkpoint checkpoint;
   std::vector<double> signals;
   Message message = message_of<Way::decode>(checkpoint, signals);

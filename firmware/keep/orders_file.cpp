@@ -5,13 +5,16 @@
 #include <span>
 
 #include "firmware/keep/orders.pb.h"
-#include "firmware/keep/packed_message.hpp"
 #include "firmware/keep/state_files.hpp"
+#include "rom/file/packed_message.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
+
+using rom::attach;
+using rom::Way;
 
 using OrdersMessage = spindle_twin_firmware_Orders;
 
@@ -55,11 +58,11 @@ std::vector<std::uint8_t> encode_orders(const KeptOrders& kept) {
   message.sensor_tares = orders.sensor_tares;
   message.acknowledgements = orders.acknowledgements;
   message.lost = orders.lost;
-  return seal(orders_format, spindle_twin_firmware_Orders_fields, &message);
+  return rom::seal(orders_format, spindle_twin_firmware_Orders_fields, &message);
 }
 
 KeptOrders decode_orders(const std::vector<std::uint8_t>& bytes, const std::string& file) {
-  const std::span<const std::uint8_t> payload = unseal(orders_format, bytes, file);
+  const std::span<const std::uint8_t> payload = rom::unseal(orders_format, bytes, file);
   Lists lists;
   OrdersMessage message = message_of<Way::decode>(lists);
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());

@@ -21,6 +21,7 @@ void add_history(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_export(CLI::App& app);
 void add_identify(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_laws(CLI::App& app);
 void add_registers(CLI::App& app);
 

@@ -193,6 +193,10 @@ void add_replay(CLI::App& app) {
   command->add_option("--health", replay.health, "whether sensors that fail are left out: on (default) or off")
       ->excludes(config)
       ->check(CLI::IsMember({"on", "off"}));
+  command
+      ->add_option("--calibration", replay.calibration,
+                   "of `spindle-twin calibrate`, which the estimator begins with; else as the configuration says")
+      ->excludes(config);
   command->add_option("--longest-gap-s", replay.longest_gap_s, "between two rows, and how long a reading counts")
       ->capture_default_str()
       ->check(finite_range(0.01, 1e6, "0.01 to 1e6 s"));

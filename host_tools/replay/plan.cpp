@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "correction/calibration/calibration.hpp"
 #include "rom/boundary_values/environments.hpp"
 
 namespace spindle_twin::host_tools {
@@ -72,7 +73,7 @@ void choose_correction(const std::string& wanted, firmware::Config& config) {
 }
 
 /// What the command line says of the estimator and of the sensors' health.
-void apply_estimator_options(const ReplayOptions& options, firmware::CyclePlan& cycle) {
+void apply_estimator_options(const rom::Network& network, const ReplayOptions& options, firmware::CyclePlan& cycle) {
   const std::pair<const char*, const std::optional<double>*> given[] = {{"--floor-K", &options.floor_K},
                                                                         {"--offset-K", &options.offset_deviation_K},
                                                                         {"--lag-s", &options.lag_s},
@@ -88,6 +89,11 @@ void apply_estimator_options(const ReplayOptions& options, firmware::CyclePlan& 
     estimator.priors.start_K = options.start_K.value_or(estimator.priors.start_K);
   }
   if (options.health == "off") cycle.health.reset();
+  if (options.calibration.empty()) return;
+  if (!cycle.estimator) throw rom::InputError({}, "--calibration", "is of the estimator; the published law has none");
+  const correction::Calibration calibration = correction::read_calibration(options.calibration);
+  check_fits(calibration, network, cycle.estimator->priors, options.calibration);
+  cycle.estimator->priors.calibrated = prior_of(calibration, {});
 }
 
 void check_sensors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log) {
@@ -105,7 +111,7 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
   firmware::Config config =
       options.config.empty() ? config_of_log(network, log, options) : firmware::read_config(options.config);
   choose_correction(options.correction, config);
-  apply_estimator_options(options, config.cycle);
+  apply_estimator_options(network, options, config.cycle);
   firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;
   check_sensors(network, plan, log);
   plan.compare_uncorrected = true;

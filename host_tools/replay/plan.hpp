@@ -10,7 +10,7 @@
 namespace spindle_twin::host_tools {
 
 /// How a log is to be run.
-struct ReplayOptions {
+struct ReplayOptions {               // NOLINT(public-members): what a command line may say, a member each
   std::string network;               ///< the file's path, for messages
   std::string correction;            ///< none, paper, estimator; empty: as the configuration or its default says
   std::string config;                ///< of the daemon; its sensors, ranges, periods and options count. Empty: none
@@ -24,6 +24,7 @@ struct ReplayOptions {
   std::optional<double> lag_s;               ///< first-order lag of each sensor
   std::optional<double> start_K;             ///< how sure the start temperature is, 1σ
   std::string health;                        ///< on, off; empty: on
+  std::string calibration;                   ///< file that the estimator begins with; empty: none
 };
 
 /// The plan that the daemon would run, made by the same steps. Without a configuration: every sensor that the log has,

@@ -20,13 +20,22 @@ constexpr double touch_off_m = 1e-6;
 
 enum class HeatErrors { independent, common };  // "A", "B"
 
+/// Speed and load from the block before it on.
+struct DriveBlock {
+  double until_s = 0.0;
+  double speed_rpm = 0.0;
+  double load = 0.0;
+};
+
 /// What a run is like beside its hidden factors.
 struct Conditions {
   double run_s = bench::run_s;
-  double sample_s = bench::sample_s;  ///< between readings; the estimator's period as well
-  double lag_s = 0.0;                 ///< of the sensors, first order; the twin is told
-  bool standstill = false;            ///< the spindle stands through the third quarter of the run
-  double speed_exponent = 0.0;        ///< 1σ of what the heats' speed exponents are wrong by
+  double sample_s = bench::sample_s;   ///< between readings; the estimator's period as well
+  double lag_s = 0.0;                  ///< of the sensors, first order; the twin is told
+  bool standstill = false;             ///< the spindle stands through the third quarter of the run
+  double speed_exponent = 0.0;         ///< 1σ of what the heats' speed exponents are wrong by
+  std::vector<DriveBlock> drive = {};  ///< empty: drawn
+  Eigen::VectorXd theta = {};          ///< hidden parameters of a machine that is known already; empty: drawn
 };
 
 /// What one virtual spindle is and what its sensors say, sample by sample.
@@ -68,6 +77,8 @@ Score run_open_loop(const rom::Network& network, const Truth& truth);
 Score run_paper(const rom::Network& network, const Truth& truth, int sensors, bool correct_state);
 Score run_estimator(const rom::Network& network, const Truth& truth, int sensors, bool touch_off,
                     const correction::EstimatorOptions& options);
+/// The estimator without a reading: its priors alone, with their σ.
+Score run_blind(const rom::Network& network, const Truth& truth, const correction::EstimatorOptions& options);
 /// rms of the nose's σ that the same filter would have if it had the true parameters and offsets from the start: the
 /// linearised Bayesian posterior of these sensors. [um]
 double bound_um(const rom::Network& network, const Truth& truth, int sensors, bool touch_off,

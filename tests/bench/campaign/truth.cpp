@@ -22,15 +22,9 @@ constexpr double inlet_memory_s = 1800.0;
 
 constexpr double block_step_s = 10.0;
 
-struct Block {
-  double until_s;
-  double speed_rpm;
-  double load;
-};
-
-std::vector<Block> draw_spectrum(std::mt19937_64& random, const Conditions& conditions) {
+std::vector<DriveBlock> draw_spectrum(std::mt19937_64& random, const Conditions& conditions) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  std::vector<Block> blocks;
+  std::vector<DriveBlock> blocks;
   for (double time_s = 0.0; time_s < conditions.run_s;) {
     const double until_s = time_s + block_step_s * std::round((180.0 + 540.0 * unit(random)) / block_step_s);
     const double speed_rpm = unit(random) < 0.1 ? 0.0 : 12000.0 * unit(random);
@@ -91,7 +85,9 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
   }
   Eigen::VectorXd offsets_K(key_points);
   for (double& offset_K : offsets_K) offset_K = tare_K * normal(random);
-  const std::vector<Block> blocks = draw_spectrum(random, conditions);
+  if (conditions.theta.size() > 0) truth.theta = conditions.theta;
+  std::vector<DriveBlock> blocks = draw_spectrum(random, conditions);
+  if (!conditions.drive.empty()) blocks = conditions.drive;
   const rom::Boundaries& boundaries = model.boundaries;
   const auto environments = static_cast<Eigen::Index>(boundaries.environments.size());
   Eigen::VectorXd inlet_K(environments), phase(environments);

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "correction/paper/paper_correction.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
@@ -168,6 +169,21 @@ Score run_estimator(const rom::Network& network, const Truth& truth, int sensors
   Score score = judge.score();
   score.rejected = rejected;
   return score;
+}
+
+Score run_blind(const rom::Network& network, const Truth& truth, const correction::EstimatorOptions& options) {
+  correction::EstimatorCorrection estimator(network, with_sensors(network, options, 1, truth.conditions));
+  Judge judge(network, 1);
+  follow(
+      network, truth, estimator, false,
+      [](Eigen::Index, const Twin&) {
+        return Eigen::VectorXd::Constant(1, std::numeric_limits<double>::quiet_NaN()).eval();
+      },
+      [](Eigen::Index, const Twin&) { return 0.0; },
+      [&](Eigen::Index k, const Twin& twin) {
+        judge.note(truth, k, twin.outputs, rom::um_per_m * estimator.deviations().deformations_m[0]);
+      });
+  return judge.score();
 }
 
 double bound_um(const rom::Network& network, const Truth& truth, int sensors, bool touch_off,

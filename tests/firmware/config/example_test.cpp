@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "correction/calibration/calibration.hpp"
 #include "firmware/config/config.hpp"
 
 namespace spindle_twin::firmware {
@@ -82,6 +83,7 @@ void expect_shown(const std::string& heading, const std::set<std::string>& besid
 TEST(Example, shows_every_option_of_a_correction_and_of_health_with_its_default_and_meaning) {
   expect_shown<correction::EstimatorOptions>("[correction]", {"law", "enabled"});
   expect_shown<correction::EstimatorPriors>("[correction.prior]  ");
+  expect_shown<correction::DriftOptions>("[correction.drift]");
   expect_shown<correction::PaperOptions>("For law = \"none\" only");
   expect_shown<correction::PaperGuards>("[correction.guards]");
   expect_shown<correction::HealthLimits>("[health] ", {"enabled", "return_within_K"});

@@ -1,4 +1,4 @@
-#include "firmware/keep/packed_message.hpp"
+#include "rom/file/packed_message.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -7,23 +7,23 @@
 #include "rom/read/input_error.hpp"
 #include "rom/read/sha256.hpp"
 
-namespace spindle_twin::firmware {
+namespace spindle_twin::rom {
 namespace {
 
 std::string first_line(const std::string& kind, std::span<const std::uint8_t> payload) {
   const std::string_view bytes(reinterpret_cast<const char*>(payload.data()), payload.size());
-  return "spindle-twin " + kind + " " + rom::sha256_hex(bytes) + "\n";
+  return "spindle-twin " + kind + " " + sha256_hex(bytes) + "\n";
 }
 
 }  // namespace
 
-bool encode_text(pb_ostream_t* stream, const pb_field_t* field, void* const* arg) {
+bool pack_text(pb_ostream_t* stream, const pb_field_t* field, void* const* arg) {
   const auto& text = *static_cast<const std::string*>(*arg);
   return pb_encode_tag_for_field(stream, field) &&
          pb_encode_string(stream, reinterpret_cast<const pb_byte_t*>(text.data()), text.size());
 }
 
-bool encode_numbers(pb_ostream_t* stream, const pb_field_t* field, void* const* arg) {
+bool pack_numbers(pb_ostream_t* stream, const pb_field_t* field, void* const* arg) {
   const auto& numbers = *static_cast<const std::vector<double>*>(*arg);
   if (!pb_encode_tag(stream, PB_WT_STRING, field->tag) ||
       !pb_encode_varint(stream, std::uint64_t{numbers.size()} * sizeof(double))) {
@@ -35,13 +35,13 @@ bool encode_numbers(pb_ostream_t* stream, const pb_field_t* field, void* const* 
 
 // What the next two allocate is bounded by the bytes that are left, which nanopb has checked against the buffer.
 
-bool decode_text(pb_istream_t* stream, const pb_field_t*, void** arg) {
+bool unpack_text(pb_istream_t* stream, const pb_field_t*, void** arg) {
   auto& text = *static_cast<std::string*>(*arg);
   text.resize(stream->bytes_left);
   return pb_read(stream, reinterpret_cast<pb_byte_t*>(text.data()), text.size());
 }
 
-bool decode_numbers(pb_istream_t* stream, const pb_field_t*, void** arg) {
+bool unpack_numbers(pb_istream_t* stream, const pb_field_t*, void** arg) {
   auto& numbers = *static_cast<std::vector<double>*>(*arg);
   numbers.resize(stream->bytes_left / sizeof(double));
   return std::all_of(numbers.begin(), numbers.end(),
@@ -67,7 +67,7 @@ std::span<const std::uint8_t> unseal(const std::string& format, std::span<const 
   const std::span<const std::uint8_t> payload(begin, bytes.end());
   const std::string expected = first_line(format, payload);
   if (std::equal(bytes.begin(), begin, expected.begin(), expected.end())) return payload;
-  throw rom::InputError({file, 0}, "", "no " + format.substr(0, format.find(' ')) + " of this version, or damaged");
+  throw InputError({file, 0}, "", "no " + format.substr(0, format.find(' ')) + " of this version, or damaged");
 }
 
-}  // namespace spindle_twin::firmware
+}  // namespace spindle_twin::rom

@@ -9,15 +9,15 @@
 #include <type_traits>
 #include <vector>
 
-namespace spindle_twin::firmware {
+namespace spindle_twin::rom {
 
 enum class Way { encode, decode };
 
 // nanopb calls these back with the `arg` that attach() gives them.
-bool encode_text(pb_ostream_t* stream, const pb_field_t* field, void* const* arg);
-bool encode_numbers(pb_ostream_t* stream, const pb_field_t* field, void* const* arg);
-bool decode_text(pb_istream_t* stream, const pb_field_t* field, void** arg);
-bool decode_numbers(pb_istream_t* stream, const pb_field_t* field, void** arg);
+bool pack_text(pb_ostream_t* stream, const pb_field_t* field, void* const* arg);
+bool pack_numbers(pb_ostream_t* stream, const pb_field_t* field, void* const* arg);
+bool unpack_text(pb_istream_t* stream, const pb_field_t* field, void** arg);
+bool unpack_numbers(pb_istream_t* stream, const pb_field_t* field, void** arg);
 
 /// A field of a message that is `item`, a std::string or a std::vector<double>, which must outlive the message. nanopb
 /// has one pointer type for both directions.
@@ -27,9 +27,9 @@ pb_callback_t attach(const Item& item) {
   constexpr bool is_text = std::is_same_v<Item, std::string>;
   static_assert(is_text || std::is_same_v<Item, std::vector<double>>);
   if constexpr (way == Way::encode) {
-    callback.funcs.encode = is_text ? encode_text : encode_numbers;
+    callback.funcs.encode = is_text ? pack_text : pack_numbers;
   } else {
-    callback.funcs.decode = is_text ? decode_text : decode_numbers;
+    callback.funcs.decode = is_text ? unpack_text : unpack_numbers;
   }
   callback.arg = const_cast<Item*>(&item);
   return callback;
@@ -44,4 +44,4 @@ std::vector<std::uint8_t> seal(const std::string& format, const pb_msgdesc_t* fi
 std::span<const std::uint8_t> unseal(const std::string& format, std::span<const std::uint8_t> bytes,
                                      const std::string& file);
 
-}  // namespace spindle_twin::firmware
+}  // namespace spindle_twin::rom

@@ -1,0 +1,102 @@
+#include "correction/calibrate/calibrate.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace spindle_twin::correction {
+namespace {
+
+constexpr double seen_share = 0.75;  // of each test; the rest is held out
+constexpr double um_per_metre = 1e6;
+
+template <class... Values>
+std::string in_words(const char* format, Values... values) {
+  char text[240];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+std::vector<std::string> find_misfits(const CalibrationResult& result, const CalibrateOptions& options,
+                                      const CalibrateLimits& limits) {
+  std::vector<std::string> misfits;
+  if (result.fit.chi_square_per_reading > limits.chi_square) {
+    misfits.push_back(in_words("all readings together: chi-square %.2f per reading, at most %.2f",
+                               result.fit.chi_square_per_reading, limits.chi_square));
+  }
+  for (const ChannelFit& channel : result.held_out) {
+    const bool is_probe = channel.channel >= static_cast<int>(options.sensors.size());
+    const double scale = is_probe ? um_per_metre : 1.0;
+    const char* unit = is_probe ? "um" : "K";
+    if (is_probe && channel.rms > limits.held_out_m) {
+      misfits.push_back(in_words("%s, held out: %.2f um rms, at most %.2f um", channel.name.c_str(),
+                                 um_per_metre * channel.rms, um_per_metre * limits.held_out_m));
+    }
+    if (channel.rms > limits.times_expected * channel.expected_rms) {
+      misfits.push_back(in_words("%s, held out: %.3f %s rms where the fit allows for %.3f %s", channel.name.c_str(),
+                                 scale * channel.rms, unit, scale * channel.expected_rms, unit));
+    }
+  }
+  return misfits;
+}
+
+/// σ² of the first deformation output at the end of the longest test, of what is of the machine.
+double promised_m(const TestFit& fit, const TestUnknowns& unknowns, const std::vector<ThermalTest>& tests,
+                  const CalibratedPrior& prior) {
+  std::size_t longest = 0;
+  for (std::size_t test = 1; test < tests.size(); ++test) {
+    if (tests[test].length_s() > tests[longest].length_s()) longest = test;
+  }
+  const Eigen::VectorXd& output = fit.readings[longest].last_output;
+  if (output.size() == 0) return 0.0;
+  const Eigen::VectorXd row = unknowns.row(output, longest).head(prior.mean.size());
+  return std::sqrt(std::max(0.0, row.dot(prior.covariance * row)));
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions& options,
+                            const std::vector<ThermalTest>& tests, const CalibrateLimits& limits,
+                            const std::function<void(const char*, int)>& progress) {
+  const TestPredictor predictor(network, options);
+  const TestUnknowns unknowns(network, predictor.parameters(), options, tests.size());
+  const auto say = [&](const char* what) {
+    return [&progress, what](int count) {
+      if (progress) progress(what, count);
+    };
+  };
+  std::vector<ThermalTest> seen;
+  for (const ThermalTest& test : tests) seen.push_back(first_part(test, seen_share));
+  const TestFit first = fit_tests({network, predictor, options, seen}, nullptr, say("fit of the first three quarters"));
+  CalibrationResult result;
+  const FitTask task{network, predictor, options, tests};
+  result.held_out = channels_from(task, judge_tests(task, first.z, first.covariance), seen_share);
+  result.fit = fit_tests(task, &first.z, say("fit of all readings"));
+  result.fit.evaluations += first.evaluations;
+
+  Calibration& calibration = result.calibration;
+  const auto count = static_cast<Eigen::Index>(unknowns.machine().size());
+  calibration.spindle = network.spindle;
+  calibration.mean = result.fit.z.head(count);
+  calibration.root = Eigen::LLT<Eigen::MatrixXd>(result.fit.covariance.topLeftCorner(count, count)).matrixL();
+  calibration.prior_mean = unknowns.mean().head(count);
+  calibration.prior_deviation = Eigen::VectorXd(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Parameter& parameter =
+        predictor.parameters().list()[static_cast<std::size_t>(unknowns.machine()[static_cast<std::size_t>(i)])];
+    result.machine.push_back(parameter);
+    calibration.names.push_back(parameter.name);
+    calibration.prior_deviation[i] = parameter.deviation;
+  }
+  for (const ThermalTest& test : tests) {
+    calibration.tested_s += test.length_s();
+    calibration.logs.push_back(test.name);
+  }
+  result.misfits = find_misfits(result, options, limits);
+  calibration.accepted = result.misfits.empty();
+  calibration.promised_m = promised_m(result.fit, unknowns, tests, *prior_of(calibration, {}));
+  return result;
+}
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "correction/calibrate/fit.hpp"
+#include "correction/calibration/calibration.hpp"
+
+namespace spindle_twin::correction {
+
+/// What a calibration must keep to be written without a person's word.
+struct CalibrateLimits {
+  double held_out_m = 2e-6;     ///< rms of a probe in the part of a test that the fit has not seen
+  double chi_square = 1.15;     ///< per reading
+  double times_expected = 2.0;  ///< rms of any held-out channel, of what the fit itself allows for
+};
+
+struct CalibrationResult {
+  Calibration calibration;           ///< without file names, hash and time
+  TestFit fit;                       ///< of all readings
+  std::vector<ChannelFit> held_out;  ///< the last part, predicted by a fit of what is before it
+  std::vector<std::string> misfits;  ///< in words, each with channel and number; empty: it fits
+  std::vector<Parameter> machine;    ///< the calibrated parameters, as the priors have them
+};
+
+/// Steps: fit the first part of each test; predict the last part and compare; fit all; judge. Throws rom::InputError as
+/// fit_tests does. Not for the cycle. `progress`: what is being done, and how often the model has run.
+CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions& options,
+                            const std::vector<ThermalTest>& tests, const CalibrateLimits& limits,
+                            const std::function<void(const char*, int)>& progress = {});
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,68 @@
+#include "correction/calibrate/residual_covariance.hpp"
+
+#include <cmath>
+
+namespace spindle_twin::correction {
+namespace {
+
+double squared(double value) { return value * value; }
+
+/// Of one reading by itself.
+double own_variance(const TestReading& reading, const CalibrateOptions& options) {
+  if (reading.channel >= static_cast<int>(options.sensors.size())) {
+    return squared(options.probe_noise_m) / reading.samples;
+  }
+  const EstimatorSensor& sensor = options.sensors[static_cast<std::size_t>(reading.channel)];
+  return squared(sensor.noise_K) / reading.samples + squared(options.sensor_error_K) +
+         squared(options.sensor_error_share * reading.rise);
+}
+
+/// e^(−|Δt|/memory) of each pair of readings.
+Eigen::MatrixXd correlation(const std::vector<TestReading>& readings, double memory_s) {
+  const auto count = static_cast<Eigen::Index>(readings.size());
+  Eigen::MatrixXd of(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const double apart_s =
+          readings[static_cast<std::size_t>(i)].time_s - readings[static_cast<std::size_t>(k)].time_s;
+      of(i, k) = std::exp(-std::abs(apart_s) / memory_s);
+    }
+  }
+  return of;
+}
+
+}  // namespace
+
+Eigen::MatrixXd residual_covariance(const TestPrediction& prediction, const ParameterModel& parameters,
+                                    const CalibrateOptions& options) {
+  const auto count = static_cast<Eigen::Index>(prediction.readings.size());
+  Eigen::MatrixXd joints = Eigen::MatrixXd::Zero(count, count), inlets = joints, drift = joints;
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
+    const auto column = prediction.sensitivities.col(i);
+    if (parameter.kind == ParameterKind::contact) {
+      joints.noalias() += squared(options.joint_wander) * column * column.transpose();
+    } else if (parameter.kind == ParameterKind::environment) {
+      inlets.noalias() += squared(parameter.deviation) * column * column.transpose();
+    }
+  }
+  const int sensors = static_cast<int>(options.sensors.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const int channel = prediction.readings[static_cast<std::size_t>(i)].channel;
+    if (channel < sensors) continue;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      if (prediction.readings[static_cast<std::size_t>(k)].channel == channel) {
+        drift(i, k) = squared(options.probe_drift_m);
+      }
+    }
+  }
+  Eigen::MatrixXd covariance =
+      (joints + drift).cwiseProduct(correlation(prediction.readings, options.memory_s)) +
+      inlets.cwiseProduct(correlation(prediction.readings, options.priors.environment_memory_s));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    covariance(i, i) += own_variance(prediction.readings[static_cast<std::size_t>(i)], options);
+  }
+  return covariance;
+}
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "correction/estimator/measurement.hpp"
+#include "correction/estimator/parameters.hpp"
+#include "rom/network.hpp"
+
+namespace spindle_twin::correction {
+
+/// One recorded run of a machine, at instants that rise strictly; NaN: no new reading.
+struct ThermalTest {
+  std::string name;  ///< for messages and the calibration's file
+  std::vector<double> time_s;
+  std::vector<rom::OperatingState> operating;  ///< as read, from each instant to the next
+  Eigen::MatrixXd measured_K;                  ///< instants x sensors of CalibrateOptions
+  Eigen::MatrixXd deformation_m;               ///< instants x deformation outputs; zero of each unknown
+  double start_K = 0.0;                        ///< the whole spindle at the first instant, as far as known
+
+  double length_s() const { return time_s.back() - time_s.front(); }
+};
+
+/// What is assumed of readings, model and machine. Deviations are 1σ.
+struct CalibrateOptions {
+  EstimatorPriors priors;                ///< of an unknown machine
+  std::vector<EstimatorSensor> sensors;  ///< permanent and temporary ones
+  double lag_deviation_s = 14.0;
+  double interval_s = 60.0;          ///< between the readings of a channel that count
+  double held_s = 10.0;              ///< over which readings are averaged and inputs held
+  double probe_noise_m = 1e-6;       ///< of one reading
+  double probe_drift_m = 0.5e-6;     ///< slow, over memory_s
+  double sensor_error_K = 0.05;      ///< of the model at a sensor
+  double sensor_error_share = 0.01;  ///< of the rise besides
+  double joint_wander = 0.12;        ///< ln of each contact about its mean, over memory_s
+  double memory_s = 3600.0;
+  double tolerance_K = 1e-5;  ///< of CVODE
+};
+
+}  // namespace spindle_twin::correction

@@ -1,0 +1,114 @@
+#include "host_tools/calibrate/read_thermal_test.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "rom/read/input_error.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t least_rows = 3;
+
+/// Puts what a row says over what was before.
+void take_signals(const rom::Network& network, const Log& log, const LogRow& row, rom::OperatingState& operating) {
+  const auto is_said = [&](std::size_t signal) { return log.has_signal[signal] && std::isfinite(row.signals[signal]); };
+  const auto at = [](firmware::Signal signal) { return static_cast<std::size_t>(signal); };
+  if (is_said(at(firmware::Signal::speed))) operating.speed_rpm = row.signals[at(firmware::Signal::speed)];
+  if (is_said(at(firmware::Signal::load))) operating.load = row.signals[at(firmware::Signal::load)];
+  if (is_said(at(firmware::Signal::current))) operating.current_A = row.signals[at(firmware::Signal::current)];
+  if (is_said(at(firmware::Signal::power))) operating.power_W = row.signals[at(firmware::Signal::power)];
+  const auto& environments = network.boundaries.environments;
+  for (std::size_t e = 0; e < environments.size(); ++e) {
+    const std::size_t signal = at(environments[e].kind == rom::EnvironmentKind::coolant ? firmware::Signal::coolant
+                                                                                        : firmware::Signal::ambient);
+    if (is_said(signal)) operating.environment_K[static_cast<Eigen::Index>(e)] = row.signals[signal];
+  }
+  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
+    const std::size_t signal = firmware::first_flow_signal + static_cast<std::size_t>(c);
+    if (is_said(signal)) operating.flow_kg_per_s[c] = row.signals[signal];
+  }
+  for (Eigen::Index h = 0; h < operating.heat_W.size(); ++h) {
+    const std::size_t signal = firmware::first_heat_signal + static_cast<std::size_t>(h);
+    if (is_said(signal)) operating.heat_W[h] = row.signals[signal];
+  }
+}
+
+bool is_new(const Log& log, double age_s) {
+  constexpr double of_a_cycle = 1.001;
+  return !log.cycle_s || std::isnan(age_s) || age_s < of_a_cycle * *log.cycle_s;
+}
+
+/// The lengths of a log, rows x deformation outputs.
+Eigen::MatrixXd lengths_of(const rom::Network& network, const Log& log) {
+  const auto rows = static_cast<Eigen::Index>(log.rows.size());
+  const auto outputs = static_cast<Eigen::Index>(network.deformations.size());
+  Eigen::MatrixXd lengths = Eigen::MatrixXd::Constant(rows, outputs, unknown);
+  for (Eigen::Index d = 0; d < outputs; ++d) {
+    const auto output = static_cast<std::size_t>(d);
+    bool probed = false;
+    for (Eigen::Index r = 0; r < rows; ++r) {
+      const LogRow& row = log.rows[static_cast<std::size_t>(r)];
+      if (log.has_deformation[output]) {
+        lengths(r, d) = row.deformation_m[output];
+      } else if (log.cycle_s && std::isfinite(row.probe_m[output]) && is_new(log, row.probe_age_s[output])) {
+        lengths(r, d) = row.probe_m[output];
+      }
+      probed = probed || std::isfinite(lengths(r, d));
+    }
+    for (Eigen::Index r = 1; r < rows && !probed && log.cycle_s; ++r) {
+      const LogRow& row = log.rows[static_cast<std::size_t>(r)];
+      const bool touched = row.length_orders > log.rows[static_cast<std::size_t>(r - 1)].length_orders;
+      if (touched && row.length.output == output) lengths(r, d) = row.length.value_m;
+    }
+  }
+  return lengths;
+}
+
+double first_mean_K(const rom::Network& network, const Log& log) {
+  double sum_K = 0.0;
+  int count = 0;
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    const auto first = std::find_if(log.rows.begin(), log.rows.end(),
+                                    [&](const LogRow& row) { return std::isfinite(row.measured_K[k]); });
+    if (!log.has_sensor[k] || first == log.rows.end()) continue;
+    sum_K += first->measured_K[k];
+    ++count;
+  }
+  if (count == 0) {
+    throw rom::InputError({log.file, 1}, "measured.<key point>_degC",
+                          "a calibration needs readings of at least one key point");
+  }
+  return sum_K / count;
+}
+
+}  // namespace
+
+correction::ThermalTest read_thermal_test(const rom::Network& network, const Log& log,
+                                          std::optional<double> start_degC) {
+  if (log.rows.size() < least_rows) throw rom::InputError({log.file, 0}, "", "must have at least 3 rows");
+  correction::ThermalTest test;
+  test.name = log.file;
+  const auto rows = static_cast<Eigen::Index>(log.rows.size());
+  const auto sensors = static_cast<Eigen::Index>(network.key_points.size());
+  test.measured_K = Eigen::MatrixXd::Constant(rows, sensors, unknown);
+  rom::OperatingState operating = network.boundaries.operating;
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    const LogRow& row = log.rows[static_cast<std::size_t>(r)];
+    take_signals(network, log, row, operating);
+    test.time_s.push_back(row.time_s);
+    test.operating.push_back(operating);
+    for (Eigen::Index k = 0; k < sensors; ++k) {
+      const auto sensor = static_cast<std::size_t>(k);
+      if (log.has_sensor[sensor] && is_new(log, row.age_s[sensor])) test.measured_K(r, k) = row.measured_K[sensor];
+    }
+  }
+  test.deformation_m = lengths_of(network, log);
+  const double mean_K = first_mean_K(network, log);
+  test.start_K = start_degC ? *start_degC + firmware::zero_degC_K : mean_K;
+  return test;
+}
+
+}  // namespace spindle_twin::host_tools

@@ -1,0 +1,221 @@
+#include "correction/calibrate/calibrate.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/config/config.hpp"
+#include "host_tools/calibrate/read_thermal_test.hpp"
+#include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/finite_range.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
+#include "rom/units.hpp"
+
+// spindle-twin calibrate reference.rom warm_up.csv -o machine7.calibration
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr int does_not_fit = 3;
+
+struct CalibrateCommand {
+  std::string network;
+  std::vector<std::string> logs;
+  std::string config;
+  std::string output;
+  std::optional<double> start_degC;
+  double longest_gap_s = 60.0;
+  double probe_noise_um = 1.0;
+  double held_out_um = 2.0;
+  bool accept = false;
+  bool json = false;
+};
+
+/// What the options' defaults leave open for a machine that was never tested: laws of speed and temperature too.
+correction::EstimatorPriors open_priors(correction::EstimatorPriors priors) {
+  priors.disturbance = 0.0;
+  priors.speed_exponent = std::max(priors.speed_exponent, 0.2);
+  priors.bearing_per_K = std::max(priors.bearing_per_K, 0.01);
+  priors.calibrated = nullptr;
+  return priors;
+}
+
+correction::CalibrateOptions options_of(const CalibrateCommand& command, const rom::Network& network) {
+  correction::CalibrateOptions options;
+  correction::EstimatorOptions estimator;
+  if (!command.config.empty()) {
+    const firmware::Config config = firmware::read_config(command.config);
+    if (!config.cycle.estimator) {
+      throw rom::InputError({command.config, 0}, "correction.law",
+                            "must be \"estimator\": a calibration is of its parameters");
+    }
+    estimator = *config.cycle.estimator;
+    options.sensors = correction::key_point_sensors(network, estimator);
+    const firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;
+    for (std::size_t k = 0; k < options.sensors.size(); ++k) {
+      const firmware::SensorPlan& sensor = plan.sensors[k];
+      if (!sensor.configured) continue;
+      options.sensors[k].noise_K = sensor.noise_K;
+      options.sensors[k].offset_deviation_K = sensor.offset_deviation_K;
+      options.sensors[k].lag_s = sensor.lag_s;
+    }
+  } else {
+    options.sensors = correction::key_point_sensors(network, estimator);
+  }
+  options.priors = open_priors(estimator.priors);
+  options.lag_deviation_s = estimator.lag_deviation_s > 0.0 ? estimator.lag_deviation_s : 1e-3;
+  options.probe_noise_m = command.probe_noise_um * rom::m_per_um;
+  return options;
+}
+
+bool is_probe(const correction::CalibrateOptions& options, const correction::ChannelFit& channel) {
+  return channel.channel >= static_cast<int>(options.sensors.size());
+}
+
+nlohmann::ordered_json channels_json(const correction::CalibrateOptions& options,
+                                     const std::vector<correction::ChannelFit>& channels) {
+  auto list = nlohmann::ordered_json::array();
+  for (const correction::ChannelFit& channel : channels) {
+    const bool probe = is_probe(options, channel);
+    const double scale = probe ? rom::um_per_m : 1.0;
+    const std::string unit = probe ? "_um" : "_K";
+    list.push_back({{"name", channel.name},
+                    {"log", channel.test + 1},
+                    {"readings", channel.readings},
+                    {"rms" + unit, scale * channel.rms},
+                    {"expected_rms" + unit, scale * channel.expected_rms},
+                    {"autocorrelation", channel.lag_1},
+                    {"outliers", channel.outliers}});
+  }
+  return list;
+}
+
+void print_json(const correction::CalibrateOptions& options, const correction::CalibrationResult& result) {
+  const correction::Calibration& calibration = result.calibration;
+  nlohmann::ordered_json json{{"spindle", calibration.spindle},
+                              {"logs", calibration.logs},
+                              {"tested_s", calibration.tested_s},
+                              {"evaluations", result.fit.evaluations},
+                              {"chi_square_per_reading", result.fit.chi_square_per_reading},
+                              {"promised_um", rom::um_per_m * calibration.promised_m},
+                              {"fits", result.misfits.empty()},
+                              {"misfits", result.misfits}};
+  for (std::size_t i = 0; i < calibration.names.size(); ++i) {
+    const auto slot = static_cast<Eigen::Index>(i);
+    const double deviation = calibration.root.row(slot).norm();
+    json["parameters"].push_back({{"name", calibration.names[i]},
+                                  {"prior", calibration.prior_mean[slot]},
+                                  {"prior_deviation", calibration.prior_deviation[slot]},
+                                  {"value", calibration.mean[slot]},
+                                  {"deviation", deviation},
+                                  {"determined", deviation <= 0.9 * calibration.prior_deviation[slot]}});
+  }
+  json["channels"] = channels_json(options, result.fit.channels);
+  json["held_out"] = channels_json(options, result.held_out);
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+void print_channels(const char* title, const correction::CalibrateOptions& options,
+                    const std::vector<correction::ChannelFit>& channels) {
+  std::printf("\n%-44s %8s %10s %10s %9s %9s\n", title, "readings", "rms", "expected", "lag 1", "outliers");
+  for (const correction::ChannelFit& channel : channels) {
+    const bool probe = is_probe(options, channel);
+    const double scale = probe ? rom::um_per_m : 1.0;
+    const std::string name = fmt::format("{}, log {} [{}]", channel.name, channel.test + 1, probe ? "um" : "K");
+    std::printf("%-44s %8zu %10.3f %10.3f %9.2f %9zu\n", name.c_str(), channel.readings, scale * channel.rms,
+                scale * channel.expected_rms, channel.lag_1, channel.outliers);
+  }
+}
+
+void print_table(const correction::CalibrateOptions& options, const correction::CalibrationResult& result) {
+  const correction::Calibration& calibration = result.calibration;
+  std::printf("%s, %.2f h of test\n\n%-44s %8s %9s %8s %9s\n", calibration.spindle.c_str(),
+              calibration.tested_s / rom::seconds_per_hour, "parameter, ln of a factor where no unit stands", "before",
+              "+-", "after", "+-");
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < calibration.names.size(); ++i) {
+    const auto slot = static_cast<Eigen::Index>(i);
+    const double deviation = calibration.root.row(slot).norm();
+    const bool determined = deviation <= 0.9 * calibration.prior_deviation[slot];
+    open += determined ? 0 : 1;
+    std::printf("%-46s %8.3f %9.3f %8.3f %9.3f%s\n", calibration.names[i].c_str(), calibration.prior_mean[slot],
+                calibration.prior_deviation[slot], calibration.mean[slot], deviation,
+                determined ? "" : "  not determined");
+  }
+  std::printf("\n%zu of %zu parameters are not determined by this test.\n", open, calibration.names.size());
+  print_channels("what the fit leaves of", options, result.fit.channels);
+  print_channels("last quarter, predicted from the rest", options, result.held_out);
+  std::printf("\nchi-square per reading %.2f (1: model and readings are as good as assumed)\n",
+              result.fit.chi_square_per_reading);
+  std::printf("promised after this drive: nose within %.2f um (1 sigma), drift since the test included\n",
+              rom::um_per_m * calibration.promised_m);
+  std::printf("%s\n", result.misfits.empty() ? "It fits." : "It does not fit:");
+  for (const std::string& misfit : result.misfits) std::printf("  %s\n", misfit.c_str());
+}
+
+void run_calibrate(const CalibrateCommand& command) {
+  if (!command.output.empty()) rom::check_writable(command.output, "--output");
+  const rom::RomFile file = rom::read_rom_file(command.network);
+  std::vector<correction::ThermalTest> tests;
+  for (const std::string& log : command.logs) {
+    tests.push_back(
+        read_thermal_test(file.network, read_log(log, file.network, command.longest_gap_s), command.start_degC));
+  }
+  const correction::CalibrateOptions options = options_of(command, file.network);
+  correction::CalibrateLimits limits;
+  limits.held_out_m = command.held_out_um * rom::m_per_um;
+  const bool shows = isatty(STDERR_FILENO) == 1;
+  correction::CalibrationResult result =
+      correction::calibrate(file.network, options, tests, limits, [&](const char* what, int count) {
+        if (shows) std::fprintf(stderr, "\r%s: the model has run %d times ", what, count);
+      });
+  if (shows) std::fprintf(stderr, "\r%60s\r", "");
+  result.calibration.network_sha256 = file.sha256;
+  result.calibration.made_unix_s = static_cast<double>(std::time(nullptr));
+  command.json ? print_json(options, result) : print_table(options, result);
+  if (!result.misfits.empty() && !command.accept) {
+    std::fprintf(stderr, "spindle-twin calibrate: it does not fit, so nothing is written; --accept writes it\n");
+    throw CLI::RuntimeError(does_not_fit);
+  }
+  if (!command.output.empty()) correction::write_calibration(result.calibration, command.output);
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate", "Fit heats, contacts, films and laws of one machine to whole logs of a test, best with a probe");
+  const auto options = std::make_shared<CalibrateCommand>();
+  command->add_option("network", options->network, "network file, .rom")->required();
+  command
+      ->add_option("logs", options->logs,
+                   "CSV or history of the daemon, one a test: sensors and measured.<deformation>_um of a probe")
+      ->required();
+  command->add_option("--config", options->config, "the daemon's configuration: its priors, noise, offsets and lags");
+  command->add_option("--start-degC", options->start_degC, "of the whole spindle; else the mean of the first readings")
+      ->check(finite_range(-50.0, 300.0, "-50 to 300 degC"));
+  command->add_option("--longest-gap-s", options->longest_gap_s, "between two rows of a log")
+      ->capture_default_str()
+      ->check(finite_range(0.01, 1e6, "0.01 to 1e6 s"));
+  command->add_option("--probe-noise-um", options->probe_noise_um, "of one reading of a probe or touch-off")
+      ->capture_default_str()
+      ->check(finite_range(0.01, 100.0, "0.01 to 100 um"));
+  command->add_option("--held-out-um", options->held_out_um, "most rms of a probe in the last quarter, predicted")
+      ->capture_default_str()
+      ->check(finite_range(0.01, 1000.0, "0.01 to 1000 um"));
+  command->add_flag("--accept", options->accept, "write it although it does not fit");
+  command->add_option("-o,--output", options->output, "calibration to write, for [correction] calibration");
+  command->add_flag("--json", options->json, "as JSON");
+  command->callback([options] { run_calibrate(*options); });
+}
+
+}  // namespace spindle_twin::host_tools

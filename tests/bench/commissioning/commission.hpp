@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "correction/calibrate/calibrate.hpp"
+#include "fem_offline/model/affine_model.hpp"
+#include "rom/network.hpp"
+#include "tests/bench/campaign/campaign.hpp"
+
+/// Virtual spindles that get a thermal test with a displacement probe, and are followed on other days.
+namespace spindle_twin::bench {
+
+/// How much a machine has changed between test and service, 1σ of ln factors.
+struct Drifted {
+  const char* name;
+  double heat, contact, film;
+};
+inline constexpr std::array<Drifted, 2> drifts{{{"5/10/5 %", 0.05, 0.10, 0.05}, {"15/30/15 %", 0.15, 0.30, 0.15}}};
+inline constexpr std::array<int, 2> permanent_sensors{3, 6};
+
+/// One day of service of one machine with one set of sensors.
+struct Service {
+  double uncorrected_um = 0.0;  ///< neither test nor sensors
+  double span_um = 0.0;
+  std::array<Score, permanent_sensors.size()> without_test{}, with_test{}, blind{};
+  std::array<double, permanent_sensors.size()> bound_um{};  ///< of the filter with the calibration, linear
+};
+
+/// A machine: its tests' fits, and a day with each drift.
+struct Commissioned {
+  std::uint64_t seed = 0;
+  HeatErrors heats = HeatErrors::independent;
+  std::array<int, permanent_sensors.size()> evaluations{};
+  std::array<double, permanent_sensors.size()> fit_s{};        ///< wall clock
+  std::array<double, permanent_sensors.size()> probe_um{};     ///< rms of what the fit leaves of the probe
+  std::array<double, permanent_sensors.size()> hold_out_um{};  ///< rms of the probe in the last quarter, predicted
+  std::array<double, permanent_sensors.size()> chi_square{};
+  std::array<bool, permanent_sensors.size()> refused{};  ///< by the limits of calibrate
+  std::array<Service, drifts.size()> days;
+};
+
+struct TestPlan {
+  double test_s = 7200.0;
+  double service_s = 14400.0;
+  bool touch_offs = false;  ///< each half hour instead of a probe
+};
+
+Commissioned commission(const rom::Network& network, const fem_offline::AffineModel& truth_model, std::uint64_t seed,
+                        HeatErrors heats, const TestPlan& plan);
+
+}  // namespace spindle_twin::bench

@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include "correction/calibration/calibration.hpp"
+#include "rom/read/input_error.hpp"
+#include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace spindle_twin::correction::test {
+namespace calibration_file_test {
+
+Calibration some_calibration(const rom::Network& network) {
+  const ParameterModel parameters(network, {});
+  Calibration calibration;
+  calibration.spindle = network.spindle;
+  calibration.network_sha256 = std::string(64, 'a');
+  calibration.made_unix_s = 1.7e9;
+  calibration.tested_s = 7200.0;
+  calibration.logs = {"monday.csv", "tuesday, cold.csv"};
+  constexpr Eigen::Index count = 3;
+  calibration.mean = Eigen::VectorXd::LinSpaced(count, -0.3, 0.4);
+  calibration.prior_mean = Eigen::VectorXd::Constant(count, 0.1);
+  calibration.prior_deviation = Eigen::VectorXd::Constant(count, 0.5);
+  calibration.root = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    calibration.names.push_back(parameters.list()[static_cast<std::size_t>(i)].name);
+    for (Eigen::Index k = 0; k <= i; ++k) calibration.root(i, k) = 0.1 + 0.01 * static_cast<double>(i + 2 * k);
+  }
+  calibration.promised_m = 0.9e-6;
+  return calibration;
+}
+
+std::string refusal(const std::function<void()>& what) {
+  try {
+    what();
+    return "taken";
+  } catch (const rom::InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(CalibrationFile, comes_back_as_it_was) {
+  const tests::TemporaryFolder folder;
+  const Calibration written = some_calibration(plates());
+  write_calibration(written, folder.file("a.calibration"));
+  const Calibration read = read_calibration(folder.file("a.calibration"));
+  EXPECT_EQ(read.spindle, written.spindle);
+  EXPECT_EQ(read.network_sha256, written.network_sha256);
+  EXPECT_EQ(read.logs, written.logs);
+  EXPECT_EQ(read.names, written.names);
+  EXPECT_EQ(read.mean, written.mean);
+  EXPECT_EQ(read.root, written.root);
+  EXPECT_EQ(read.prior_deviation, written.prior_deviation);
+  EXPECT_EQ(read.made_unix_s, written.made_unix_s);
+  EXPECT_EQ(read.tested_s, written.tested_s);
+  EXPECT_EQ(read.promised_m, written.promised_m);
+  EXPECT_TRUE(read.accepted);
+}
+
+TEST(CalibrationFile, no_damaged_bit_and_no_cut_file_is_taken) {
+  const std::vector<std::uint8_t> bytes = encode_calibration(some_calibration(plates()));
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 3) {
+    std::vector<std::uint8_t> damaged = bytes;
+    damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    EXPECT_NE(refusal([&] { decode_calibration(damaged, "x"); }), "taken") << "bit " << bit;
+  }
+  for (std::size_t size = 0; size < bytes.size(); size += 7) {
+    const std::vector<std::uint8_t> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(refusal([&] { decode_calibration(cut, "x"); }), "x: no calibration of this version, or damaged");
+  }
+}
+
+TEST(CalibrationFile, numbers_that_are_none_are_refused) {
+  Calibration calibration = some_calibration(plates());
+  calibration.mean[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(refusal([&] { decode_calibration(encode_calibration(calibration), "x"); }), "x: malformed");
+  calibration = some_calibration(plates());
+  calibration.root(1, 1) = 0.0;
+  EXPECT_EQ(refusal([&] { decode_calibration(encode_calibration(calibration), "x"); }),
+            "x: root: its diagonal must be above 0");
+}
+
+TEST(CalibrationFile, of_another_spindle_or_of_parameters_it_does_not_have_is_refused_by_name) {
+  const rom::Network network = plates();
+  Calibration calibration = some_calibration(network);
+  check_fits(calibration, network, {}, "x");
+  calibration.spindle = "other";
+  EXPECT_EQ(refusal([&] { check_fits(calibration, network, {}, "x"); }),
+            "x: spindle: \"other\" was calibrated, and the network is of \"" + network.spindle + "\"");
+  calibration = some_calibration(network);
+  calibration.names[2] = "heat sauna";
+  EXPECT_NE(refusal([&] { check_fits(calibration, network, {}, "x"); }).find("\"heat sauna\""), std::string::npos);
+  EstimatorPriors without_heats;
+  without_heats.heat = 0.0;
+  EXPECT_NE(refusal([&] { check_fits(some_calibration(network), network, without_heats, "x"); }), "taken");
+}
+
+TEST(CalibratedPrior, takes_the_place_of_the_priors_with_drift_on_the_diagonal_and_leaves_the_others) {
+  const rom::Network network = plates();
+  const Calibration calibration = some_calibration(network);
+  const DriftOptions drift{0.05, 0.10, 0.07};
+  EstimatorPriors priors;
+  const ParameterModel before(network, priors);
+  priors.calibrated = prior_of(calibration, drift);
+  const ParameterModel after(network, priors);
+  ASSERT_EQ(after.count(), before.count());
+  const Eigen::MatrixXd posterior = calibration.root * calibration.root.transpose();
+  for (Eigen::Index i = 0; i < after.count(); ++i) {
+    for (Eigen::Index k = 0; k < after.count(); ++k) {
+      const bool calibrated = i < 3 && k < 3;
+      double expected = calibrated ? posterior(i, k) : i < 3 || k < 3 ? 0.0 : before.covariance()(i, k);
+      if (calibrated && i == k) {
+        const ParameterKind kind = after.list()[static_cast<std::size_t>(i)].kind;
+        const double drifted = kind == ParameterKind::heat      ? drift.heat
+                               : kind == ParameterKind::contact ? drift.contact
+                                                                : drift.film;
+        expected += drifted * drifted;
+      }
+      EXPECT_DOUBLE_EQ(after.covariance()(i, k), expected) << i << ", " << k;
+    }
+    EXPECT_DOUBLE_EQ(after.mean()[i], i < 3 ? calibration.mean[i] : before.mean()[i]);
+  }
+  EXPECT_NE(after.calibrated_from(), "");
+  priors.calibrated = prior_of(calibration, {0.05, 0.10, 0.08});
+  EXPECT_NE(ParameterModel(network, priors).calibrated_from(), after.calibrated_from());
+}
+
+}  // namespace calibration_file_test
+}  // namespace spindle_twin::correction::test

@@ -1,0 +1,142 @@
+"""A thermal test becomes a calibration, and the daemon starts from it.
+
+calibrate_test.py DAEMON MAKE_SMALL_NETWORK SPINDLE_TWIN [unittest options]
+"""
+import csv
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+
+from running_daemon import PROGRAMS, RunningDaemon, main
+
+SENSORS = ("sleeve_inner", "sleeve_middle", "sleeve_outer")
+
+
+class Calibrate(RunningDaemon):
+    def setUp(self):
+        super().setUp()
+        self.daemon.send_signal(signal.SIGTERM)
+        self.daemon.wait(20)
+        self.rom = self.folder / "small.rom"
+
+    def tool(self, *arguments):
+        return subprocess.run([PROGRAMS["tool"], *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+    def thermal_test(self, name, probe=lambda time_s, nose_um: nose_um + 40.0):
+        """Two hours of a machine whose heats are larger than its network says: it runs faster than it tells."""
+        real = self.folder / "schedule.csv"
+        real.write_text("time_s,speed_rpm,load,ambient_degC,coolant_degC\n0,7000,1,20,20\n2400,12000,1,20,20\n"
+                        "4800,3500,1,20,20\n7200,3500,1,20,20\n")
+        run = self.folder / "run.csv"
+        made = self.tool("simulate", self.rom, "--schedule", real, "-o", run)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        chance = random.Random(5)
+        lines = ["time_s,speed_rpm,load,ambient_degC,coolant_degC,"
+                 + ",".join(f"measured.{sensor}_degC" for sensor in SENSORS) + ",measured.nose_um"]
+        for row in csv.DictReader(run.read_text().splitlines()):
+            time_s = float(row["time_s"])
+            told_rpm = 6000 if time_s < 2400 else 10300 if time_s < 4800 else 3000
+            readings = [f"{float(row[sensor + '_degC']) + chance.gauss(0, 0.02):.4f}" for sensor in SENSORS]
+            nose_um = probe(time_s, float(row["nose_um"])) + chance.gauss(0, 1)
+            lines.append(f"{time_s},{told_rpm},1,20,20,{','.join(readings)},{nose_um:.3f}")
+        log = self.folder / name
+        log.write_text("\n".join(lines) + "\n")
+        return log
+
+    def calibrated(self):
+        file = self.folder / "machine.calibration"
+        made = self.tool("calibrate", self.rom, self.thermal_test("test.csv"), "-o", file, "--json")
+        self.assertEqual((made.returncode, made.stderr), (0, ""))
+        return file, json.loads(made.stdout)
+
+    def configure(self, text):
+        """`text`: of [correction], behind its header."""
+        config = self.config_text.format(port=self.port, device=self.device_port)
+        self.config.write_text(config.replace('law = "estimator"\n', 'law = "estimator"\n' + text))
+
+    def check(self):
+        return subprocess.run([PROGRAMS["daemon"], "--check", self.config], capture_output=True, text=True, timeout=60)
+
+    def test_a_machine_that_runs_hotter_than_its_network_is_found_and_promised(self):
+        file, said = self.calibrated()
+        self.assertTrue(file.stat().st_size > 300)
+        self.assertTrue(said["fits"])
+        found = {parameter["name"]: parameter for parameter in said["parameters"]}
+        self.assertGreater(found["heat bearing"]["value"], 0.1)  # ln of some (7000 / 6000)^1.3
+        self.assertLess(found["heat bearing"]["deviation"], 0.1)
+        self.assertFalse(found["film air"]["determined"])
+        self.assertLess(said["promised_um"], 2.0)
+        again = self.tool("calibrate", self.rom, self.folder / "test.csv", "--json")
+        self.assertEqual(json.loads(again.stdout), said)
+
+    def test_the_daemon_starts_from_it_and_says_of_when_it_is(self):
+        before = self.check()
+        self.assertEqual(before.returncode, 0, before.stderr)
+        file, said = self.calibrated()
+        self.configure(f'calibration = "{file.name}"\n[correction.drift]\nheat = 0.02\n')
+        after = self.check()
+        self.assertEqual(after.returncode, 0, after.stderr)
+        self.assertRegex(after.stdout, r"machine\.calibration: calibrated 20\d\d-\d\d-\d\d from 2\.0 h of test")
+        deviation_um = [float(result.stdout.split("standard deviation ")[1].split(" um")[0]) for result in (before, after)]
+        self.assertLess(deviation_um[1], 0.5 * deviation_um[0])
+        self.start_again()
+        self.assert_logged("machine.calibration: calibrated")
+        self.write_signals()
+        self.wait_for_state(1)
+        replayed = self.tool("replay", self.rom, self.folder / "test.csv", "--sensors", "sleeve_inner", "--json",
+                             "--calibration", file, "--start-degC", "20")
+        self.assertEqual(replayed.returncode, 0, replayed.stderr)
+        plain = self.tool("replay", self.rom, self.folder / "test.csv", "--sensors", "sleeve_inner", "--json",
+                          "--start-degC", "20")
+        rms_um = [json.loads(result.stdout)["deformations"][0]["sd_um"] for result in (replayed, plain)]
+        self.assertLess(rms_um[0], 0.5 * rms_um[1])
+
+    def test_a_probe_that_slips_is_named_and_nothing_is_written_without_a_persons_word(self):
+        log = self.thermal_test("slipped.csv", lambda time_s, nose_um: nose_um + (25.0 if time_s > 6000 else 0.0))
+        file = self.folder / "slipped.calibration"
+        refused = self.tool("calibrate", self.rom, log, "-o", file)
+        self.assertEqual(refused.returncode, 3)
+        self.assertRegex(refused.stdout, r"nose, held out: \d+\.\d\d um rms, at most 2\.00 um")
+        self.assertIn("nothing is written", refused.stderr)
+        self.assertFalse(file.exists())
+        self.assertEqual(self.tool("calibrate", self.rom, log, "-o", file, "--accept").returncode, 0)
+        self.configure(f'calibration = "{file.name}"\n')
+        self.assertIn("although it missed its limits", self.check().stdout)
+
+    def test_what_is_no_calibration_of_this_spindle_ends_in_one_line_that_names_it(self):
+        file, _ = self.calibrated()
+        damaged = self.folder / "damaged.calibration"
+        bytes_of = bytearray(file.read_bytes())
+        bytes_of[len(bytes_of) // 2] ^= 1
+        damaged.write_bytes(bytes_of)
+        for text, message in (
+                ('calibration = "damaged.calibration"\n', "no calibration of this version, or damaged"),
+                ('calibration = "nowhere.calibration"\n', "nowhere.calibration"),
+                ('[correction.drift]\nheat = 0.1\n', "drift: is of a calibration, and there is none"),
+                ('calibration = "machine.calibration"\n[correction.prior]\ncontact = 0\n',
+                 '"contact rotor_bearing"')):
+            self.configure(text)
+            result = self.check()
+            self.assertEqual(result.returncode, 1, text)
+            self.assertIn(message, result.stderr)
+            self.assertEqual(len(result.stderr.splitlines()), 1)
+
+    def test_bad_logs_end_in_one_line(self):
+        log = self.folder / "bad.csv"
+        for text, message in (("time_s,speed_rpm,load,ambient_degC\n0,0,0,20\n10,0,0,20\n20,0,0,20\n", "key point"),
+                              ("time_s,speed_rpm,load,measured.sauna_degC\n0,0,0,20\n", "measured.sauna_degC"),
+                              ("time_s,speed_rpm,load,measured.sleeve_inner_degC\n0,0,0,20\n", "3 rows")):
+            log.write_text(text)
+            result = self.tool("calibrate", self.rom, log, "-o", self.folder / "none.calibration")
+            self.assertEqual(result.returncode, 1, result.stdout)
+            self.assertIn(message, result.stderr)
+            self.assertEqual(len(result.stderr.splitlines()), 1)
+        self.assertFalse((self.folder / "none.calibration").exists())
+
+
+if __name__ == "__main__":
+    PROGRAMS["tool"] = os.path.abspath(sys.argv.pop(3))
+    main()
