@@ -35,6 +35,15 @@ std::string uri_of(const std::string& path, Database::Mode mode) {
 
 }  // namespace
 
+std::string quoted_name(const std::string& name) {
+  std::string out = "\"";
+  for (const char each : name) {
+    out += each;
+    if (each == '"') out += each;
+  }
+  return out + "\"";
+}
+
 bool DatabaseError::is_damage() const { return code_ == SQLITE_CORRUPT || code_ == SQLITE_NOTADB; }
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }

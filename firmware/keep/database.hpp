@@ -47,6 +47,9 @@ class Statement {
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
 };
 
+/// The name of a table or column as SQL takes it, whatever stands in it.
+std::string quoted_name(const std::string& name);
+
 /// An open SQLite file, for one thread. Closing it ends an open transaction without a trace.
 class Database {
  public:

@@ -22,16 +22,6 @@ constexpr int rows_in_a_transaction = 64;
 constexpr int removed_at_once = 256;
 constexpr double seconds_per_day = 86400.0;
 
-std::string quoted(const std::string& name) {
-  std::string out = "\"";
-  for (const char each : name) {
-    out += each;
-    if (each == '"') out += each;
-  }
-  out += '"';
-  return out;
-}
-
 std::vector<std::string> split(const std::string& header) {
   std::vector<std::string> names;
   std::istringstream stream(header);
@@ -55,7 +45,7 @@ void SqliteHistory::make_tables() {
   std::string sql =
       "BEGIN; CREATE TABLE run (id INTEGER PRIMARY KEY, began_unix_s REAL NOT NULL, spindle TEXT NOT NULL);"
       "CREATE TABLE cycle (id INTEGER PRIMARY KEY, run INTEGER NOT NULL, unix_s REAL NOT NULL";
-  for (const std::string& column : columns_) sql.append(", ").append(quoted(column)).append(" REAL");
+  for (const std::string& column : columns_) sql.append(", ").append(quoted_name(column)).append(" REAL");
   sql += "); CREATE INDEX cycle_by_time ON cycle (unix_s);";
   sql += fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}; COMMIT;", our_application_id, our_version);
   database_->run(sql);

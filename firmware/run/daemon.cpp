@@ -7,6 +7,7 @@
 #include <future>
 #include <utility>
 
+#include "firmware/run/history_page.hpp"
 #include "firmware/show/scene_json.hpp"
 #include "firmware/show/shown_names.hpp"
 #include "firmware/watch/log.hpp"
@@ -57,8 +58,9 @@ void Daemon::show() {
   std::vector<SpindleToShow> shown;
   for (const auto& spindle : spindles_) {
     const rom::Network& network = spindle->file.network;
+    auto history = history_page(spindle->config.history, network);
     shown.push_back({spindle->name, spindle->unit, names_of(network), stale_after_s(spindle->cycle_s()),
-                     scene_json(network, show_.notice)});
+                     scene_json(network, show_.notice, static_cast<bool>(history)), std::move(history)});
   }
   shown_.emplace(show_, std::move(shown), clock_);
   if (published_) shown_->show_plant(published_->counts());

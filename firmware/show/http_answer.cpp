@@ -111,8 +111,10 @@ class HttpAnswerer::Library final : public httplib::Server {
                          {"Content-Security-Policy", what_a_page_may}});
   }
 
-  HttpAnswer answer(const std::string& request) {
+  HttpAnswer answer(const std::string& request, std::optional<Page> made) {
     MemoryStream stream(request);
+    made_ = std::move(made);
+    work_ = {};
     bool closed = false;
     status_ = 0;
     is_stream_ = false;
@@ -122,6 +124,7 @@ class HttpAnswerer::Library final : public httplib::Server {
       parsed.headers.erase("Range");
       parsed.headers.erase("Accept-Encoding");
     });
+    if (work_) return {0, {}, false, std::move(work_)};
     return {status_, std::move(stream.written), is_stream_};
   }
 
@@ -138,9 +141,10 @@ class HttpAnswerer::Library final : public httplib::Server {
       response.status = wrong_host;
       return;
     }
-    const Page page = pages_(request.path);
+    const Page page = made_ ? *std::move(made_) : pages_(request.path);
+    work_ = page.work;
     response.status = status_ = page.status;
-    if (page.status == not_found) return;
+    if (page.status == not_found && page.body.empty()) return;
     if (!page.is_stream) {
       response.set_content(page.body, page.type);
       return;
@@ -152,6 +156,8 @@ class HttpAnswerer::Library final : public httplib::Server {
 
   std::function<Page(const std::string& path)> pages_;
   std::vector<std::string> names_;
+  std::optional<Page> made_;
+  SlowWork work_;
   int status_ = 0;
   bool is_stream_ = false;
 };
@@ -160,7 +166,9 @@ HttpAnswerer::HttpAnswerer(std::function<Page(const std::string& path)> pages, s
     : library_(std::make_unique<Library>(std::move(pages), std::move(names))) {}
 HttpAnswerer::~HttpAnswerer() = default;
 
-HttpAnswer HttpAnswerer::answer(const std::string& request) { return library_->answer(request); }
+HttpAnswer HttpAnswerer::answer(const std::string& request, std::optional<Page> made) {
+  return library_->answer(request, std::move(made));
+}
 
 HttpAnswer HttpAnswerer::too_long() {
   const std::string body = "{\"error\":\"the request is too long\"}\n";

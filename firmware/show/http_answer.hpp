@@ -1,11 +1,17 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace spindle_twin::firmware {
+
+struct Page;
+/// Makes a page in another thread; to end soon when `stop` is set. What it throws is answered by 500.
+using SlowWork = std::function<Page(const std::atomic<bool>& stop)>;
 
 /// What stands behind a path.
 struct Page {
@@ -13,12 +19,14 @@ struct Page {
   std::string type = "application/json";
   std::string body = {};
   bool is_stream = false;  ///< nothing but the head is sent now; events follow
+  SlowWork work = {};      ///< makes the page, of which nothing else is said here
 };
 
 struct HttpAnswer {
   int status = 0;
   std::string bytes = {};  ///< head and body
   bool is_stream = false;  ///< the connection stays open for events
+  SlowWork work = {};      ///< for the page without which there is no answer yet
 };
 
 /// Makes of one whole request (up to its empty line; a body is left alone) the bytes of the answer. No socket, no
@@ -35,7 +43,8 @@ class HttpAnswerer {
   HttpAnswerer(const HttpAnswerer&) = delete;
   HttpAnswerer& operator=(const HttpAnswerer&) = delete;
 
-  HttpAnswer answer(const std::string& request);
+  /// With the page that `work` of the same request made, if that was asked for.
+  HttpAnswer answer(const std::string& request, std::optional<Page> made = std::nullopt);
 
   /// 431, for a request whose end does not come within the room that there is.
   static HttpAnswer too_long();

@@ -24,11 +24,13 @@ namespace spindle_twin::firmware {
 namespace {
 
 constexpr std::int64_t ask_within_ns = 2 * ns_per_s;
+constexpr std::int64_t made_within_ns = 60 * ns_per_s;
 constexpr std::int64_t take_within_ns = 5 * ns_per_s;
 constexpr std::int64_t leave_within_ns = 1 * ns_per_s;
 constexpr std::int64_t viewer_takes_within_ns = 10 * ns_per_s;
-constexpr int send_buffer_bytes = 32768;  ///< what a client that reads nothing may hold of the system's memory
-constexpr int look_for_cycles_ms = 50;    ///< while somebody watches
+constexpr std::size_t before_connections = 3;  ///< in what is polled
+constexpr int send_buffer_bytes = 32768;       ///< what a client that reads nothing may hold of the system's memory
+constexpr int look_for_cycles_ms = 50;         ///< while somebody watches
 
 template <class Routes>
 std::string index_text(const Routes& routes) {
@@ -50,6 +52,9 @@ HttpServer::HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles
   if (wake_.get() < 0) throw std::bad_alloc();
   connections_.reserve(most_connections);
   for (SpindleToShow& spindle : spindles) spindles_.push_back(std::make_unique<ShownSpindle>(std::move(spindle)));
+  if (std::any_of(spindles_.begin(), spindles_.end(), [](const auto& each) { return each->has_history(); })) {
+    slow_.emplace();
+  }
 }
 
 int HttpServer::port() const { return port_of(listener_.get()); }
@@ -57,6 +62,7 @@ int HttpServer::port() const { return port_of(listener_.get()); }
 void HttpServer::stop() {
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+  if (slow_) slow_->stop();
 }
 
 std::size_t HttpServer::viewers() const {
@@ -74,12 +80,13 @@ int HttpServer::poll_timeout_ms() const {
   return static_cast<int>(std::max<std::int64_t>(0, (first_ns - clock_.now_ns()) / 1'000'000 + 1));
 }
 
-/// Fills `polled`: wake, listener, connections. False when it is time to stop.
+/// Fills `polled`: wake, listener, slow pages, connections. False when it is time to stop.
 bool HttpServer::wait(std::vector<pollfd>& polled) {
   polled.clear();
   polled.push_back({wake_.get(), POLLIN, 0});
   if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
   polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
+  polled.push_back({slow_ ? slow_->ready() : -1, POLLIN, 0});
   for (const Connection& connection : connections_) {
     int events = connection.stage == Stage::answering ? 0 : POLLIN;
     if (!connection.out.empty()) events |= POLLOUT;
@@ -98,21 +105,32 @@ bool HttpServer::wait(std::vector<pollfd>& polled) {
 
 void HttpServer::run() {
   std::vector<pollfd> polled;
-  polled.reserve(most_connections + 2);
+  polled.reserve(before_connections + most_connections);
   while (wait(polled)) {
     for (std::size_t c = 0; c < connections_.size(); ++c) {
-      if (polled[c + 2].revents != 0) look_at(connections_[c], polled[c + 2].revents);
+      const short events = polled[before_connections + c].revents;
+      if (events != 0) look_at(connections_[c], events);
     }
+    if (polled[2].revents != 0) answer_waiting();
     send_events();
     const std::int64_t now_ns = clock_.now_ns();
     for (Connection& connection : connections_) {
-      if (!connection.open || connection.deadline_ns == 0 || now_ns < connection.deadline_ns) continue;
-      connection.open = false;
-      if (connection.stage != Stage::leaving) ++counts_.dropped;
+      if (connection.open && connection.deadline_ns != 0 && now_ns >= connection.deadline_ns) end_late(connection);
+      if (!connection.open) forget(connection);
     }
     std::erase_if(connections_, [](const Connection& connection) { return !connection.open; });
     if (polled[1].revents != 0) accept_all();
   }
+}
+
+void HttpServer::end_late(Connection& connection) {
+  if (connection.stage == Stage::waiting) {
+    forget(connection);
+    answer(connection, Page{503, "application/json", error_json("this page could not be made in time")});
+    return;
+  }
+  connection.open = false;
+  if (connection.stage != Stage::leaving) ++counts_.dropped;
 }
 
 void HttpServer::accept_all() {
@@ -151,6 +169,7 @@ bool HttpServer::make_room() {
                                    [](const Connection& each) { return each.stage != Stage::watching; });
   if (oldest == connections_.end()) return false;
   if (oldest->stage != Stage::leaving) ++counts_.dropped;
+  forget(*oldest);
   connections_.erase(oldest);
   return true;
 }
@@ -186,10 +205,38 @@ void HttpServer::take(Connection& connection) {
     begin_answer(connection, HttpAnswerer::too_long());
   } else if (end != std::string::npos) {
     connection.in.resize(length);
-    HttpAnswer answer = answerer_.answer(connection.in);
-    if (answer.is_stream) connection.spindle = asked_for_;
-    begin_answer(connection, std::move(answer));
+    answer(connection);
   }
+}
+
+/// At once, or where the page takes its time when that is `made`.
+void HttpServer::answer(Connection& connection, std::optional<Page> made) {
+  HttpAnswer answer = answerer_.answer(connection.in, std::move(made));
+  if (answer.is_stream) connection.spindle = asked_for_;
+  if (!answer.work) return begin_answer(connection, std::move(answer));
+  if (const std::optional<std::uint64_t> number = slow_->ask(std::move(answer.work))) {
+    connection.number = *number;
+    connection.stage = Stage::waiting;
+    connection.deadline_ns = clock_.now_ns() + made_within_ns;
+  } else {
+    const std::string reason = fmt::format("{} such pages are asked for already", SlowPages::most_at_once);
+    begin_answer(connection, answerer_.answer(connection.in, Page{503, "application/json", error_json(reason)}));
+  }
+}
+
+void HttpServer::answer_waiting() {
+  for (SlowPages::Made& made : slow_->take()) {
+    for (Connection& connection : connections_) {
+      if (!connection.open || connection.stage != Stage::waiting || connection.number != made.number) continue;
+      answer(connection, std::move(made.page));
+      break;
+    }
+  }
+}
+
+/// Nobody waits for its page any more.
+void HttpServer::forget(const Connection& connection) {
+  if (connection.stage == Stage::waiting) slow_->forget(connection.number);
 }
 
 void HttpServer::begin_answer(Connection& connection, HttpAnswer answer) {
@@ -275,6 +322,8 @@ Page HttpServer::page(const std::string& path) {
 Page HttpServer::page_of(ShownSpindle& spindle, const std::string& what) {
   if (what == "state") return {200, "application/json", spindle.state() + "\n"};
   if (what == "scene") return {200, "application/json", spindle.scene() + "\n"};
+  const std::string history = "history/";
+  if (what.starts_with(history)) return spindle.history(what.substr(history.size()));
   if (what != "events") return {404};
   if (viewers() >= most_viewers) return {503, "application/json", error_json("there are 8 viewers already")};
   asked_for_ = &spindle;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "firmware/show/metrics.hpp"
 #include "firmware/show/show_plan.hpp"
 #include "firmware/show/shown_spindle.hpp"
+#include "firmware/show/slow_pages.hpp"
 #include "firmware/watch/clock.hpp"
 #include "firmware/watch/log_limit.hpp"
 
@@ -21,8 +23,9 @@ namespace spindle_twin::firmware {
 /// thread only leaves its snapshots. Every socket is non-blocking. A request has 2 s from its connection to its empty
 /// line and 8 KiB of room, an answer 5 s to be taken; the connection ends with it. Of 32 connections the oldest that is
 /// no viewer makes room for a new one. An event stream gets the newest cycle, at most one event a second, only when the
-/// one before was taken, and ends when that lasts 10 s; the ninth viewer gets 503. So memory is bounded, and nobody
-/// waits for a client.
+/// one before was taken, and ends when that lasts 10 s; the ninth viewer gets 503. A page that takes its time is made
+/// by another thread, 8 at once, while its connection waits, a minute at most: then, and without room, it is 503. So
+/// memory is bounded, and nobody waits for a client or a disk.
 class HttpServer {
  public:
   static constexpr std::size_t most_connections = 32;
@@ -44,12 +47,13 @@ class HttpServer {
   void stop();
 
  private:
-  enum class Stage { asking, answering, watching, leaving };
+  enum class Stage { asking, waiting, answering, watching, leaving };
   struct Connection {
     Descriptor socket;
     Stage stage = Stage::asking;
-    std::int64_t deadline_ns = 0;  ///< of the stage; of a viewer only while it owes us a read
-    std::string in;
+    std::int64_t deadline_ns = 0;           ///< of the stage; of a viewer only while it owes us a read
+    std::string in;                         ///< the request; of one that waits until its page is made
+    std::uint64_t number = 0;               ///< of that page
     std::string out;                        ///< not sent yet
     const ShownSpindle* spindle = nullptr;  ///< of a viewer
     std::uint64_t seen = 0;                 ///< by a viewer: the last cycle that it was sent
@@ -62,6 +66,10 @@ class HttpServer {
   bool make_room();
   void look_at(Connection& connection, short events);
   void take(Connection& connection);
+  void answer(Connection& connection, std::optional<Page> made = std::nullopt);
+  void answer_waiting();
+  void forget(const Connection& connection);
+  void end_late(Connection& connection);
   void begin_answer(Connection& connection, HttpAnswer answer);
   void flush(Connection& connection);
   void send_events();
@@ -80,6 +88,7 @@ class HttpServer {
   Descriptor listener_;
   Descriptor wake_;
   HttpAnswerer answerer_;
+  std::optional<SlowPages> slow_;  ///< where a spindle has such pages
   HttpCounts counts_;
   const PlantCounts* plant_ = nullptr;
   std::vector<Connection> connections_;  ///< oldest first

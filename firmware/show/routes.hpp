@@ -9,7 +9,7 @@ struct Route {
   const char* path;
   const char* doc;
 };
-inline constexpr std::array<Route, 9> routes{{
+inline constexpr std::array<Route, 10> routes{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the prediction may be used (state running or degraded), 503 while it may not"},
@@ -18,11 +18,15 @@ inline constexpr std::array<Route, 9> routes{{
     {"/api/v1/scene", "what does not change: outlines of the parts, key points, the notice"},
     {"/api/v1/state", "every register of the map as JSON, of one cycle"},
     {"/api/v1/events", "the same as server-sent events, at most one a second"},
-    {"/metrics", "the same for Prometheus, text format 0.0.4"},
+    {"/api/v1/history/{HOURS}", "the last 1, 8, 24 or 168 hours of a history in SQLite, thinned; else 404"},
+    {"/metrics", "the registers for Prometheus, text format 0.0.4"},
 }};
 
+/// What may stand in the place of {HOURS}.
+inline constexpr std::array<int, 4> history_hours{1, 8, 24, 168};
+
 /// Of a daemon with several spindles, whose names stand in the place of {NAME}.
-inline constexpr std::array<Route, 10> routes_of_several{{
+inline constexpr std::array<Route, 11> routes_of_several{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the predictions of all spindles may be used, 503 while one may not"},
@@ -32,6 +36,8 @@ inline constexpr std::array<Route, 10> routes_of_several{{
     {"/api/v1/spindles/{NAME}/scene", "what of it does not change: outlines of the parts, key points, the notice"},
     {"/api/v1/spindles/{NAME}/state", "every register of its map as JSON, of one cycle"},
     {"/api/v1/spindles/{NAME}/events", "the same as server-sent events, at most one a second"},
+    {"/api/v1/spindles/{NAME}/history/{HOURS}",
+     "its last 1, 8, 24 or 168 hours of a history in SQLite, thinned; else 404"},
     {"/metrics", "the registers of all spindles for Prometheus, text format 0.0.4, with the label spindle_name"},
 }};
 

@@ -33,9 +33,9 @@ std::string key_point(const rom::KeyPoint& point) {
 
 }  // namespace
 
-std::string scene_json(const rom::Network& network, const std::string& notice) {
-  return fmt::format("{{\"notice\":{},\"outlines\":[{}],\"key_points\":[{}]}}", json_text(notice),
-                     listed(network.outlines, outline), listed(network.key_points, key_point));
+std::string scene_json(const rom::Network& network, const std::string& notice, bool has_history) {
+  return fmt::format("{{\"notice\":{},\"has_history\":{},\"outlines\":[{}],\"key_points\":[{}]}}", json_text(notice),
+                     has_history, listed(network.outlines, outline), listed(network.key_points, key_point));
 }
 
 }  // namespace spindle_twin::firmware

@@ -3,9 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <string>
 
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/show/json_text.hpp"
+#include "firmware/show/routes.hpp"
 #include "firmware/show/state_json.hpp"
 
 namespace spindle_twin::firmware {
@@ -29,6 +31,19 @@ Page ShownSpindle::health(std::int64_t now_ns) const {
   if (!is_usable) return {503, "application/json", error_json(who + "no prediction that may be used")};
   if (age_s > spindle_.stale_after_s) return {503, "application/json", error_json(who + "the cycle does not run")};
   return {200, "application/json", "{\"ok\":true}\n"};
+}
+
+Page ShownSpindle::history(const std::string& hours) const {
+  if (!has_history()) {
+    return {404, "application/json", error_json("this spindle keeps no history in SQLite: history.path in its file")};
+  }
+  for (const int each : history_hours) {
+    if (hours != std::to_string(each)) continue;
+    Page page;
+    page.work = [history = spindle_.history, each](const std::atomic<bool>& stop) { return history(each, stop); };
+    return page;
+  }
+  return {400, "application/json", error_json(fmt::format("hours: allowed are {}", fmt::join(history_hours, ", ")))};
 }
 
 std::string ShownSpindle::state() const { return state_json(image_, spindle_.names); }

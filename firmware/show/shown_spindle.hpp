@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "firmware/cycle/hand_over.hpp"
@@ -19,6 +20,8 @@ struct SpindleToShow {
   ShownNames names;            ///< of its network
   double stale_after_s = 5.0;  ///< clock time; a cycle older than that is no longer healthy
   std::string scene = "{}";    ///< scene_json()
+  /// Makes the page of its last hours, as many as are asked for; empty: no history is kept that could be asked.
+  std::function<Page(int hours, const std::atomic<bool>& stop)> history = {};
 };
 
 /// A cycle is called dead that is three periods late, or five seconds where that is longer.
@@ -40,6 +43,10 @@ class ShownSpindle {
   /// All its registers on one line.
   std::string state() const;
   const std::string& scene() const { return spindle_.scene; }
+  /// The page of its last hours, to be made by another thread; `hours` as it stands in the path. 400 with what is
+  /// allowed, 404 where no history is kept that could be asked.
+  Page history(const std::string& hours) const;
+  bool has_history() const { return static_cast<bool>(spindle_.history); }
   /// {"name": ..., "unit": ..., "spindle": ..., "state": ...}
   std::string summary() const;
   ShownRegisters registers() const { return {image_, spindle_.names, spindle_.name}; }

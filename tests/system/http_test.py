@@ -184,10 +184,11 @@ class Protocol(Http):
         self.assertEqual(status, 200)
         routes = [line.split()[0] for line in body.splitlines() if line.startswith("/")]
         self.assertEqual(routes, ["/", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/scene",
-                                  "/api/v1/state",
-                                  "/api/v1/events", "/metrics"])
+                                  "/api/v1/state", "/api/v1/events", "/api/v1/history/{HOURS}", "/metrics"])
         for route in routes:
-            if route != "/api/v1/events":
+            if route == "/api/v1/history/{HOURS}":
+                self.assertEqual(self.get("/api/v1/history/1")[0], 404, "the history of this daemon is a CSV file")
+            elif route != "/api/v1/events":
                 self.assertIn(self.get(route)[0], (200, 503), route)
 
     def test_what_is_not_there_is_404_and_what_would_change_something_405(self):

@@ -214,6 +214,65 @@ class Section(LivePage):
                                             " document.getElementById('all-parts').open]"), [True, True])
 
 
+class Days(LivePage):
+    config_text = LivePage.config_text.replace('"history.csv"', '"history.sqlite"')
+
+    def pressed(self):
+        return self.tell(evaluate="[...document.querySelectorAll('#days-choices [aria-pressed=true]')].map(one => one.textContent)")
+
+    def press(self, text):
+        self.tell(evaluate=f"[...document.querySelectorAll('#days-choices button')].find(one => one.textContent === '{text}').click()")
+
+    def wait_for_span(self, text):
+        wait_until(lambda: text in self.text("days-span"), f"the points' {text}", 20)
+
+    def test_hours_and_days_come_from_the_history_and_change_with_the_button(self):
+        self.run_well_before_the_page()
+        self.open()
+        self.wait_for_span("48 s")
+        self.assertEqual(self.pressed(), ["8 h"])
+        self.press("1 h")
+        self.wait_for_span("6 s")
+        self.assertEqual(self.pressed(), ["1 h"])
+        self.tell(choose=["#point", "sleeve_outer"])
+        wait_until(lambda: "sleeve_outer" in self.text("days-point-title"), "the key point's name", 10)
+        shown = self.tell(evaluate="[...document.querySelectorAll('#days .curves')].map(one => one.querySelectorAll('canvas').length)")
+        self.assertEqual(shown, [1, 1])
+        last = "document.querySelector('#days-point-legend [data-series=measured] b').textContent"
+        self.assertEqual(self.tell(evaluate=last), "28.00")
+        self.press("7 d")
+        self.wait_for_span("16.8 min")
+        self.assertEqual((self.text("days-said"), self.pressed()), ("", ["7 d"]))
+        self.assertEqual((self.tell(judge=True), self.tell(seen=True)), ([], {"elsewhere": [], "complaints": []}))
+
+    def run_well_before_the_page(self):
+        self.write_signals()
+        self.wait_for_state(1)
+        time.sleep(8)  # of rows, more than one span of an hour
+
+    def test_a_history_that_cannot_be_read_is_said_and_the_page_goes_on(self):
+        self.run_well_before_the_page()
+        self.open()
+        self.wait_for_span("48 s")
+        (self.folder / "history.sqlite").unlink()
+        self.press("24 h")
+        wait_until(lambda: "The history cannot be read: " in self.text("days-said"), "the reason", 20)
+        cycle = self.number(self.text("moment"))
+        wait_until(lambda: self.number(self.text("moment")) > cycle, "the next state", 20)
+        self.assertEqual(self.tell(judge=True), [])
+
+    def test_without_a_history_in_sqlite_there_is_no_such_card(self):
+        self.config.write_text(self.config.read_text().replace("history.sqlite", "history.csv"))
+        self.daemon.terminate()
+        self.daemon.wait(20)
+        self.start_again()
+        wait_until(lambda: can_connect(self.http_port), "the HTTP port")
+        self.open()
+        self.run_well()
+        self.assertTrue(self.tell(evaluate="document.getElementById('days').hidden"))
+        self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
+
+
 class Look(LivePage):
     def test_no_finding_of_axe_on_desktop_and_phone_in_light_and_dark_and_nothing_wider_than_the_phone(self):
         self.write_signals()

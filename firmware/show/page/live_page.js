@@ -2,6 +2,7 @@
 import { byId, element } from "./pages/elements.js";
 import { addToCurves, clearCurves } from "./curves.js";
 import { makeSection } from "./live_section.js";
+import { beginDays, renewDays } from "./days.js";
 import { setText } from "./cells.js";
 import { showState } from "./show_state.js";
 
@@ -35,6 +36,7 @@ async function beginSection() {
   const scene = await ask(`${folder()}/scene`);
   if (spindle !== chosen()) return;
   section = makeSection(scene);
+  beginDays(scene.has_history ? `${folder()}/history` : null);
   setText(byId("notice"), scene.notice);
   byId("notice").hidden = scene.notice === "";
 }
@@ -79,6 +81,7 @@ async function renew() {
   showState(words, state);
   section?.show(state.registers);
   addToCurves(state.registers);
+  renewDays();
 }
 
 byId("spindle").addEventListener("change", () => {

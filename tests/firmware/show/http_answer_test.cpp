@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -21,6 +22,12 @@ class Answers : public ::testing::Test {
   HttpAnswerer answerer_{[](const std::string& path) -> Page {
     if (path == "/events") return {200, "text/event-stream", "", true};
     if (path == "/sick") return {503, "application/json", "{\"error\":\"own words\"}"};
+    if (path == "/slow") {
+      Page page;
+      page.work = [](const std::atomic<bool>&) { return Page{200, "text/plain", "at last"}; };
+      return page;
+    }
+    if (path == "/none") return {404, "application/json", "{\"error\":\"there is none\"}"};
     if (path == "/throws") throw std::runtime_error("a page went wrong");
     return path == "/" ? Page{200, "text/plain", "hello"} : Page{404};
   }};
@@ -42,6 +49,27 @@ TEST_F(Answers, a_page_may_say_itself_what_is_wrong) {
   const HttpAnswer sick = answer("GET /sick HTTP/1.1\r\n\r\n");
   EXPECT_EQ(sick.status, 503);
   EXPECT_TRUE(sick.bytes.ends_with("{\"error\":\"own words\"}"));
+}
+
+TEST_F(Answers, of_what_is_not_there_a_page_may_say_why) {
+  EXPECT_TRUE(answer("GET /none HTTP/1.1\r\n\r\n").bytes.ends_with("{\"error\":\"there is none\"}"));
+  EXPECT_NE(answer("GET /nothing HTTP/1.1\r\n\r\n").bytes.find("see /routes"), std::string::npos);
+}
+
+TEST_F(Answers, a_page_that_takes_its_time_is_answered_when_it_is_made) {
+  for (const std::string method : {"GET", "HEAD"}) {
+    const std::string request = method + " /slow HTTP/1.1\r\n\r\n";
+    const HttpAnswer asked = answer(request);
+    ASSERT_TRUE(asked.work);
+    EXPECT_TRUE(asked.bytes.empty());
+    const HttpAnswer made = answerer_.answer(request, asked.work(std::atomic<bool>{false}));
+    EXPECT_FALSE(made.work);
+    EXPECT_TRUE(made.bytes.starts_with("HTTP/1.1 200 OK\r\n"));
+    EXPECT_NE(made.bytes.find("\r\nContent-Length: 7\r\n"), std::string::npos);
+    EXPECT_EQ(made.bytes.ends_with("\r\n\r\nat last"), method == "GET") << made.bytes;
+  }
+  EXPECT_FALSE(answer("POST /slow HTTP/1.1\r\n\r\n").work);
+  EXPECT_FALSE(answer("GET /slow HTTP/1.1\r\nHost: elsewhere.example\r\n\r\n").work);
 }
 
 TEST_F(Answers, a_page_that_throws_is_500_and_the_next_one_is_answered) {

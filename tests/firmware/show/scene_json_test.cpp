@@ -9,12 +9,13 @@
 namespace spindle_twin::firmware {
 namespace show_scene_json_test {
 
-TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice) {
+TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice_and_whether_there_is_a_history) {
   rom::Network network = tests::small_network();
   network.outlines = {{"rotor", (Eigen::MatrixXd(2, 3) << 0.01, 0.03, 0.03, 0.0, 0.0, 0.125).finished()},
                       {"sleeve \"rear\"", Eigen::MatrixXd::Zero(2, 0)}};
-  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, "a <b>simulated</b> \"spindle\""));
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, "a <b>simulated</b> \"spindle\"", true));
   EXPECT_EQ(scene.at("notice"), "a <b>simulated</b> \"spindle\"");
+  EXPECT_EQ(scene.at("has_history"), true);
   ASSERT_EQ(scene.at("outlines").size(), 2U);
   EXPECT_EQ(scene["outlines"][0]["part"], "rotor");
   EXPECT_EQ(scene["outlines"][0]["points_m"], nlohmann::json({{0.01, 0.0}, {0.03, 0.0}, {0.03, 0.125}}));
@@ -28,8 +29,9 @@ TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice) {
 }
 
 TEST(SceneJson, of_a_network_without_outlines_is_whole_too) {
-  const nlohmann::json scene = nlohmann::json::parse(scene_json(tests::small_network(), ""));
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(tests::small_network(), "", false));
   EXPECT_EQ(scene.at("notice"), "");
+  EXPECT_EQ(scene.at("has_history"), false);
   EXPECT_TRUE(scene.at("outlines").is_array());
 }
 
