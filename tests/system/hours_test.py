@@ -78,7 +78,6 @@ class Hours(Http):
         before = self.state()["sequence"]["value"]
         answers = {client.recv(100).split()[1] for client in clients}
         self.assertLessEqual(answers, {b"200", b"503"})
-        self.assertIn(b"200", answers)
         wait_until(lambda: self.state()["sequence"]["value"] > before, "the cycle to go on")
         wait_until(lambda: self.get("/api/v1/history/1")[0] == 200, "room again")
 

@@ -185,7 +185,23 @@ class Spindles(unittest.TestCase):
         self.assertEqual(json.loads(lines[2].removeprefix("data: "))["registers"]["speed"]["value"], 9000)
         index = [line.split()[0] for line in self.get("/routes")[1].splitlines() if line.startswith("/")]
         for path in index:
-            self.assertNotEqual(self.get(path.replace("{NAME}", "left"))[0] if "events" not in path else 200, 404, path)
+            if "events" not in path and "history" not in path:
+                self.assertNotEqual(self.get(path.replace("{NAME}", "left"))[0], 404, path)
+
+    def test_each_has_the_hours_of_its_own_history_where_that_is_in_sqlite(self):
+        self.daemon.terminate()
+        self.assertEqual(self.daemon.wait(20), 0)
+        own = self.folder / "right" / "twin.toml"
+        own.write_text(own.read_text().replace("history.csv", "history.sqlite"))
+        self.start_daemon()
+        self.run_both()
+        for name, status, has_history in (("left", 404, False), ("right", 200, True)):
+            self.assertEqual(json.loads(self.get(f"/api/v1/spindles/{name}/scene")[1])["has_history"], has_history)
+            self.assertEqual(self.get(f"/api/v1/spindles/{name}/history/1")[0], status)
+        self.assertEqual(self.get("/api/v1/spindles/right/history/2")[0], 400)
+        self.assertEqual(self.get("/api/v1/spindles/middle/history/1")[0], 404)
+        measured = json.loads(self.get("/api/v1/spindles/right/history/1")[1])["columns"]["measured.sleeve_middle_degC"]
+        self.assertEqual(measured["mean"][-1], 28.25)
 
     def test_a_spindle_without_readings_does_not_hold_up_the_others(self):
         self.daemon.kill()

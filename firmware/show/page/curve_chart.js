@@ -8,7 +8,7 @@ import { element, fixed } from "./pages/elements.js";
 const ink = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const clock = time_s => new Date(1000 * time_s).toLocaleTimeString("en-GB");
 const minute = time_s => clock(time_s).slice(0, 5);
-const day = time_s => new Date(1000 * time_s).toLocaleDateString("en-GB", { weekday: "short", day: "numeric", month: "short" });
+const day = time_s => new Date(1000 * time_s).toLocaleDateString("en-GB", { weekday: "short", day: "numeric" });
 // Of days a tick at midnight is the day's.
 const tickOf = time_s => minute(time_s) === "00:00" ? day(time_s) : minute(time_s);
 const chartHeight_px = 260, shortest_s = 60;
@@ -34,12 +34,12 @@ function lonely(chart, place) {
   return [...values.keys()].filter(i => isThere(i) && !isThere(i - 1) && !isThere(i + 1));
 }
 
-function linesOf(series) {
+function linesOf(series, width) {
   const lines = [{}], bands = [], places = [];
   for (const one of series) {
     const { name, ink: colour, dashed } = one;
     places.push(lines.length);
-    lines.push({ label: name, stroke: () => ink(colour), width: 2, dash: dashed ? [7, 4] : [],
+    lines.push({ label: name, stroke: () => ink(colour), width, dash: dashed ? [7, 4] : [],
       points: { show: false, filter: lonely, size: 4, fill: () => ink(colour) } });
     for (const band of bandsOf(one)) {
       const side = { stroke: "transparent", width: 0, points: { show: false } };
@@ -75,7 +75,7 @@ function heightOf(_, low, high) {
 function optionsOf(place, { lines, bands }, asked, onCursor) {
   return {
     width: place.clientWidth, height: chartHeight_px, series: lines, bands,
-    legend: { show: false },
+    legend: { show: false }, padding: [null, asked() ? 24 : null, null, null],
     cursor: { drag: { x: false, y: false }, points: { size: 6 } },
     scales: { x: { range: (_, first, last) => asked() ?? [Math.min(first, last - shortest_s), last] }, y: { range: heightOf } },
     axes: [axis({ values: (_, times) => times.map(asked() ? tickOf : clock), space: 90 }), axis({ size: 52 })],
@@ -101,7 +101,7 @@ export function makeChart(legendPlace, place, label) {
   function begin(columns) {
     chart?.destroy();
     chart = null;
-    const lines = linesOf(series);
+    const lines = linesOf(series, asked ? 1.25 : 2);
     places = lines.places;
     legend = addLegend(legendPlace, series);
     place.setAttribute("aria-label", `${label} over time: ${series.map(({ name }) => name).join(", ")}`);
