@@ -17,6 +17,8 @@ std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, 
   DriftOptions::each(drift, [&](const rom::Option& option, double value) {
     prior->origin.append(1, ' ').append(option.key).append(1, ' ').append(std::to_string(value));
   });
+  prior->made_unix_s = calibration.made_unix_s;
+  prior->promised_m = calibration.promised_m;
   prior->names = calibration.names;
   prior->mean = calibration.mean;
   prior->covariance = calibration.root * calibration.root.transpose();

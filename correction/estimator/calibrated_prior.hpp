@@ -11,6 +11,8 @@ namespace spindle_twin::correction {
 /// positive definite.
 struct CalibratedPrior {
   std::string origin;  ///< tells one from another: what was learnt from one prior does not go on from another
+  double made_unix_s = 0.0;
+  double promised_m = 0.0;  ///< 1σ of the first deformation output at the end of the test
   std::vector<std::string> names;
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;

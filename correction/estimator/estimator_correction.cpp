@@ -61,8 +61,10 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
     prior_mean_[lag_at(s)] = neutral_mean_[lag_at(s)] = sensor.lag_s;
     covariance(lag_at(s), lag_at(s)) = options_.lag_deviation_s * options_.lag_deviation_s;
   }
-  // Of a certified network nothing is left to explain until readings contradict it.
-  disturbance_idle_ = disturbance_width_ = network.hand_written ? 1.0 : idle_width;
+  // Of a certified network, and of one that a test was met with, nothing is left to explain until readings contradict
+  // it.
+  const bool is_a_guess = network.hand_written && parameters_.calibrated() == nullptr;
+  disturbance_idle_ = disturbance_width_ = is_a_guess ? 1.0 : idle_width;
   filter_ = prior_ = SquareRootFilter(prior_mean_, covariance);
   Eigen::VectorXd width = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < p; ++i) {

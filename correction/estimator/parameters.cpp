@@ -98,7 +98,8 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   add_capacities(network, priors);
   add_disturbances(network, priors);
   add_starts(network, priors);
-  if (priors.calibrated) take_calibrated(*priors.calibrated);
+  calibrated_ = priors.calibrated;
+  if (calibrated_) take_calibrated();
   mean_.resize(count());
   for (Eigen::Index i = 0; i < count(); ++i) mean_[i] = list_[static_cast<std::size_t>(i)].mean;
 }
@@ -145,7 +146,8 @@ void ParameterModel::add_starts(const rom::Network& network, const EstimatorPrio
   }
 }
 
-void ParameterModel::take_calibrated(const CalibratedPrior& calibrated) {
+void ParameterModel::take_calibrated() {
+  const CalibratedPrior& calibrated = *calibrated_;
   for (std::size_t i = 0; i < calibrated.names.size(); ++i) {
     const auto found = std::find_if(list_.begin(), list_.end(),
                                     [&](const Parameter& parameter) { return parameter.name == calibrated.names[i]; });
@@ -157,8 +159,6 @@ void ParameterModel::take_calibrated(const CalibratedPrior& calibrated) {
     found->deviation = std::sqrt(calibrated.covariance(slot, slot));
     calibrated_slots_.push_back(found - list_.begin());
   }
-  calibrated_covariance_ = calibrated.covariance;
-  calibrated_from_ = calibrated.origin;
 }
 
 rom::CorrectionFactors ParameterModel::make_factors(const rom::Network& network) const {
@@ -193,7 +193,7 @@ Eigen::MatrixXd ParameterModel::covariance() const {
   for (std::size_t a = 0; a < calibrated_slots_.size(); ++a) {
     for (std::size_t b = 0; b < calibrated_slots_.size(); ++b) {
       covariance(calibrated_slots_[a], calibrated_slots_[b]) =
-          calibrated_covariance_(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+          calibrated_->covariance(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
     }
   }
   return covariance;

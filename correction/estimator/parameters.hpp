@@ -120,8 +120,8 @@ class ParameterModel {
   /// Value of θ at which all factors are 1.
   Eigen::VectorXd neutral() const { return Eigen::VectorXd::Zero(count()); }
   Eigen::MatrixXd covariance() const;
-  /// CalibratedPrior::origin; empty without one.
-  const std::string& calibrated_from() const { return calibrated_from_; }
+  /// What it begins with instead of the priors of an unknown machine; null: nothing.
+  const CalibratedPrior* calibrated() const { return calibrated_.get(); }
 
   bool is_friction(Eigen::Index source) const { return friction_[static_cast<std::size_t>(source)]; }
   /// Heat of this group in W is θ of its slot.
@@ -159,12 +159,11 @@ class ParameterModel {
   void add_capacities(const rom::Network& network, const EstimatorPriors& priors);
   void add_disturbances(const rom::Network& network, const EstimatorPriors& priors);
   void add_starts(const rom::Network& network, const EstimatorPriors& priors);
-  void take_calibrated(const CalibratedPrior& calibrated);
+  void take_calibrated();
 
   std::vector<Parameter> list_;
-  std::string calibrated_from_;
-  std::vector<Eigen::Index> calibrated_slots_;  // of the calibrated prior's parameters
-  Eigen::MatrixXd calibrated_covariance_;
+  std::shared_ptr<const CalibratedPrior> calibrated_;
+  std::vector<Eigen::Index> calibrated_slots_;  // of its parameters
   Eigen::VectorXd mean_;
   std::vector<int> heat_, exponent_, conductance_, environment_, capacity_, disturbance_;
   std::vector<ThermalGroup> groups_;

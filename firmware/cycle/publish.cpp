@@ -134,6 +134,10 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
   for (Eigen::Index i = 0; i < parameters; ++i) {
     if (!estimator.estimate(i).undetermined()) ++snapshot.parameters_determined;
   }
+  if (const correction::CalibratedPrior* calibrated = estimator.parameters().calibrated()) {
+    snapshot.calibrated_unix_s = calibrated->made_unix_s;
+    snapshot.calibration_promised_m = calibrated->promised_m;
+  }
   const correction::FoundHeat heat = estimator.unexplained_heat();
   snapshot.unexplained_heat_group = static_cast<std::int16_t>(heat.group);
   snapshot.unexplained_heat_W = heat.group < 0 ? not_a_value : heat.heat_W;

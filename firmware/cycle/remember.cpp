@@ -22,8 +22,8 @@ std::string layout_of(const correction::EstimatorCorrection& estimator) {
   for (const correction::Parameter& parameter : estimator.parameters().list())
     layout.append(parameter.name).append(";");
   for (const correction::EstimatorSensor& sensor : estimator.sensors()) layout.append("|").append(sensor.name);
-  const std::string& calibrated_from = estimator.parameters().calibrated_from();
-  if (!calibrated_from.empty()) layout.append("|calibration ").append(calibrated_from);
+  const correction::CalibratedPrior* calibrated = estimator.parameters().calibrated();
+  if (calibrated != nullptr) layout.append("|calibration ").append(calibrated->origin);
   return layout;
 }
 

@@ -219,8 +219,10 @@ struct Snapshot {  // NOLINT(public-members): one page of plain data, copied who
   std::uint16_t parameters_determined = 0;   ///< of which the sensors tell more than a tenth of the prior deviation
   std::int16_t unexplained_heat_group = -1;  ///< thermal group with a heat that no source explains; -1: none
   double unexplained_heat_W = not_a_value;
-  std::uint16_t displacement_count = 0;   ///< measured lengths taken in since the start
-  std::uint32_t displacement_orders = 0;  ///< those that the PLC gave, and the last of them
+  double calibrated_unix_s = not_a_value;       ///< when the calibration that the estimator began with was made
+  double calibration_promised_m = not_a_value;  ///< 1σ of the nose at the end of its test
+  std::uint16_t displacement_count = 0;         ///< measured lengths taken in since the start
+  std::uint32_t displacement_orders = 0;        ///< those that the PLC gave, and the last of them
   Displacement displacement;
   std::array<ChannelUpdate, slots::key_points> sensor_update{};
   ChannelUpdate displacement_update;

@@ -136,6 +136,8 @@ void fill_updates(const Snapshot& snapshot, RegisterImage& image) {
   put(image, Register::unexplained_heat_group,
       snapshot.unexplained_heat_group < 0 ? not_a_value : snapshot.unexplained_heat_group);
   put(image, Register::unexplained_heat, snapshot.unexplained_heat_W);
+  put(image, Register::calibrated_at, snapshot.calibrated_unix_s);
+  put(image, Register::calibration_promise, um_per_m * snapshot.calibration_promised_m);
   put(image, Register::displacement_count, if_estimating(snapshot.displacement_count % 65535));
   const ChannelUpdate& length = snapshot.displacement_update;
   put(image, Register::displacement_update, std::isnan(length.variance) ? not_a_value : length.flags);

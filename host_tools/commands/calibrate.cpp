@@ -42,7 +42,7 @@ struct CalibrateCommand {
 
 /// What the options' defaults leave open for a machine that was never tested: laws of speed and temperature too.
 correction::EstimatorPriors open_priors(correction::EstimatorPriors priors) {
-  priors.disturbance = 0.0;
+  priors.disturbance = priors.disturbance_by_hand = 0.0;
   priors.speed_exponent = std::max(priors.speed_exponent, 0.2);
   priors.bearing_per_K = std::max(priors.bearing_per_K, 0.01);
   priors.calibrated = nullptr;

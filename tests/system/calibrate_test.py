@@ -9,8 +9,9 @@ import random
 import signal
 import subprocess
 import sys
+import time
 
-from running_daemon import PROGRAMS, RunningDaemon, main
+from running_daemon import PROGRAMS, RunningDaemon, float32, main
 
 SENSORS = ("sleeve_inner", "sleeve_middle", "sleeve_outer")
 
@@ -86,6 +87,9 @@ class Calibrate(RunningDaemon):
         self.assert_logged("machine.calibration: calibrated")
         self.write_signals()
         self.wait_for_state(1)
+        made, promise = self.read(936, 2), self.read(938, 2)
+        self.assertLess(abs(time.time() - (made[0] * 65536 + made[1])), 600)
+        self.assertAlmostEqual(float32(*promise), said["promised_um"], places=4)
         replayed = self.tool("replay", self.rom, self.folder / "test.csv", "--sensors", "sleeve_inner", "--json",
                              "--calibration", file, "--start-degC", "20")
         self.assertEqual(replayed.returncode, 0, replayed.stderr)

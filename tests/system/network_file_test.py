@@ -103,6 +103,18 @@ class NetworkFiles(host_tool_case.Case):
         expected = math.log(2) * (nose_um(1414.0) - nose_um(1386.0)) / math.log(1414.0 / 1386.0)
         self.assertAlmostEqual(told["jacket"], expected, delta=0.002)
 
+    def test_the_example_of_a_calibration_runs_and_halves_the_error_of_another_day(self):
+        script = EXAMPLE.parents[2] / "host_tools" / "calibrate_example"
+        told = subprocess.run([script, self.folder], env={**os.environ, "TWIN": TWIN}, capture_output=True, text=True, timeout=240 * PATIENCE)
+        self.assertEqual(told.returncode, 0, told.stderr)
+        self.assertIn("It fits.", told.stdout)
+        replay = ("replay", self.folder / "motor_spindle.rom", self.folder / "other_day.csv", "--sensors", "winding_sensor")
+        without = self.json_of(*replay)["deformations"][0]
+        calibrated = self.json_of(*replay, "--calibration", self.folder / "machine.calibration")["deformations"][0]
+        self.assertLess(calibrated["twin"]["rms_um"], 0.5 * without["twin"]["rms_um"])
+        self.assertLess(calibrated["sd_um"], 0.5 * without["sd_um"])
+        self.assertGreater(calibrated["within_2_sd_percent"], 75.0)  # the noise is another one with another awk
+
     def test_the_example_of_a_replay_runs_and_the_correction_helps(self):
         script = EXAMPLE.parents[2] / "host_tools" / "replay_example"
         told = subprocess.run([script, self.folder], env={**os.environ, "TWIN": TWIN}, capture_output=True, text=True, timeout=120 * PATIENCE)

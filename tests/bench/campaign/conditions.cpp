@@ -19,12 +19,12 @@ struct Case {
 constexpr double lag_s = 30.0;
 constexpr double day_s = 86400.0;
 constexpr double wrong_exponent = 0.15;
-constexpr std::array<Case, 6> cases{{{"2 h, readings every 10 s", {}, false},
-                                     {"sensors that lag 30 s", {run_s, sample_s, lag_s, false}, false},
-                                     {"standstill from 60 to 90 min", {run_s, sample_s, 0.0, true}, false},
-                                     {"speed laws wrong by 0.15", {run_s, sample_s, 0.0, false, wrong_exponent}, false},
-                                     {"readings and updates every 1 s", {run_s, 1.0, 0.0, false}, true},
-                                     {"24 h", {day_s, sample_s, 0.0, false}, true}}};
+const std::array<Case, 6> cases{{{"2 h, readings every 10 s", {}, false},
+                                 {"sensors that lag 30 s", {run_s, sample_s, lag_s, false}, false},
+                                 {"standstill from 60 to 90 min", {run_s, sample_s, 0.0, true}, false},
+                                 {"speed laws wrong by 0.15", {run_s, sample_s, 0.0, false, wrong_exponent}, false},
+                                 {"readings and updates every 1 s", {run_s, 1.0, 0.0, false}, true},
+                                 {"24 h", {day_s, sample_s, 0.0, false}, true}}};
 constexpr int all_sensors = 6;
 constexpr double least_inside = 0.9;
 

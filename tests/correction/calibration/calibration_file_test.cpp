@@ -119,9 +119,10 @@ TEST(CalibratedPrior, takes_the_place_of_the_priors_with_drift_on_the_diagonal_a
     }
     EXPECT_DOUBLE_EQ(after.mean()[i], i < 3 ? calibration.mean[i] : before.mean()[i]);
   }
-  EXPECT_NE(after.calibrated_from(), "");
+  ASSERT_NE(after.calibrated(), nullptr);
+  EXPECT_EQ(before.calibrated(), nullptr);
   priors.calibrated = prior_of(calibration, {0.05, 0.10, 0.08});
-  EXPECT_NE(ParameterModel(network, priors).calibrated_from(), after.calibrated_from());
+  EXPECT_NE(ParameterModel(network, priors).calibrated()->origin, after.calibrated()->origin);
 }
 
 }  // namespace calibration_file_test

@@ -108,6 +108,8 @@ TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
   EXPECT_EQ(word(image, Register::key_point_sd), 0xFFFF);
   EXPECT_EQ(word(image, Register::sensor_update), 0xFFFF);
   EXPECT_EQ(word(image, Register::parameter_count), 0xFFFF);
+  EXPECT_EQ(word(image, Register::calibrated_at), 0xFFFF);
+  EXPECT_EQ(word(image, Register::calibration_promise), 0x7FC0);
   EXPECT_EQ(word(image, Register::displacement_innovation), 0x7FC0);
 
   snapshot.deformation_deviation_m[0] = 1.25e-6;
@@ -119,8 +121,12 @@ TEST(RegisterImage, deviations_and_updates_of_the_estimator) {
   snapshot.parameters_determined = 10;
   snapshot.unexplained_heat_group = 2;
   snapshot.unexplained_heat_W = -12.34;
+  snapshot.calibrated_unix_s = 1.7e9;
+  snapshot.calibration_promised_m = 0.75e-6;
   snapshot.displacement_update = {5e-6, 1e-6, 4e-12, 0.01, not_a_value, not_a_value, bits(Update::fused), 0};
   image = image_of(snapshot);
+  EXPECT_EQ(get(image, Register::calibrated_at), 1.7e9);
+  EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::calibration_promise)), 0.75F);
   EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_sd)), 1.25F);
   EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::deformation_sd)), 1.25F);
   EXPECT_FLOAT_EQ(static_cast<float>(get(image, Register::nose_raw)), 3.0F);
