@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace spindle_twin::correction {
 namespace {
@@ -16,6 +17,20 @@ std::string in_words(const char* format, Values... values) {
   char text[240];
   std::snprintf(text, sizeof text, format, values...);
   return text;
+}
+
+/// Parameters beyond what a network is made for go back to there, and are named.
+std::vector<std::string> bound_parameters(const std::vector<Parameter>& machine, Calibration& calibration) {
+  std::vector<std::string> misfits;
+  for (std::size_t i = 0; i < machine.size(); ++i) {
+    double& value = calibration.mean[static_cast<Eigen::Index>(i)];
+    const double bounded = std::clamp(value, machine[i].minimum, machine[i].maximum);
+    if (bounded == value) continue;
+    misfits.push_back(in_words("%s: would have to be %.2f, believed is %.2f to %.2f", machine[i].name.c_str(), value,
+                               machine[i].minimum, machine[i].maximum));
+    value = bounded;
+  }
+  return misfits;
 }
 
 std::vector<std::string> find_misfits(const CalibrationResult& result, const CalibrateOptions& options,
@@ -94,6 +109,7 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
     calibration.logs.push_back(test.name);
   }
   result.misfits = find_misfits(result, options, limits);
+  for (std::string& misfit : bound_parameters(result.machine, calibration)) result.misfits.push_back(std::move(misfit));
   calibration.accepted = result.misfits.empty();
   calibration.promised_m = promised_m(result.fit, unknowns, tests, *prior_of(calibration, {}));
   return result;

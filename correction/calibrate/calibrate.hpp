@@ -24,7 +24,8 @@ struct CalibrationResult {
   std::vector<Parameter> machine;    ///< the calibrated parameters, as the priors have them
 };
 
-/// Steps: fit the first part of each test; predict the last part and compare; fit all; judge. Throws rom::InputError as
+/// Steps: fit the first part of each test; predict the last part and compare; fit all; judge. A parameter beyond
+/// its limits (Parameter) is set to them, and is a misfit. Throws rom::InputError as
 /// fit_tests does. Not for the cycle. `progress`: what is being done, and how often the model has run.
 CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions& options,
                             const std::vector<ThermalTest>& tests, const CalibrateLimits& limits,

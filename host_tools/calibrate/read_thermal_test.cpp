@@ -60,7 +60,8 @@ Eigen::MatrixXd lengths_of(const rom::Network& network, const Log& log) {
     }
     for (Eigen::Index r = 1; r < rows && !probed && log.cycle_s; ++r) {
       const LogRow& row = log.rows[static_cast<std::size_t>(r)];
-      const bool touched = row.length_orders > log.rows[static_cast<std::size_t>(r - 1)].length_orders;
+      const bool touched = row.length_orders > log.rows[static_cast<std::size_t>(r - 1)].length_orders &&
+                           row.tare_orders == log.rows.back().tare_orders;
       if (touched && row.length.output == output) lengths(r, d) = row.length.value_m;
     }
   }

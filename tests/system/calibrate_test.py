@@ -7,10 +7,12 @@ import json
 import os
 import random
 import signal
+import struct
 import subprocess
 import sys
 import time
 
+from ports import wait_until
 from running_daemon import PROGRAMS, RunningDaemon, float32, main
 
 SENSORS = ("sleeve_inner", "sleeve_middle", "sleeve_outer")
@@ -127,6 +129,27 @@ class Calibrate(RunningDaemon):
             self.assertEqual(result.returncode, 1, text)
             self.assertIn(message, result.stderr)
             self.assertEqual(len(result.stderr.splitlines()), 1)
+
+    def test_a_daemons_history_with_touch_offs_is_a_test_too(self):
+        self.config.write_text(self.config.read_text().replace("clock_rate = 10.0", "clock_rate = 100.0"))
+        for file in self.folder.glob("history*"):
+            file.unlink()
+        self.start_again()
+        self.write_signals()
+        self.wait_for_state(1)
+        for touched in range(6):
+            nose_um = float32(*self.read(20, 2))
+            words = struct.unpack(">4H", struct.pack(">2f", nose_um, 1.0))
+            self.assertFalse(self.client.write_registers(1010, [*words, 0, 1], slave=1).isError())
+            wait_until(lambda: self.read(926, 1)[0] > touched, "the touch-off to be taken in")
+            time.sleep(1.0)  # 100 s of the machine; closer ones count as one
+        self.daemon.send_signal(signal.SIGTERM)
+        self.daemon.wait(20)
+        made = self.tool("calibrate", self.rom, self.folder / "history.csv", "--json")
+        self.assertIn(made.returncode, (0, 3), made.stderr)  # the device's constant temperatures are no spindle's
+        readings = {channel["name"]: channel["readings"] for channel in json.loads(made.stdout)["channels"]}
+        self.assertEqual(set(readings), {*SENSORS, "nose"})
+        self.assertGreaterEqual(readings["nose"], 5)
 
     def test_bad_logs_end_in_one_line(self):
         log = self.folder / "bad.csv"

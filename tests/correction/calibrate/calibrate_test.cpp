@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "rom/read/input_error.hpp"
 #include "tests/correction/calibrate/recorded_run.hpp"
 
@@ -140,6 +142,21 @@ TEST(Calibrate, a_probe_that_slips_is_named_by_the_part_that_was_held_out) {
   EXPECT_FALSE(result.calibration.accepted);
   EXPECT_NE(result.misfits.back().find(network.deformations[0].name + ", held out: "), std::string::npos)
       << result.misfits.back();
+}
+
+TEST(Calibrate, a_parameter_beyond_what_is_believed_is_bounded_and_named) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = calibrate_options(network);
+  const ParameterModel parameters(network, options.priors);
+  Eigen::VectorXd truth = drawn(parameters, 52);
+  truth[parameters.heat(1)] = 3.0;  // twenty times the described heat
+  const CalibrationResult result = calibrate(network, options, {record(network, parameters, truth, {})}, {});
+  const Parameter& heat = parameters.list()[static_cast<std::size_t>(parameters.heat(1))];
+  EXPECT_DOUBLE_EQ(result.calibration.mean[parameters.heat(1)], heat.maximum);
+  const bool named = std::any_of(result.misfits.begin(), result.misfits.end(), [&](const std::string& misfit) {
+    return misfit.starts_with(heat.name + ": would have to be ");
+  });
+  EXPECT_TRUE(named);
 }
 
 TEST(Calibrate, a_test_without_any_reading_is_refused_by_its_name) {
