@@ -54,6 +54,9 @@ TEST(RequestCorpus, each_whole_request_has_its_answer_and_writes_only_where_it_m
 TEST(CheckpointCorpus, a_message_is_read_or_refused_with_a_reason) { expect_corpus("checkpoint", checked_checkpoint); }
 
 TEST(OrdersCorpus, a_message_is_read_or_refused_with_a_reason) { expect_corpus("orders", checked_orders); }
+TEST(CalibrationCorpus, a_message_is_read_or_refused_with_a_reason) {
+  expect_corpus("calibration", checked_calibration);
+}
 
 TEST(ConfigCorpus, a_file_is_read_or_refused_with_a_reason) { expect_corpus("config", checked_config); }
 

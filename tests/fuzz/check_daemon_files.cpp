@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "correction/calibration/calibration.hpp"
 #include "firmware/config/config.hpp"
 #include "firmware/keep/checkpoint.hpp"
 #include "firmware/keep/orders_file.hpp"
@@ -74,6 +75,16 @@ std::string checked_orders(std::span<const std::uint8_t> message) {
   return reason_of("fuzzed", [&] {
     const auto once = encode_orders(decode_orders(sealed("orders 1", message), "fuzzed"));
     require(encode_orders(decode_orders(once, "fuzzed")) == once, "orders survive a round trip");
+  });
+}
+
+std::string checked_calibration(std::span<const std::uint8_t> message) {
+  return reason_of("fuzzed", [&] {
+    const auto read = [](const std::vector<std::uint8_t>& bytes) {
+      return correction::decode_calibration(bytes, "fuzzed");
+    };
+    const auto once = encode_calibration(read(sealed("calibration 1", message)));
+    require(encode_calibration(read(once)) == once, "calibrations survive a round trip");
   });
 }
 

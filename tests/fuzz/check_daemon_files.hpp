@@ -14,6 +14,8 @@ namespace spindle_twin::firmware {
 std::string checked_checkpoint(std::span<const std::uint8_t> message);
 /// The message of the standing orders, the same.
 std::string checked_orders(std::span<const std::uint8_t> message);
+/// The message of a calibration, the same.
+std::string checked_calibration(std::span<const std::uint8_t> message);
 /// A configuration of the daemon.
 std::string checked_config(std::span<const std::uint8_t> text);
 /// A table of numbers: as many in each row as there are names, none of them infinite.
