@@ -130,6 +130,7 @@ void EstimatorCorrection::forget() {
   contradicted_ = false;
   disturbance_width_ = disturbance_idle_;
   environment_width_ = 1.0;
+  loosened_s_ = SensorChannel::never_s;
   note_curvature();
   displacement_.pending = false;
 }

@@ -262,7 +262,9 @@ class EstimatorCorrection {
   void loosen(double widest_K);
   /// Unknowns further from their prior than it makes likely, in an estimate that its readings contradict, are no
   /// knowledge: they go back to it.
-  void forget_the_implausible();
+  void forget_the_implausible(bool as_unknown);
+  /// Deviation to which an unknown is loosened: of its prior, `as_unknown` of that of a machine that nobody has tested.
+  double open_deviation(Eigen::Index i, bool as_unknown) const;
   void open_start(double widest_K, double shapes_share, double groups_share);
   void look_at_the_start();
   /// A flow that was told to have changed leaves the films of its circuit as open as their prior.
@@ -311,6 +313,7 @@ class EstimatorCorrection {
   bool contradicted_ = false;       ///< told so
   bool started_ = false, standing_by_ = false, start_unseen_ = false;
   long updates_ = 0, failures_ = 0, loosened_ = 0;
+  double loosened_s_ = SensorChannel::never_s;  ///< when it was loosened last
 };
 
 }  // namespace spindle_twin::correction

@@ -18,6 +18,7 @@ constexpr double lag_missed = 0.3;  // of what an open lag does, the share that 
 constexpr double least_start_K = 0.2;       // σ of the uniform start
 constexpr double start_groups_share = 0.5;  // of that, per thermal group
 constexpr double implausible = 2.0;         // deviations of its prior, in an estimate that readings contradict
+constexpr double again_within_s = 3600.0;
 constexpr double untared_K = 0.1;  // σ of a class A PT100 without tare, its tolerance taken for 2σ (IEC 60751)
 // Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
 // the widest. A length tells of the nose what no sensor does, so it opens them further.
@@ -195,13 +196,21 @@ void EstimatorCorrection::open_start(double widest_K, double shapes_share, doubl
   widened_s_ = seen_s_;
 }
 
-void EstimatorCorrection::forget_the_implausible() {
+double EstimatorCorrection::open_deviation(Eigen::Index i, bool as_unknown) const {
+  if (!as_unknown || i >= parameters_.count()) return filter_.scale()[i];
+  return parameters_.list()[static_cast<std::size_t>(i)].uncalibrated_deviation;
+}
+
+void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
   row_ = filter_.mean();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
-    const double width = i < parameters_.count() ? width_of(parameters_.list()[static_cast<std::size_t>(i)]) : 1.0;
-    const double deviation = std::max(width, 1.0) * filter_.scale()[i];
-    if (!(std::abs(row_[i] - prior_mean_[i]) > implausible * deviation)) continue;
-    row_[i] = prior_mean_[i];
+    const bool is_parameter = i < parameters_.count();
+    const double width = is_parameter ? width_of(parameters_.list()[static_cast<std::size_t>(i)]) : 1.0;
+    const double deviation = std::max(width, 1.0) * open_deviation(i, as_unknown);
+    const double mean =
+        as_unknown && is_parameter ? parameters_.list()[static_cast<std::size_t>(i)].uncalibrated_mean : prior_mean_[i];
+    if (!(std::abs(row_[i] - mean) > implausible * deviation)) continue;
+    row_[i] = mean;
     keep_[i] = 0.0;
     growth_[i] = deviation * deviation;
     if (i >= parameters_.count()) continue;
@@ -213,12 +222,15 @@ void EstimatorCorrection::forget_the_implausible() {
 
 void EstimatorCorrection::loosen(double widest_K) {
   ++loosened_;
+  // What contradicts a calibrated estimate again within the hour is another machine than the one that was tested.
+  const bool as_unknown = seen_s_ - loosened_s_ < again_within_s;
+  loosened_s_ = seen_s_;
   const double open_K = std::max(widest_K, least_start_K);
   keep_.setOnes();
   growth_.setZero();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
     const double deviation = filter_.deviation(i);
-    if (deviation > 0.0) keep_[i] = std::max(1.0, filter_.scale()[i] / deviation);
+    if (deviation > 0.0) keep_[i] = std::max(1.0, open_deviation(i, as_unknown) / deviation);
   }
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(channels_.size()); ++s) {
     const double wanted_K = std::min(0.5 * open_K, untared_K),
@@ -227,7 +239,7 @@ void EstimatorCorrection::loosen(double widest_K) {
   }
   widen_disturbances(disturbance_first);
   widen_environments(environment_share * open_K);
-  forget_the_implausible();
+  forget_the_implausible(as_unknown);
   open_start(open_K, start_groups_share, start_groups_share);
   filter_.widen(keep_, growth_);
   start_memory_s_ = 0.0;

@@ -171,6 +171,8 @@ rom::CorrectionFactors ParameterModel::make_factors(const rom::Network& network)
 
 void ParameterModel::add(Parameter parameter, int& slot) {
   if (parameter.deviation <= 0.0) return;
+  parameter.uncalibrated_mean = parameter.mean;
+  parameter.uncalibrated_deviation = parameter.deviation;
   slot = static_cast<int>(list_.size());
   list_.push_back(std::move(parameter));
 }

@@ -41,6 +41,9 @@ struct Parameter {
   double memory_s = 0.0;  ///< > 0: forgets towards the mean with this time constant, variance stays at the prior's
   double minimum = 0.0;   ///< the filter never leaves [minimum, maximum]
   double maximum = 0.0;
+  /// The prior of an unknown machine where mean and deviation are of a calibration; else the same as these.
+  double uncalibrated_mean = 0.0;
+  double uncalibrated_deviation = 0.0;
 };
 
 /// Deviations (1σ) of the priors; of ln factors where no unit stands. Options, not state: what a person may set, which

@@ -203,5 +203,37 @@ TEST(Calibrate, a_filter_that_begins_with_it_is_surer_and_nearer_to_the_truth) {
   EXPECT_LT(std::sqrt(with_m2), 0.5 * std::sqrt(without_m2));
 }
 
+/// New bearings, say: what was calibrated is no knowledge any more.
+TEST(Calibrate, a_machine_that_has_changed_far_more_than_drift_says_is_followed_all_the_same) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = calibrate_options(network);
+  const ParameterModel parameters(network, options.priors);
+  for (const std::uint64_t seed : {81u, 82u, 83u}) {
+    const Eigen::VectorXd truth = drawn(parameters, seed);
+    const CalibrationResult result = calibrate(network, options, {record(network, parameters, truth, {})}, {});
+    for (const double change : {0.7, -0.7}) {
+      EstimatorOptions filter;
+      filter.priors.disturbance = 0.0;
+      filter.priors.calibrated = prior_of(result.calibration, {});
+      Pair pair(network, filter);
+      pair.noise_K = 0.02;
+      pair.cycle_s = 10.0;
+      pair.truth = truth;
+      pair.truth[parameters.heat(0)] += change;
+      pair.truth[parameters.heat(1)] -= change;
+      double squares_K2 = 0.0, count = 0.0;
+      while (pair.time_s < 4.0 * 3600.0) {
+        pair.cycle();
+        if (pair.time_s < 900.0) continue;
+        squares_K2 += std::pow(pair.sensor_error_K(), 2.0);
+        count += 1.0;
+      }
+      EXPECT_GE(pair.estimator.loosened(), 1);
+      EXPECT_LT(std::sqrt(squares_K2 / count), 0.3) << "seed " << seed << ", change " << change;
+      EXPECT_LT(std::abs(pair.nose_error_m()), 0.02 * std::abs(pair.plant.outputs.deformations_m[0]));
+    }
+  }
+}
+
 }  // namespace calibrate_calibrate_test
 }  // namespace spindle_twin::correction::test
