@@ -143,7 +143,7 @@ class Evaluate(History):
         self.wait_for_state(1)
         before_um = -1.0
         for _ in range(6):
-            wait_until(lambda: float32(*self.read(NOSE_UM, 2)) > before_um + 0.2, "growth")
+            wait_until(lambda: float32(*self.read(NOSE_UM, 2)) > before_um + 1.0, "growth")  # well above a late answer's
             before_um = self.touch_off(share)
         time.sleep(0.5)
         self.stop()
