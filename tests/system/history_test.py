@@ -83,7 +83,7 @@ class Replay(History):
         self.start_again()
         self.write_signals()
         self.wait_for_state(1)
-        wait_until(lambda: self.read(922, 2)[1] >= 3, "three updates of the estimator")
+        wait_until(lambda: self.read(922, 2)[1] >= 6, "six updates of the estimator")
         self.stop()
         database, export = self.folder / self.path, self.folder / "export.csv"
         listed = self.tool("history", database)
@@ -101,7 +101,7 @@ class Replay(History):
         self.assertEqual(replayed[0], replayed[1])
         said, again = list(csv.DictReader(export.read_text().splitlines())), list(csv.DictReader(replayed[0].splitlines()))
         self.assertEqual(len(said), len(again))
-        self.assertGreater(len(said), 30)
+        self.assertGreater(len(said), 25)  # a busy machine misses cycles
         compared = [name for name in said[0] if name.split(".")[0] in ("predicted", "deformation_raw", "predicted_sd", "heat_factor")]
         self.assertGreater(len(compared), 6)
         for told, repeated in zip(said, again):
