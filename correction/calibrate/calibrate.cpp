@@ -6,11 +6,12 @@
 #include <cstdio>
 #include <utility>
 
+#include "rom/units.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
 constexpr double seen_share = 0.75;  // of each test; the rest is held out
-constexpr double um_per_metre = 1e6;
 
 template <class... Values>
 std::string in_words(const char* format, Values... values) {
@@ -42,11 +43,11 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
   }
   for (const ChannelFit& channel : result.held_out) {
     const bool is_probe = channel.channel >= static_cast<int>(options.sensors.size());
-    const double scale = is_probe ? um_per_metre : 1.0;
+    const double scale = is_probe ? rom::um_per_m : 1.0;
     const char* unit = is_probe ? "um" : "K";
     if (is_probe && channel.rms > limits.held_out_m) {
       misfits.push_back(in_words("%s, held out: %.2f um rms, at most %.2f um", channel.name.c_str(),
-                                 um_per_metre * channel.rms, um_per_metre * limits.held_out_m));
+                                 rom::um_per_m * channel.rms, rom::um_per_m * limits.held_out_m));
     }
     if (channel.rms > limits.times_expected * channel.expected_rms) {
       misfits.push_back(in_words("%s, held out: %.3f %s rms where the fit allows for %.3f %s", channel.name.c_str(),
@@ -56,7 +57,7 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
   return misfits;
 }
 
-/// σ² of the first deformation output at the end of the longest test, of what is of the machine.
+/// σ of the first deformation output at the end of the longest test, of what is of the machine.
 double promised_m(const TestFit& fit, const TestUnknowns& unknowns, const std::vector<ThermalTest>& tests,
                   const CalibratedPrior& prior) {
   std::size_t longest = 0;

@@ -18,7 +18,7 @@ constexpr double largest_step = 3.0;      // of the first one, in deviations of 
 constexpr double step_tolerance = 1e-4;   // of u
 constexpr double value_tolerance = 1e-5;  // of the sum of squares
 constexpr int most_evaluations = 40;      // with one W
-constexpr double outlier = 3.0;           // deviations
+constexpr double outlier = 3.0;           // deviations, from which a reading pulls the less the further it is off
 
 struct Evaluated {
   std::vector<TestPrediction> predictions;
@@ -167,23 +167,6 @@ ChannelFit describe(const FitTask& task, const TestFit& fit, std::size_t test, i
   return result;
 }
 
-}  // namespace
-
-std::vector<ChannelFit> channels_from(const FitTask& task, const TestFit& fit, double share) {
-  std::vector<ChannelFit> channels;
-  const int count = static_cast<int>(task.options.sensors.size() + task.network.deformations.size());
-  for (std::size_t test = 0; test < task.tests.size(); ++test) {
-    const double from_s = task.tests[test].time_s.front() + share * task.tests[test].length_s();
-    for (int channel = 0; channel < count; ++channel) {
-      const ChannelFit described = describe(task, fit, test, channel, from_s);
-      if (described.readings > 0) channels.push_back(described);
-    }
-  }
-  return channels;
-}
-
-namespace {
-
 TestFit finish(const FitTask& task, Evaluated at, const Eigen::VectorXd& z, const Eigen::MatrixXd& covariance) {
   TestFit fit;
   fit.z = z;
@@ -203,6 +186,19 @@ TestFit finish(const FitTask& task, Evaluated at, const Eigen::VectorXd& z, cons
 }
 
 }  // namespace
+
+std::vector<ChannelFit> channels_from(const FitTask& task, const TestFit& fit, double share) {
+  std::vector<ChannelFit> channels;
+  const int count = static_cast<int>(task.options.sensors.size() + task.network.deformations.size());
+  for (std::size_t test = 0; test < task.tests.size(); ++test) {
+    const double from_s = task.tests[test].time_s.front() + share * task.tests[test].length_s();
+    for (int channel = 0; channel < count; ++channel) {
+      const ChannelFit described = describe(task, fit, test, channel, from_s);
+      if (described.readings > 0) channels.push_back(described);
+    }
+  }
+  return channels;
+}
 
 TestFit fit_tests(const FitTask& task, const Eigen::VectorXd* start, const std::function<void(int)>& progress) {
   const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());

@@ -46,8 +46,9 @@ struct TestFit {
 /// Nonlinear least squares of all tests at once with the priors, by Levenberg and Marquardt in MINPACK's form (Moré,
 /// 1978; Eigen's unsupported module):
 ///   min ½ |L⁻¹ (reading − model(z) − offset)|² + ½ |u|²,   z = mean + root u,   W = L Lᵀ (residual_covariance)
-/// W is of the sensitivities at the start, then twice anew at the solution; there a reading further off than 3 of its
-/// deviations gets a variance larger by that ratio (Huber). The posterior is that of the last linearisation.
+/// W is of the sensitivities at the start, then twice anew at the solution; there a reading that is q > 3 of its
+/// deviations off gets 1 + q (q/3 - 1) times its variance, so that it pulls the less the further it is off. The
+/// posterior is that of the last linearisation.
 /// Several tests run in threads of their own; the result does not depend on how many. Throws rom::InputError where the
 /// model cannot be integrated, and for a test without a reading. `progress`: after each evaluation of all tests.
 TestFit fit_tests(const FitTask& task, const Eigen::VectorXd* start, const std::function<void(int)>& progress);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,18 @@ struct ThermalTest {
 
   double length_s() const { return time_s.back() - time_s.front(); }
 };
+
+/// Priors of a test from those of service: laws of speed and of temperature are open, which hours of several speeds
+/// tell; no heat stays unexplained, which would take what the parameters are wrong by; and nothing is calibrated yet.
+inline EstimatorPriors test_priors(EstimatorPriors priors) {
+  constexpr double open_speed_exponent = 0.2;  // 1σ
+  constexpr double open_bearing_per_K = 0.01;  // 1σ
+  priors.disturbance = priors.disturbance_by_hand = 0.0;
+  priors.speed_exponent = std::max(priors.speed_exponent, open_speed_exponent);
+  priors.bearing_per_K = std::max(priors.bearing_per_K, open_bearing_per_K);
+  priors.calibrated = nullptr;
+  return priors;
+}
 
 /// What is assumed of readings, model and machine. Deviations are 1σ.
 struct CalibrateOptions {

@@ -263,8 +263,13 @@ class EstimatorCorrection {
   /// Unknowns further from their prior than it makes likely, in an estimate that its readings contradict, are no
   /// knowledge: they go back to it.
   void forget_the_implausible(bool as_unknown);
-  /// Deviation to which an unknown is loosened: of its prior, `as_unknown` of that of a machine that nobody has tested.
-  double open_deviation(Eigen::Index i, bool as_unknown) const;
+  /// Prior to which an unknown is loosened.
+  struct Opened {
+    double mean = 0.0;
+    double deviation = 0.0;  ///< 1σ
+  };
+  /// That of the unknown's own prior; `as_unknown` that of a machine that nobody has tested.
+  Opened opened(Eigen::Index i, bool as_unknown) const;
   void open_start(double widest_K, double shapes_share, double groups_share);
   void look_at_the_start();
   /// A flow that was told to have changed leaves the films of its circuit as open as their prior.

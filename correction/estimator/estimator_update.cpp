@@ -18,6 +18,9 @@ constexpr double lag_missed = 0.3;  // of what an open lag does, the share that 
 constexpr double least_start_K = 0.2;       // σ of the uniform start
 constexpr double start_groups_share = 0.5;  // of that, per thermal group
 constexpr double implausible = 2.0;         // deviations of its prior, in an estimate that readings contradict
+// What contradicts a loosened estimate again within this time is another machine than the one that was calibrated: the
+// first loosening gives a calibrated estimate back all of its own deviations, and an hour is two to four of the time
+// constants by which a spindle's heats show.
 constexpr double again_within_s = 3600.0;
 constexpr double untared_K = 0.1;  // σ of a class A PT100 without tare, its tolerance taken for 2σ (IEC 60751)
 // Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
@@ -196,9 +199,10 @@ void EstimatorCorrection::open_start(double widest_K, double shapes_share, doubl
   widened_s_ = seen_s_;
 }
 
-double EstimatorCorrection::open_deviation(Eigen::Index i, bool as_unknown) const {
-  if (!as_unknown || i >= parameters_.count()) return filter_.scale()[i];
-  return parameters_.list()[static_cast<std::size_t>(i)].uncalibrated_deviation;
+EstimatorCorrection::Opened EstimatorCorrection::opened(Eigen::Index i, bool as_unknown) const {
+  if (!as_unknown || i >= parameters_.count()) return {prior_mean_[i], filter_.scale()[i]};
+  const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
+  return {parameter.uncalibrated_mean, parameter.uncalibrated_deviation};
 }
 
 void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
@@ -206,14 +210,13 @@ void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
     const bool is_parameter = i < parameters_.count();
     const double width = is_parameter ? width_of(parameters_.list()[static_cast<std::size_t>(i)]) : 1.0;
-    const double deviation = std::max(width, 1.0) * open_deviation(i, as_unknown);
-    const double mean =
-        as_unknown && is_parameter ? parameters_.list()[static_cast<std::size_t>(i)].uncalibrated_mean : prior_mean_[i];
-    if (!(std::abs(row_[i] - mean) > implausible * deviation)) continue;
-    row_[i] = mean;
+    const Opened open = opened(i, as_unknown);
+    const double deviation = std::max(width, 1.0) * open.deviation;
+    if (!(std::abs(row_[i] - open.mean) > implausible * deviation)) continue;
+    row_[i] = open.mean;
     keep_[i] = 0.0;
     growth_[i] = deviation * deviation;
-    if (i >= parameters_.count()) continue;
+    if (!is_parameter) continue;
     sensitivities_.clear(i);
     for (SensorChannel& channel : channels_) channel.set_sensitivity_at(i, 0.0);
   }
@@ -222,7 +225,6 @@ void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
 
 void EstimatorCorrection::loosen(double widest_K) {
   ++loosened_;
-  // What contradicts a calibrated estimate again within the hour is another machine than the one that was tested.
   const bool as_unknown = seen_s_ - loosened_s_ < again_within_s;
   loosened_s_ = seen_s_;
   const double open_K = std::max(widest_K, least_start_K);
@@ -230,7 +232,7 @@ void EstimatorCorrection::loosen(double widest_K) {
   growth_.setZero();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
     const double deviation = filter_.deviation(i);
-    if (deviation > 0.0) keep_[i] = std::max(1.0, open_deviation(i, as_unknown) / deviation);
+    if (deviation > 0.0) keep_[i] = std::max(1.0, opened(i, as_unknown).deviation / deviation);
   }
   for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(channels_.size()); ++s) {
     const double wanted_K = std::min(0.5 * open_K, untared_K),
@@ -268,7 +270,8 @@ void EstimatorCorrection::widen_films(const rom::OperatingState& operating) {
     changed = true;
     for (const int segment : network_->boundaries.circuits[static_cast<std::size_t>(c)].segments) {
       const int slot = parameters_.conductance(segment);
-      if (slot >= 0) keep_[slot] = std::max(1.0, filter_.scale()[slot] / filter_.deviation(slot));
+      // A calibration was of the film at the flow of its test.
+      if (slot >= 0) keep_[slot] = std::max(1.0, opened(slot, true).deviation / filter_.deviation(slot));
     }
   }
   if (!changed) return;

@@ -92,7 +92,7 @@ void PlantPublisher::run() {
 void PlantPublisher::stop() {
   stop_.store(true);
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+  [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
 }
 
 }  // namespace spindle_twin::firmware

@@ -44,7 +44,7 @@ constexpr std::int64_t may_be_evicted_ns = 5 * ns_per_s;  ///< a connection that
 
 void notify(const Descriptor& event) {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(event.get(), &one, sizeof one);
+  [[maybe_unused]] const ssize_t written = ::write(event.get(), &one, sizeof one);
 }
 
 bool can_take_an_answer(int socket) {
@@ -141,7 +141,7 @@ void ModbusServer::rest_behind_failed_poll(int reason) {
 
 void ModbusServer::adopt_all() {
   std::uint64_t count = 0;
-  [[maybe_unused]] const ssize_t cleared = read(adopting_.get(), &count, sizeof count);
+  [[maybe_unused]] const ssize_t cleared = ::read(adopting_.get(), &count, sizeof count);
   std::vector<Newcomer> adopted;
   {
     const std::lock_guard lock(guard_);

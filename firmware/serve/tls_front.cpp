@@ -55,7 +55,7 @@ int TlsFront::port() const { return port_of(listener_.get()); }
 
 void TlsFront::stop() {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+  [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
 }
 
 int TlsFront::poll_timeout_ms() const {

@@ -61,7 +61,7 @@ int HttpServer::port() const { return port_of(listener_.get()); }
 
 void HttpServer::stop() {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(wake_.get(), &one, sizeof one);
+  [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
   if (slow_) slow_->stop();
 }
 

@@ -54,7 +54,7 @@ void SlowPages::forget(std::uint64_t number) {
 
 std::vector<SlowPages::Made> SlowPages::take() {
   std::uint64_t count = 0;
-  [[maybe_unused]] const ssize_t got = read(ready_.get(), &count, sizeof count);
+  [[maybe_unused]] const ssize_t got = ::read(ready_.get(), &count, sizeof count);
   const std::lock_guard lock(guard_);
   for (const Made& each : made_) wanted_.erase(each.number);
   return std::exchange(made_, {});
@@ -90,7 +90,7 @@ void SlowPages::hand_over(Made made) {
     made_.push_back(std::move(made));
   }
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = write(ready_.get(), &one, sizeof one);
+  [[maybe_unused]] const ssize_t written = ::write(ready_.get(), &one, sizeof one);
 }
 
 void SlowPages::run() {

@@ -40,15 +40,6 @@ struct CalibrateCommand {
   bool json = false;
 };
 
-/// What the options' defaults leave open for a machine that was never tested: laws of speed and temperature too.
-correction::EstimatorPriors open_priors(correction::EstimatorPriors priors) {
-  priors.disturbance = priors.disturbance_by_hand = 0.0;
-  priors.speed_exponent = std::max(priors.speed_exponent, 0.2);
-  priors.bearing_per_K = std::max(priors.bearing_per_K, 0.01);
-  priors.calibrated = nullptr;
-  return priors;
-}
-
 correction::CalibrateOptions options_of(const CalibrateCommand& command, const rom::Network& network) {
   correction::CalibrateOptions options;
   correction::EstimatorOptions estimator;
@@ -71,7 +62,7 @@ correction::CalibrateOptions options_of(const CalibrateCommand& command, const r
   } else {
     options.sensors = correction::key_point_sensors(network, estimator);
   }
-  options.priors = open_priors(estimator.priors);
+  options.priors = correction::test_priors(estimator.priors);
   options.lag_deviation_s = estimator.lag_deviation_s > 0.0 ? estimator.lag_deviation_s : 1e-3;
   options.probe_noise_m = command.probe_noise_um * rom::m_per_um;
   return options;

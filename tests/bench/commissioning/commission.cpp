@@ -102,10 +102,7 @@ Commissioned commission(const rom::Network& network, const fem_offline::AffineMo
   std::array<correction::Calibration, permanent_sensors.size()> calibrations;
   for (std::size_t set = 0; set < permanent_sensors.size(); ++set) {
     correction::CalibrateOptions options;
-    options.priors = priors_of(heats);
-    options.priors.disturbance = 0.0;
-    options.priors.speed_exponent = 0.2;
-    options.priors.bearing_per_K = 0.01;
+    options.priors = correction::test_priors(priors_of(heats));
     options.sensors = correction::key_point_sensors(network, {});
     options.sensors.resize(static_cast<std::size_t>(permanent_sensors[set]));
     calibrations[set] =
