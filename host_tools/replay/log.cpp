@@ -195,8 +195,10 @@ void read_cycles(const rom::CsvTable& table, Log& log) {
     row.missed = std::llround(overruns[i] - before);
     row.connected = (static_cast<unsigned>(quality[i]) & offline) == 0;
     if (time_s[i] == 0.0 || (i == 0 && sequence[0] != 1.0)) continue;
-    const double rise_s = time_s[i] - (i > 0 ? time_s[i - 1] : 0.0);
-    const double period_s = std::round(1e6 * rise_s / static_cast<double>(1 + row.missed)) / 1e6;
+    const double earlier_s = i > 0 ? time_s[i - 1] : 0.0;
+    // The cycle in which the model starts advances it by one period, whatever had been missed before.
+    const double periods = earlier_s > 0.0 ? 1.0 + static_cast<double>(row.missed) : 1.0;
+    const double period_s = std::round(1e6 * (time_s[i] - earlier_s) / periods) / 1e6;
     if (!log.cycle_s && period_s > 0.0) log.cycle_s = period_s;
     if (!log.cycle_s || std::abs(period_s - *log.cycle_s) > 1e-6 + 1e-8 * time_s[i]) {
       throw rom::InputError(row.where, "time_s", "must rise by one period, and one more for each overrun");

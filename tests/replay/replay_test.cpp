@@ -97,13 +97,15 @@ Life live(const rom::Network& network, unsigned seed, bool paper = true) {
   firmware::PlcCommand command;
   std::int64_t now_ns = 1'234'567'890'123;
   double speed_rpm = 6000.0, load = 1.0;
+  constexpr int first_reading = 5;
   for (int n = 0; n < 1500; ++n) {
-    const std::int64_t missed = share(random) < 0.02 ? 1 + static_cast<std::int64_t>(5.0 * share(random)) : 0;
+    const std::int64_t drawn = share(random) < 0.02 ? 1 + static_cast<std::int64_t>(5.0 * share(random)) : 0;
+    const std::int64_t missed = n == first_reading ? 2 : drawn;  // before the cycle that starts the model too
     now_ns += 16'666'666 * (1 + missed) + (share(random) < 0.5 ? 1000 : -1000);
     if (share(random) < 0.003) speed_rpm = 12000.0 * share(random), load = share(random);
     const double rise_K = 6.0 * (1.0 - std::exp(-n / 400.0));
     for (std::size_t k = 0; k < 3; ++k) {
-      if (n < 5 || share(random) < 0.1) continue;  // an older reading stays
+      if (n < first_reading || share(random) < 0.1) continue;  // an older reading stays
       const double odd = share(random);
       const double reading_K = odd < 0.01   ? firmware::not_a_value
                                : odd < 0.02 ? 450.0
