@@ -54,6 +54,8 @@ int run(int argc, char** argv) {
   add_export(app);
   add_identify(app);
   add_calibrate(app);
+  add_thermal_test_report(app);
+  add_compare(app);
   add_laws(app);
   add_registers(app);
 #ifdef SPINDLE_TWIN_OFFLINE

@@ -1,9 +1,9 @@
 // The meridian section of a spindle with its temperatures.
 //
-// A scene: `outlines` ({part, points_m}), `bodies` ({name, centre_m, rise_K, tip}), `nodes` ({name, part, at_m, rise_K}),
-// `flows` (as in `spindle-twin inspect --json`), `key_points` ({name, at_m, tip, label}), `lumps` (every node is a body of
-// its own, and all there is to draw), `low_K` and `high_K` (the scale of colours; `unit` where it is not K). Places are
-// [r, z] in m.
+// A scene: `outlines` ({part, points_m}), `bodies` ({name, centre_m, rise_K, tip}), `nodes` ({name, part, at_m, rise_K} and
+// a `tip` where it is no rise; `dot` is their size), `flows` (as in `spindle-twin inspect --json`), `key_points` ({name,
+// at_m, tip, label}; `sign` is what they are called), `lumps` (every node is a body of its own, and all there is to draw),
+// `low_K` and `high_K` (the scale of colours; `unit` where it is not K, `digits` of its numbers). Places are [r, z] in m.
 import { colourScale, ramp } from "./colours.js";
 import { fixed, svgElement } from "./elements.js";
 import { drawFlows, drawWatts } from "./section_flows.js";
@@ -57,9 +57,9 @@ function drawNodes(drawing) {
   const placed = scene.nodes.filter(n => n.part || n.at_m[0] !== 0 || n.at_m[1] !== 0);
   for (const node of placed) {
     const [x, y] = view.at(node.at_m);
-    const dot = svgElement("circle", { cx: x, cy: y, r: scene.lumps ? 13 : 2.6, fill: colour.css(node.rise_K), stroke: "#14171b",
-      "stroke-width": 0.7 }, svg);
-    tip(dot, `${node.name}: +${fixed(node.rise_K, 3)} K`);
+    const dot = svgElement("circle", { cx: x, cy: y, r: scene.lumps ? 13 : scene.dot ?? 2.6, fill: colour.css(node.rise_K),
+      stroke: "#14171b", "stroke-width": 0.7 }, svg);
+    tip(dot, node.tip ?? `${node.name}: +${fixed(node.rise_K, 3)} K`);
     if (scene.lumps) room.take([x - 14, y - 14, x + 14, y + 14]);
   }
   return placed;
@@ -91,7 +91,7 @@ function drawRamp({ svg, view, scene, colour }) {
   ramp.forEach((c, i) => svgElement("stop", { offset: i / (ramp.length - 1), "stop-color": `rgb(${c.join(",")})` }, gradient));
   svgElement("rect", { x: view.side, y: view.bottom, width: wide, height: 10, fill: "url(#ramp)", rx: 2 }, svg);
   for (let i = 0; i <= 4; ++i) {
-    const value = fixed(colour.low + (colour.high - colour.low) * i / 4, 1);
+    const value = fixed(colour.low + (colour.high - colour.low) * i / 4, scene.digits ?? 1);
     svgElement("text", { x: view.side + wide * i / 4, y: view.bottom + 25, class: "soft middle" }, svg, value);
   }
   svgElement("text", { x: view.side + wide + 14, y: view.bottom + 10, class: "soft" }, svg, scene.unit ?? "K");
@@ -106,7 +106,7 @@ function drawKey(drawing) {
     "stroke-width": 1.8 }, svg);
   const signs = [];
   if (scene.flows.length) signs.push([dash("flow"), "heat between parts", 160], [dash("out"), "heat to coolant or ambient", 205]);
-  if (scene.key_points.length) signs.push([cross, "key point", 100]);
+  if (scene.key_points.length) signs.push([cross, scene.sign ?? "key point", 100]);
   const start = view.upright ? view.side : view.side + 316;
   const length = view.scale * 0.05 > view.width / 6 ? 0.02 : 0.05;  // m
   const ruler = length * view.scale;

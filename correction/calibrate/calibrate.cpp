@@ -90,6 +90,10 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
   result.held_out = channels_from(task, judge_tests(task, first.z, first.covariance), seen_share);
   result.fit = fit_tests(task, &first.z, say("fit of all readings"));
   result.fit.evaluations += first.evaluations;
+  for (const ThermalTest& test : tests) {
+    result.before.push_back(
+        predictor.predict(test, unknowns.theta(unknowns.mean(), 0), unknowns.lag_s(unknowns.mean())));
+  }
 
   Calibration& calibration = result.calibration;
   const auto count = static_cast<Eigen::Index>(unknowns.machine().size());

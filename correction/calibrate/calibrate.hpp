@@ -17,11 +17,12 @@ struct CalibrateLimits {
 };
 
 struct CalibrationResult {
-  Calibration calibration;           ///< without file names, hash and time
-  TestFit fit;                       ///< of all readings
-  std::vector<ChannelFit> held_out;  ///< the last part, predicted by a fit of what is before it
-  std::vector<std::string> misfits;  ///< in words, each with channel and number; empty: it fits
-  std::vector<Parameter> machine;    ///< the calibrated parameters, as the priors have them
+  Calibration calibration;             ///< without file names, hash and time
+  TestFit fit;                         ///< of all readings
+  std::vector<ChannelFit> held_out;    ///< the last part, predicted by a fit of what is before it
+  std::vector<std::string> misfits;    ///< in words, each with channel and number; empty: it fits
+  std::vector<Parameter> machine;      ///< the calibrated parameters, as the priors have them
+  std::vector<TestPrediction> before;  ///< of each test with the priors' means
 };
 
 /// Steps: fit the first part of each test; predict the last part and compare; fit all; judge. A parameter beyond

@@ -22,6 +22,7 @@ struct ProbeChannel {
   Eigen::VectorXd internal;
   Eigen::VectorXd before;  // d(output)/dθ when the period began
   double residuals_m = 0.0;
+  double readings_m = 0.0;
   int samples = 0;
 };
 
@@ -94,7 +95,7 @@ class TestRun {
     for (const rom::DeformationOutput& output : network_.deformations) {
       sensitivities_.internal_row(output.row_m_per_K, internal);
       sensitivities_.of_row(internal, place_);
-      probes_.push_back({internal, place_, 0.0, 0});
+      probes_.push_back({internal, place_, 0.0, 0.0, 0});
     }
     due_s_.assign(sensors_.size() + probes_.size(), test_.time_s.front());
     seen_s_ = test_.time_s.front();
@@ -128,6 +129,7 @@ class TestRun {
       const double reading_m = test_.deformation_m(row, static_cast<Eigen::Index>(d));
       if (!std::isfinite(reading_m)) continue;
       probes_[d].residuals_m += reading_m - deformation_m(d);
+      probes_[d].readings_m += reading_m;
       ++probes_[d].samples;
     }
     if (time_s < period_.opened_s() + options_.held_s - instant_slack_s && !period_.differs(test_.operating[i])) return;
@@ -150,7 +152,7 @@ class TestRun {
     }
     for (ProbeChannel& probe : probes_) {
       sensitivities_.of_row(probe.internal, probe.before);
-      probe.residuals_m = 0.0;
+      probe.residuals_m = probe.readings_m = 0.0;
       probe.samples = 0;
     }
   }
@@ -179,7 +181,7 @@ class TestRun {
     if (sensor.samples() == 0 || !is_due(time_s, s)) return;
     const double share = mean_share(sensor.samples());
     found_.push_back({time_s, static_cast<int>(s), sensor.mean_residual_K(), sensor.mean_reading_K() - test_.start_K,
-                      sensor.samples(), sensor.mean_lag_slope()});
+                      sensor.samples(), sensor.mean_lag_slope(), sensor.mean_reading_K()});
     rows_.push_back(before + share * (sensor.sensitivity() - before));
   }
 
@@ -189,7 +191,8 @@ class TestRun {
     if (probe.samples == 0 || !is_due(time_s, channel)) return;
     const double share = mean_share(probe.samples);
     sensitivities_.of_row(probe.internal, place_);
-    found_.push_back({time_s, static_cast<int>(channel), probe.residuals_m / probe.samples, 0.0, probe.samples, 0.0});
+    found_.push_back({time_s, static_cast<int>(channel), probe.residuals_m / probe.samples, 0.0, probe.samples, 0.0,
+                      probe.readings_m / probe.samples});
     rows_.push_back(probe.before + share * (place_ - probe.before));
   }
 

@@ -17,6 +17,7 @@ struct TestReading {
   double rise = 0.0;      ///< of the reading above the test's start temperature, K; 0 of a deformation
   int samples = 1;
   double lag_slope = 0.0;  ///< d(model)/dτ of the sensor, K/s
+  double value = 0.0;      ///< mean of the readings; K or m
 };
 
 /// A whole test with one θ: r readings, p parameters.

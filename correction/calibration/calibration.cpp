@@ -9,6 +9,13 @@
 
 namespace spindle_twin::correction {
 
+double drift_of(const std::string& name, const DriftOptions& drift) {
+  if (name.starts_with(name_of(ParameterKind::heat))) return drift.heat;
+  if (name.starts_with(name_of(ParameterKind::contact))) return drift.contact;
+  if (name.starts_with(name_of(ParameterKind::film))) return drift.film;
+  return 0.0;
+}
+
 std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, const DriftOptions& drift) {
   auto prior = std::make_shared<CalibratedPrior>();
   const std::vector<std::uint8_t> bytes = encode_calibration(calibration);
@@ -23,11 +30,7 @@ std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, 
   prior->mean = calibration.mean;
   prior->covariance = calibration.root * calibration.root.transpose();
   for (std::size_t i = 0; i < calibration.names.size(); ++i) {
-    const std::string& name = calibration.names[i];
-    const double deviation = name.starts_with(name_of(ParameterKind::heat))      ? drift.heat
-                             : name.starts_with(name_of(ParameterKind::contact)) ? drift.contact
-                             : name.starts_with(name_of(ParameterKind::film))    ? drift.film
-                                                                                 : 0.0;
+    const double deviation = drift_of(calibration.names[i], drift);
     const auto slot = static_cast<Eigen::Index>(i);
     prior->covariance(slot, slot) += deviation * deviation;
   }

@@ -43,8 +43,11 @@ struct DriftOptions {
   }
 };
 
-/// Posterior and drift together: covariance = root rootᵀ + diag(drift²), of heats, contacts and films by how their
-/// names begin. What else was calibrated has the posterior alone. Allocates.
+/// 1σ of how far a parameter of this name may have changed since the test: heats, contacts and films by how their names
+/// begin, 0 of all others.
+double drift_of(const std::string& name, const DriftOptions& drift);
+
+/// Posterior and drift together: covariance = root rootᵀ + diag(drift_of²). Allocates.
 std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, const DriftOptions& drift);
 
 /// Throws rom::InputError naming `file`, and why, where the calibration is of another spindle or names a parameter that

@@ -195,6 +195,14 @@ Identification identify(const rom::Network& network, const std::vector<SensorPla
     condition_on(readings_of(done.instants, s, options.offset_deviation_K), covariance);
   }
   result.posterior_m = root(done.deformation_m.dot(covariance * done.deformation_m));
+  for (std::size_t left_out = 0; left_out < sensors.size(); ++left_out) {
+    Eigen::MatrixXd others = parameters.covariance();
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      const auto place = candidates + static_cast<Eigen::Index>(s);
+      if (s != left_out) condition_on(readings_of(done.instants, place, options.offset_deviation_K), others);
+    }
+    result.without_m.push_back(root(done.deformation_m.dot(others * done.deformation_m)));
+  }
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
     result.parameters.push_back({parameter.name, parameter.kind, {0.0, root(covariance(i, i)), parameter.deviation}});

@@ -52,9 +52,10 @@ struct Placement {
 };
 
 struct Identification {
-  double growth_m = 0.0;     ///< first deformation at the end of the drive cycle
-  double prior_m = 0.0;      ///< 1σ of it without sensors
-  double posterior_m = 0.0;  ///< with them
+  double growth_m = 0.0;          ///< first deformation at the end of the drive cycle
+  double prior_m = 0.0;           ///< 1σ of it without sensors
+  double posterior_m = 0.0;       ///< with them
+  std::vector<double> without_m;  ///< 1σ where this one sensor is left out, all others in place
   std::vector<IdentifiedParameter> parameters;
   std::vector<Placement> placements;       ///< one after another
   std::vector<Placement> first_placement;  ///< every open place as the next sensor, best first

@@ -3,8 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -13,10 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "firmware/config/config.hpp"
+#include "host_tools/calibrate/calibration_page.hpp"
 #include "host_tools/calibrate/read_thermal_test.hpp"
+#include "host_tools/calibrate/test_options.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "host_tools/pages/fill_page.hpp"
+#include "host_tools/pages/page_texts.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/units.hpp"
@@ -32,6 +33,7 @@ struct CalibrateCommand {
   std::vector<std::string> logs;
   std::string config;
   std::string output;
+  std::string page;
   std::optional<double> start_degC;
   double longest_gap_s = 60.0;
   double probe_noise_um = 1.0;
@@ -39,34 +41,6 @@ struct CalibrateCommand {
   bool accept = false;
   bool json = false;
 };
-
-correction::CalibrateOptions options_of(const CalibrateCommand& command, const rom::Network& network) {
-  correction::CalibrateOptions options;
-  correction::EstimatorOptions estimator;
-  if (!command.config.empty()) {
-    const firmware::Config config = firmware::read_config(command.config);
-    if (!config.cycle.estimator) {
-      throw rom::InputError({command.config, 0}, "correction.law",
-                            "must be \"estimator\": a calibration is of its parameters");
-    }
-    estimator = *config.cycle.estimator;
-    options.sensors = correction::key_point_sensors(network, estimator);
-    const firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;
-    for (std::size_t k = 0; k < options.sensors.size(); ++k) {
-      const firmware::SensorPlan& sensor = plan.sensors[k];
-      if (!sensor.configured) continue;
-      options.sensors[k].noise_K = sensor.noise_K;
-      options.sensors[k].offset_deviation_K = sensor.offset_deviation_K;
-      options.sensors[k].lag_s = sensor.lag_s;
-    }
-  } else {
-    options.sensors = correction::key_point_sensors(network, estimator);
-  }
-  options.priors = correction::test_priors(estimator.priors);
-  options.lag_deviation_s = estimator.lag_deviation_s > 0.0 ? estimator.lag_deviation_s : 1e-3;
-  options.probe_noise_m = command.probe_noise_um * rom::m_per_um;
-  return options;
-}
 
 bool is_probe(const correction::CalibrateOptions& options, const correction::ChannelFit& channel) {
   return channel.channel >= static_cast<int>(options.sensors.size());
@@ -155,13 +129,15 @@ void print_table(const correction::CalibrateOptions& options, const correction::
 
 void run_calibrate(const CalibrateCommand& command) {
   if (!command.output.empty()) rom::check_writable(command.output, "--output");
+  if (!command.page.empty()) rom::check_writable(command.page, "--html");
   const rom::RomFile file = rom::read_rom_file(command.network);
   std::vector<correction::ThermalTest> tests;
   for (const std::string& log : command.logs) {
     tests.push_back(
         read_thermal_test(file.network, read_log(log, file.network, command.longest_gap_s), command.start_degC));
   }
-  const correction::CalibrateOptions options = options_of(command, file.network);
+  correction::CalibrateOptions options = test_options(file.network, command.config);
+  options.probe_noise_m = command.probe_noise_um * rom::m_per_um;
   correction::CalibrateLimits limits;
   limits.held_out_m = command.held_out_um * rom::m_per_um;
   const bool shows = isatty(STDERR_FILENO) == 1;
@@ -173,6 +149,10 @@ void run_calibrate(const CalibrateCommand& command) {
   result.calibration.network_sha256 = file.sha256;
   result.calibration.made_unix_s = static_cast<double>(std::time(nullptr));
   command.json ? print_json(options, result) : print_table(options, result);
+  if (!command.page.empty()) {
+    rom::write_whole_file(command.page,
+                          fill_page(calibration_page_text, calibration_page_data(file.network, options, result)));
+  }
   if (!result.misfits.empty() && !command.accept) {
     std::fprintf(stderr, "spindle-twin calibrate: it does not fit, so nothing is written; --accept writes it\n");
     throw CLI::RuntimeError(does_not_fit);
@@ -203,6 +183,8 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--held-out-um", options->held_out_um, "most rms of a probe in the last quarter, predicted")
       ->capture_default_str()
       ->check(finite_range(0.01, 1000.0, "0.01 to 1000 um"));
+  command->add_option("--html", options->page,
+                      "write a page: readings, model before and after, what is left, +-2 sigma");
   command->add_flag("--accept", options->accept, "write it although it does not fit");
   command->add_option("-o,--output", options->output, "calibration to write, for [correction] calibration");
   command->add_flag("--json", options->json, "as JSON");

@@ -22,6 +22,8 @@ void add_evaluate(CLI::App& app);
 void add_export(CLI::App& app);
 void add_identify(CLI::App& app);
 void add_calibrate(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_thermal_test_report(CLI::App& app);
 void add_laws(CLI::App& app);
 void add_registers(CLI::App& app);
 

@@ -1,31 +1,55 @@
 #include "correction/identify/identify.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "correction/identify/turning_parts.hpp"
+#include "host_tools/calibrate/test_options.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "host_tools/pages/fill_page.hpp"
+#include "host_tools/pages/page_texts.hpp"
+#include "host_tools/test_plan/describe_test.hpp"
+#include "host_tools/test_plan/test_plan.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/file/whole_file.hpp"
+#include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
 
 // spindle-twin identify reference.rom --sensors inner,middle,outer
+// spindle-twin identify reference.rom --sensors inner,middle,outer --test-hours 2 --probe nose -o test.csv
 namespace spindle_twin::host_tools {
 namespace {
 
 constexpr double millimetres_per_metre = 1e3;
 constexpr std::size_t shown_places = 8;
 
-struct IdentifyOptions {
+struct IdentifyOptions {  // NOLINT(public-members): a member per option
   std::string network;
   std::vector<std::string> sensors;
   std::string schedule;
   double hours = 1.0;
   correction::IdentifyOptions identify;
+  bool anywhere = false;
   bool json = false;
+  std::string page;
+  // Of a test that is to be proposed.
+  std::optional<double> test_hours;
+  std::string probe;
+  std::string config;
+  std::string output;
+  std::optional<double> top_rpm;
+  double shortest_min = 5.0;
+  double load = 0.0;
+  int temporary = 3;
 };
 
 nlohmann::ordered_json to_json(const correction::Placement& placement) {
@@ -97,19 +121,119 @@ void print_table(const rom::Network& network, const std::vector<correction::Sens
   }
 }
 
-void run_identify(const IdentifyOptions& options) {
+std::size_t probe_index(const rom::Network& network, const std::string& name) {
+  if (network.deformations.empty()) throw rom::InputError({}, "--probe", "the network has no deformation output");
+  if (name.empty()) return 0;
+  std::string list;
+  for (std::size_t d = 0; d < network.deformations.size(); ++d) {
+    if (network.deformations[d].name == name) return d;
+    list.append(list.empty() ? "" : ", ").append(network.deformations[d].name);
+  }
+  throw rom::InputError({}, "--probe", "'" + name + "' is no deformation output; allowed: " + list);
+}
+
+TestWish wish_of(const IdentifyOptions& options, const rom::Network& network,
+                 const std::vector<correction::SensorPlace>& sensors) {
+  TestWish wish;
+  wish.calibrate = test_options(network, options.config);
+  std::vector<correction::EstimatorSensor> used;
+  for (const correction::SensorPlace& place : sensors) {
+    const auto known = std::find_if(wish.calibrate.sensors.begin(), wish.calibrate.sensors.end(),
+                                    [&](const correction::EstimatorSensor& one) { return one.name == place.name; });
+    used.push_back(known == wish.calibrate.sensors.end() ? correction::EstimatorSensor{} : *known);
+    used.back().name = place.name;
+    used.back().row = place.row;
+  }
+  wish.calibrate.sensors = std::move(used);
+  wish.permanent = sensors;
+  wish.candidates = reachable_places(network, options.identify.closed_parts, sensors);
+  wish.temporary = options.temporary;
+  wish.probe = probe_index(network, options.probe);
+  wish.limits.length_s = rom::seconds_per_hour * *options.test_hours;
+  wish.limits.top_rpm = options.top_rpm.value_or(network.boundaries.operating.speed_rpm);
+  wish.limits.shortest_s = rom::seconds_per_minute * options.shortest_min;
+  wish.limits.load = options.load;
+  if (wish.limits.top_rpm <= 0.0)
+    throw rom::InputError({}, "--top-speed", "is needed: the network is described at standstill");
+  if (wish.limits.shortest_s > wish.limits.length_s) {
+    throw rom::InputError({}, "--shortest-min", "is longer than the test");
+  }
+  wish.service = options.schedule.empty() ? correction::usual_service(wish.limits.top_rpm, network.boundaries)
+                                          : rom::read_schedule(options.schedule, network.boundaries);
+  return wish;
+}
+
+void propose(const IdentifyOptions& options, const rom::Network& network,
+             const std::vector<correction::SensorPlace>& sensors) {
+  const TestWish wish = wish_of(options, network, sensors);
+  const bool shows = isatty(STDERR_FILENO) == 1;
+  const ProposedTest test = propose_test(network, wish, [&](const std::string& words) {
+    if (shows) std::fprintf(stderr, "\r\033[K%s", words.c_str());
+  });
+  if (shows) std::fprintf(stderr, "\r\033[K");
+  if (!options.output.empty()) rom::write_whole_file(options.output, schedule_csv(test.plan.cycle, wish.limits));
+  if (!options.page.empty()) {
+    rom::write_whole_file(
+        options.page, fill_page(sensors_page_text, test_page_data(network, wish, test, options.identify.closed_parts)));
+  }
+  std::printf("%s%s", (options.json ? test_json(network, wish, test).dump(2) : test_table(network, wish, test)).c_str(),
+              options.json ? "\n" : "");
+}
+
+void run_identify(IdentifyOptions options) {
+  for (const auto& [file, field] : {std::pair(options.output, "--output"), std::pair(options.page, "--html")}) {
+    if (!file.empty()) rom::check_writable(file, field);
+  }
   const rom::Network network = rom::read_network(options.network);
-  const rom::Schedule schedule = options.schedule.empty()
-                                     ? rom::constant_schedule(network.boundaries, 3600.0 * options.hours)
-                                     : rom::read_schedule(options.schedule, network.boundaries);
   std::vector<std::string> names = options.sensors;
   if (names.empty()) {
     for (const rom::KeyPoint& point : network.key_points) names.push_back(point.name);
   }
   correction::find_places(network, options.identify.closed_parts, "--not-on");
   const std::vector<correction::SensorPlace> sensors = correction::find_places(network, names, "--sensors");
+  if (!options.anywhere) {
+    for (std::string& part : correction::turning_parts(network)) {
+      options.identify.closed_parts.push_back(std::move(part));
+    }
+  }
+  if (options.test_hours) {
+    propose(options, network, sensors);
+    return;
+  }
+  const rom::Schedule schedule = options.schedule.empty()
+                                     ? rom::constant_schedule(network.boundaries, 3600.0 * options.hours)
+                                     : rom::read_schedule(options.schedule, network.boundaries);
   const correction::Identification found = correction::identify(network, sensors, schedule, options.identify);
+  if (!options.page.empty()) {
+    rom::write_whole_file(options.page, fill_page(sensors_page_text, sensors_page_data(network, sensors, found,
+                                                                                       options.identify.closed_parts)));
+  }
   options.json ? print_json(network, sensors, found) : print_table(network, sensors, found);
+}
+
+void add_test_options(CLI::App& command, IdentifyOptions& options) {
+  CLI::Option* test =
+      command
+          .add_option(
+              "--test-hours", options.test_hours,
+              "propose a test of this length: drive cycle and temporary sensors; priors, drift and errors are those "
+              "of `calibrate`, --schedule is the service that it is for")
+          ->check(finite_range(0.25, 24.0, "0.25 to 24 h"));
+  const auto of_test = [&](const char* name, auto& value, const char* words) {
+    return command.add_option(name, value, words)->needs(test);
+  };
+  of_test("--probe", options.probe, "deformation output with a probe during the test; default: the first");
+  of_test("--config", options.config, "the daemon's configuration: its priors, noise, offsets and lags");
+  of_test("--top-speed", options.top_rpm, "of the machine, rpm; default: the described operating speed")
+      ->check(finite_range(1.0, 1e6, "1 to 1e6 rpm"));
+  of_test("--shortest-min", options.shortest_min, "least time at one speed, min")
+      ->capture_default_str()
+      ->check(finite_range(1.0, 600.0, "1 to 600 min"));
+  of_test("--test-load", options.load, "load while the spindle turns, fraction of the rated one")
+      ->capture_default_str()
+      ->check(finite_range(0.0, 3.0, "0 to 3"));
+  of_test("--temporary", options.temporary, "most temporary sensors")->capture_default_str()->check(CLI::Range(0, 12));
+  of_test("-o,--output", options.output, "CSV to write: the drive cycle, as simulate reads it");
 }
 
 }  // namespace
@@ -159,8 +283,11 @@ void add_identify(CLI::App& app) {
       ->check(CLI::Range(0, 20));
   command
       ->add_option("--not-on", identify.closed_parts,
-                   "parts without room for a further sensor, with commas between: what turns")
+                   "parts without room for a further sensor besides those that turn, with commas between")
       ->delimiter(',');
+  command->add_flag("--anywhere", options->anywhere, "further sensors on parts that turn, too");
+  add_test_options(*command, *options);
+  command->add_option("--html", options->page, "write a page: section with sensors, and where the next one helps");
   command->add_flag("--json", options->json, "as JSON");
   command->callback([options] { run_identify(*options); });
 }

@@ -1,7 +1,8 @@
 // Curves over time. The only file that knows the chart library (dygraphs, a global of its own script).
 //
-// A chart: `label` (what the values are, with unit), `time_s`, `series` ({name, values, ink, width, dashed, steps, sd}), `range`
-// (of the values; else all of them), `from_zero`. `ink` names a colour of style.css; with `sd` a band of ±2σ is drawn.
+// A chart: `label` (what the values are, with unit), `time_s`, `series` ({name, values, ink, width, dashed, steps, sd}),
+// `range` (of the values; else all of them), `from_zero`, `joined` (across what was not read). `ink` names a colour of
+// style.css; with `sd` a band of ±2σ is drawn.
 // All charts of a page share one axis of time: they zoom together and point at the same moment.
 import { element, fixed } from "./pages/elements.js";
 
@@ -66,6 +67,7 @@ function optionsOf(chart, banded) {
     axisLineColor: ink("soft"),
     highlightCircleSize: 3,
     labelsKMB: false,
+    connectSeparatedPoints: chart.joined ?? false,
     axes: { x: { axisLabelFormatter: t => t.toFixed(0), pixelsPerLabel: 60 }, y: { axisLabelWidth: 44 } },
     interactionModel: mouseOnly(),
     ...(chart.range ? { valueRange: chart.range } : {}),

@@ -47,6 +47,17 @@ export function simulateHeld(folder, rom, speed_rpm, period_s, end_s) {
   return readTable(out);
 }
 
+// Half an hour of a test of the lumps' machine, whose heats are as described: a probe and two sensors.
+export function makeTest(folder, rom) {
+  const model = simulateHeld(folder, rom, 9000, 10, 1800);
+  const log = join(folder, "test.csv");
+  const speeds = model.time_s.map(() => 9000);
+  writeTable(log, { time_s: model.time_s, speed_rpm: speeds, load: speeds.map(() => 1),
+    ...Object.fromEntries(["front_seat", "winding_sensor"].map(name => [`measured.${name}_degC`, model[`${name}_degC`]])),
+    "measured.nose_um": model.nose_um });
+  return log;
+}
+
 // A run of ten minutes: the plant has .6 of the network's rises, the twin is the estimator with three of four sensors.
 export function makeRun(folder, rom) {
   const model = simulateHeld(folder, rom, 6000, 10, 600);

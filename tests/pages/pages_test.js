@@ -6,11 +6,11 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { openPage, startBrowser } from "./browser.js";
-import { assembleLumps, buildNetwork, command, makeRun, simulateHeld } from "./commands.js";
+import { assembleLumps, buildNetwork, command, makeRun, makeTest, simulateHeld } from "./commands.js";
 
 const folder = mkdtempSync(join(tmpdir(), "spindle-twin-pages-"));
 const files = { network: join(folder, "network.html"), lumps: join(folder, "lumps.html") };
-let browser, rings, steady, lumps, run;
+let browser, rings, steady, lumps, run, compared, thermal, proposal;
 
 before(async () => {
   rings = buildNetwork(folder);
@@ -19,6 +19,15 @@ before(async () => {
   const rom = assembleLumps(folder);
   command("inspect", rom, "--html", files.lumps);
   lumps = JSON.parse(command("inspect", rom, "--json")).steady_state;
+  const log = makeTest(folder, rom);
+  for (const name of ["calibration", "compared", "thermal_test", "test", "sensors"]) files[name] = join(folder, `${name}.html`);
+  command("calibrate", rom, log, "--accept", "--html", files.calibration);
+  compared = JSON.parse(command("compare", rom, log, "--correction", "none", "--to-correction", "estimator", "--json", "--html",
+    files.compared));
+  thermal = JSON.parse(command("thermal-test-report", log, "--rom", rom, "--json", "-o", files.thermal_test));
+  proposal = JSON.parse(command("identify", rom, "--sensors", "winding_sensor", "--test-hours", 0.5, "--json", "--html",
+    files.test));
+  command("identify", rings, "--html", files.sensors);
   run = makeRun(folder, rings);
   files.run = run.html;
   browser = await startBrowser();
@@ -184,6 +193,24 @@ test("charts and section of the run show the same moment, and zoom together", as
   assert.ok(begins > 200, `the other chart still begins at ${begins} s`);
   await page.locator("#hottest").dblclick();
   assert.ok(number((await pointAt(page, "nose", 0)).time) < 10, "a double click shows all again");
+});
+
+test("the tables of a thermal test, of a proposed one and of two replays are those of the JSON", async () => {
+  const report = (await openPage(browser, files.thermal_test)).page;
+  const [measured, left] = await tableOf(report, "rotation");
+  const nose = thermal.rotation.lengths[0];
+  for (const [row, of] of [[measured, nose.measured], [left, nose.compensated]]) {
+    close(number(row[1]), of.first_15_min.range, 0.0051, "range");
+    assert.equal(row[3], "–");
+    close(number(row[6]), of.whole.rate_per_h, 0.0051, "rate");
+  }
+  const proposed = (await openPage(browser, files.test)).page;
+  const rows = await tableOf(proposed, "compared");
+  assert.deepEqual(rows.map(row => row[0]), proposal.compared.map(one => one.name));
+  proposal.compared.forEach((one, i) => close(number(rows[i][3]), one.whole.with_sensors_um, 0.0051, one.name));
+  const both = (await openPage(browser, files.compared)).page;
+  const table = await tableOf(both, "table");
+  compared.deformations.forEach((output, i) => close(number(table[i][3]), output.difference.rms_um, 0.00051, output.name));
 });
 
 test("every curve is on its chart, in light and dark", async () => {

@@ -1,0 +1,45 @@
+#include "correction/identify/turning_parts.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/support/small_network.hpp"
+
+namespace spindle_twin::correction::test {
+namespace turning_parts_test {
+
+using Names = std::vector<std::string>;
+
+/// Rotor - bearing - sleeve with a nut on the rotor; the friction heat is in the bearing.
+rom::Network with_nut() {
+  rom::Network network = spindle_twin::tests::small_network();
+  network.nodes[2].part = "nut";
+  network.nodes[2].r_m = 0.032;
+  network.parts.push_back({"nut", Eigen::VectorXd::Unit(5, 2), Eigen::MatrixXd::Identity(1, 5)});
+  network.boundaries.conductances[1].part_a = 0;
+  network.boundaries.conductances[1].part_b = 3;
+  return network;
+}
+
+TEST(TurningParts, rotor_and_balls_turn_and_the_sleeve_does_not) {
+  EXPECT_EQ(turning_parts(spindle_twin::tests::small_network()), (Names{"rotor", "bearing"}));
+}
+
+TEST(TurningParts, what_is_joined_to_the_shaft_turns_with_it) {
+  EXPECT_EQ(turning_parts(with_nut()), (Names{"rotor", "bearing", "nut"}));
+}
+
+TEST(TurningParts, where_all_is_joined_to_the_outermost_part_only_the_balls_are_sure) {
+  rom::Network network = with_nut();
+  network.boundaries.conductances[0].part_a = 3;
+  network.boundaries.conductances[0].part_b = 2;
+  EXPECT_EQ(turning_parts(network), (Names{"bearing"}));
+}
+
+TEST(TurningParts, a_network_without_parts_has_none) {
+  rom::Network network = spindle_twin::tests::small_network();
+  network.parts.clear();
+  EXPECT_TRUE(turning_parts(network).empty());
+}
+
+}  // namespace turning_parts_test
+}  // namespace spindle_twin::correction::test
