@@ -13,6 +13,7 @@
 #include <ctime>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "firmware/config/daemon_config.hpp"
 #include "firmware/config/expect_of_sensors.hpp"
 #include "firmware/keep/state_files.hpp"
+#include "firmware/login/password.hpp"
 #include "firmware/run/daemon.hpp"
 #include "firmware/run/prepare.hpp"
 #include "firmware/watch/log.hpp"
@@ -121,6 +123,14 @@ void log_network(const PreparedSpindle& spindle) {
   }
 }
 
+int print_account(const std::string& user) {
+  if (!is_user_name(user)) {
+    throw std::runtime_error("--hash-password: NAME must be 1 to 32 letters, digits, '_', '-' or '.'");
+  }
+  std::printf("%s:%s\n", user.c_str(), hash_password(ask_for_password()).c_str());
+  return 0;
+}
+
 int run(const std::string& config_path, bool only_check) {
   const DaemonConfig config = read_daemon_config(config_path);
   std::vector<std::unique_ptr<PreparedSpindle>> spindles;
@@ -151,8 +161,13 @@ int main(int argc, char** argv) {
   try {
     CLI::App app{"spindle-twind: thermal twin of a CNC spindle, served by Modbus/TCP"};
     std::string config_path;
+    std::string user;
     bool only_check = false;
-    app.add_option("CONFIG", config_path, "configuration file (TOML)")->required();
+    CLI::Option* const config = app.add_option("CONFIG", config_path, "configuration file (TOML)");
+    CLI::Option* const hash = app.add_option(
+        "--hash-password", user,
+        "read a password from the terminal or stdin, print the line of this NAME for http.commands.accounts, and end");
+    hash->type_name("NAME")->excludes(config);
     app.add_flag("--check", only_check, "read configuration and network, say whether they fit, and end");
     app.set_version_flag("--version", SPINDLE_TWIN_VERSION);
     app.failure_message([](const CLI::App*, const CLI::Error& error) {
@@ -160,11 +175,12 @@ int main(int argc, char** argv) {
     });
     try {
       app.parse(argc, argv);
+      if (config->empty() && hash->empty()) throw CLI::RequiredError("CONFIG");
     } catch (const CLI::ParseError& error) {
       constexpr int usage_error = 2;
       return app.exit(error) == 0 ? 0 : usage_error;
     }
-    return run(config_path, only_check);
+    return hash->empty() ? run(config_path, only_check) : print_account(user);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twind: %s\n", error.what());
     return 1;

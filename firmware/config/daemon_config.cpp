@@ -74,7 +74,7 @@ DaemonConfig of_several(const TomlTable& root, const std::string& path) {
   daemon.log_level = read_log_level(root);
   Listeners listeners;
   daemon.serve = read_serve(root.table("serve"), path, listeners);
-  daemon.show = read_http(root.optional_table("http"), listeners);
+  daemon.show = read_http(root, path, listeners);
   daemon.plant = read_plant(root.optional_table("plant"), path);
   Taken taken;
   for (const TomlTable& table : root.tables("spindle")) {

@@ -294,7 +294,7 @@ Config read_root(const TomlTable& root, const std::string& path) {
   const TomlTable serve = root.table("serve");
   config.serve = read_serve(serve, path, listeners);
   read_plc_timeout(serve, config);
-  config.show = read_http(root.optional_table("http"), listeners);
+  config.show = read_http(root, path, listeners);
   config.plant = read_plant(root.optional_table("plant"), path);
   read_spindle(root, config, listeners);
   return config;

@@ -5,8 +5,10 @@
 
 #include "firmware/acquire/read_address.hpp"
 #include "firmware/config/read_files.hpp"
+#include "firmware/login/accounts.hpp"
 #include "firmware/plant/plant_metrics.hpp"
 #include "firmware/serve/tls_identity.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -62,6 +64,27 @@ std::optional<PlantTls> read_plant_tls(const std::optional<TomlTable>& table, co
   return PlantTls{files.clients_ca, files.certificate, files.key};
 }
 
+/// [http.commands]; its accounts are read as --check does.
+std::optional<CommandPlan> read_commands(const std::optional<TomlTable>& table, const std::string& config_path,
+                                         const std::string& address) {
+  if (!table) return std::nullopt;
+  CommandPlan plan;
+  constexpr double s_per_min = 60.0;
+  const std::string accounts = beside(config_path, table->string("accounts"));
+  plan.idle_s = s_per_min * table->number_or("idle_min", plan.idle_s / s_per_min, rom::between(1.0, 1440.0));
+  plan.longest_s = rom::seconds_per_hour *
+                   table->number_or("longest_h", plan.longest_s / rom::seconds_per_hour, rom::between(0.1, 168.0));
+  plan.behind_tls = table->boolean_or("behind_tls", plan.behind_tls);
+  const bool unencrypted = table->boolean_or("unencrypted", false);
+  if (!address.starts_with("127.") && !plan.behind_tls && !unencrypted) {
+    table->fail("unencrypted",
+                "must be true where passwords pass a network as they are: http.address is " + address +
+                    "; better leave it at 127.0.0.1, put a proxy with TLS before it and set behind_tls = true");
+  }
+  plan.accounts = read_accounts(accounts);
+  return plan;
+}
+
 std::vector<std::string> read_published(const TomlTable& table) {
   std::vector<std::string> registers = table.strings_or_empty("registers");
   for (const std::string& name : registers) {
@@ -98,7 +121,8 @@ ServePlan read_serve(const TomlTable& table, const std::string& config_path, Lis
   return serve;
 }
 
-ShowPlan read_http(const std::optional<TomlTable>& table, Listeners& listeners) {
+ShowPlan read_http(const TomlTable& root, const std::string& config_path, Listeners& listeners) {
+  const std::optional<TomlTable> table = root.optional_table("http");
   ShowPlan show;
   if (!table) return show;
   show.enabled = true;
@@ -110,6 +134,10 @@ ShowPlan read_http(const std::optional<TomlTable>& table, Listeners& listeners) 
   constexpr std::size_t longest_notice = 300;
   if (show.notice.size() > longest_notice) table->fail("notice", "must be a text of at most 300 bytes");
   listeners.add("[http]", {show.address, show.port}, *table);
+  show.commands = read_commands(table->optional_table("commands"), config_path, show.address);
+  if (show.commands && read_log_level(root) == "error") {
+    root.fail("log_level", "must be \"warning\" or lower beside [http.commands]: who commands stands in the log");
+  }
   return show;
 }
 

@@ -19,7 +19,7 @@ std::string read_log_level(const rom::TomlTable& root);
 /// itself.
 ServePlan read_serve(const rom::TomlTable& table, const std::string& config_path, Listeners& listeners);
 /// [http]; without that table nobody listens.
-ShowPlan read_http(const std::optional<rom::TomlTable>& table, Listeners& listeners);
+ShowPlan read_http(const rom::TomlTable& root, const std::string& config_path, Listeners& listeners);
 /// [plant] with [plant.tls], whose files stand relative to `config_path`; without that table nothing is published.
 PlantPlan read_plant(const std::optional<rom::TomlTable>& table, const std::string& config_path);
 

@@ -60,7 +60,8 @@ void Daemon::show() {
     const rom::Network& network = spindle->file.network;
     auto history = history_page(spindle->config.history, network);
     shown.push_back({spindle->name, spindle->unit, names_of(network), stale_after_s(spindle->cycle_s()),
-                     scene_json(network, show_.notice, static_cast<bool>(history)), std::move(history)});
+                     scene_json(network, show_.notice, static_cast<bool>(history)), std::move(history),
+                     [this, number = shown.size()](const Order& order) { return server_->order(number, order); }});
   }
   shown_.emplace(show_, std::move(shown), clock_);
   if (published_) shown_->show_plant(published_->counts());
@@ -111,6 +112,7 @@ void Daemon::stop() {
   for (const auto& run : runs_) run->stop();
   if (publishes_.joinable()) publishes_.join();
   tls_.reset();
+  shown_.reset();  // its threads may hand orders to the server
   server_.reset();
 }
 

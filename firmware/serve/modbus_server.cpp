@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -90,6 +91,23 @@ void ModbusServer::adopt(Descriptor socket, std::uint32_t host, bool may_write) 
   notify(adopting_);
 }
 
+bool ModbusServer::order(std::size_t spindle, const Order& order) {
+  constexpr std::chrono::seconds patience(2);
+  std::future<bool> taken;
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(guard_);
+    number = ++asked_last_;
+    asked_.push_back({number, spindle, order, {}});
+    taken = asked_.back().taken.get_future();
+  }
+  notify(adopting_);
+  if (taken.wait_for(patience) == std::future_status::ready) return taken.get();
+  // What is taken back here is not obeyed later; what is under way already is waited for.
+  const std::lock_guard lock(guard_);
+  return std::erase_if(asked_, [number](const Asked& each) { return each.number == number; }) == 0 && taken.get();
+}
+
 int ModbusServer::poll_timeout_ms() const {
   std::int64_t first_ns = 0;
   const auto take = [&](std::int64_t time_ns) { first_ns = first_ns == 0 ? time_ns : std::min(first_ns, time_ns); };
@@ -146,6 +164,8 @@ void ModbusServer::adopt_all() {
   {
     const std::lock_guard lock(guard_);
     adopted.swap(adopted_);
+    for (Asked& each : asked_) each.taken.set_value(spindles_[each.spindle].take(each.order));
+    asked_.clear();
   }
   for (Newcomer& each : adopted) admit(std::move(each));
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -38,6 +39,9 @@ class ModbusServer {
   /// Serves one more client, whose bytes come from elsewhere by this connection: TCP inside this computer,
   /// non-blocking. `host`: its IPv4 address, host byte order. It is closed where there is no room for it. Any thread.
   void adopt(Descriptor socket, std::uint32_t host, bool may_write);
+  /// Hands an order to the spindle of this number as if a client had written it, for who waits in another thread, 2 s
+  /// at the most; false: the queue of orders is full, or this does not run.
+  bool order(std::size_t spindle, const Order& order);
   /// Until stop(); a failing poll() is tried again.
   void run();
   /// Ends run(); from any thread or signal handler.
@@ -59,6 +63,14 @@ class ModbusServer {
     Descriptor socket;
     std::uint32_t host = 0;
     bool may_write = false;
+  };
+
+  /// An order from another thread.
+  struct Asked {
+    std::uint64_t number = 0;
+    std::size_t spindle = 0;
+    Order order;
+    std::promise<bool> taken;
   };
 
   void accept_all();
@@ -83,7 +95,9 @@ class ModbusServer {
   Descriptor listener_;
   Descriptor wake_, adopting_;
   std::mutex guard_;
-  std::vector<Newcomer> adopted_;  ///< behind guard_
+  std::vector<Newcomer> adopted_;  ///< behind guard_, as the two that follow
+  std::vector<Asked> asked_;
+  std::uint64_t asked_last_ = 0;
   std::vector<Connection> connections_;
   modbus_t* modbus_ = nullptr;
   std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then

@@ -58,12 +58,27 @@ modbus_mapping_t* SpindleRegisters::renew() {
 bool SpindleRegisters::take(WriteRange written) {
   const WriteRange writable = writable_registers();
   std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
-  for (const Order& order : take_orders(written, switched_, image_)) {
-    if (order.kind == OrderKind::correction) switched_.correction = order.code;
-    if (order.kind == OrderKind::compensation) switched_.compensation = order.code;
-    ports_.orders.give(order);
-  }
+  for (const Order& order : take_orders(written, switched_, image_)) give(order);
   return take_signals(written, clock_.now_ns(), image_, told_);
+}
+
+bool SpindleRegisters::take(const Order& order) {
+  if (!ports_.orders.has_room_for(1)) return false;
+  if (order.kind == OrderKind::correction) put_code(Register::command_correction, order.code);
+  if (order.kind == OrderKind::compensation) put_code(Register::command_compensation, order.code);
+  give(order);
+  return true;
+}
+
+void SpindleRegisters::put_code(Register which, std::uint16_t code) {
+  const int address = entry_of(which).address;
+  image_[static_cast<std::size_t>(address)] = mapping_->tab_registers[address] = code;
+}
+
+void SpindleRegisters::give(const Order& order) {
+  if (order.kind == OrderKind::correction) switched_.correction = order.code;
+  if (order.kind == OrderKind::compensation) switched_.compensation = order.code;
+  ports_.orders.give(order);
 }
 
 void SpindleRegisters::note_request(Talk& talk, bool told_signals) {

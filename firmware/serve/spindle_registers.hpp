@@ -43,6 +43,9 @@ class SpindleRegisters {
   /// Takes over what a request wrote to the mapping: signals are the newest, orders are queued one by one. True where
   /// it told signals.
   bool take(WriteRange written);
+  /// Queues an order that did not come by registers, which keep what a PLC has written but for the switches; false: no
+  /// room.
+  bool take(const Order& order);
   /// A request has come by the connection of this talk; `told_signals` of this spindle with it. Who told signals and
   /// goes on talking is watched: when it falls silent its signals are no longer believed. Who wrote once and never came
   /// back is a tool, or writes on change only.
@@ -52,6 +55,8 @@ class SpindleRegisters {
   struct FreeMapping {
     void operator()(modbus_mapping_t* mapping) const { modbus_mapping_free(mapping); }
   };
+  void give(const Order& order);
+  void put_code(Register which, std::uint16_t code);
 
   SpindlePorts ports_;
   Clock& clock_;

@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "firmware/show/json_text.hpp"
@@ -21,6 +23,8 @@ namespace {
 constexpr int not_found = 404;
 constexpr int wrong_method = 405;
 constexpr int wrong_host = 421;
+constexpr std::array<const char*, 3> posted_to{"/login", "/logout", "/command"};  ///< how their paths end
+constexpr std::string_view end_of_head = "\r\n\r\n";
 /// Load style, script and values from here, nothing from elsewhere; stand in nobody's frame.
 constexpr const char* what_a_page_may =
     "default-src 'none'; style-src 'self'; script-src 'self'; connect-src 'self'; img-src data:; base-uri 'none'; "
@@ -74,12 +78,20 @@ std::string own_name() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-std::string reason_of(int status, const std::string& path) {
+/// An Origin is sent by browsers: the page that asks must have come from here, behind a proxy with TLS or not.
+bool is_own_origin(const httplib::Request& request) {
+  const std::string origin = request.get_header_value("Origin"), host = request.get_header_value("Host");
+  return origin.empty() || origin == "http://" + host || origin == "https://" + host;
+}
+
+std::string reason_of(int status, const httplib::Request& request) {
   switch (status) {
     case not_found:
-      return "there is nothing at " + path + "; see /routes";
+      return "there is nothing at " + request.path + "; see /routes";
     case wrong_method:
-      return "only GET and HEAD are allowed: nothing can be changed here";
+      return request.method == "GET" || request.method == "HEAD"
+                 ? "only POST is allowed here"
+                 : "only GET and HEAD are allowed: nothing can be changed here";
     case wrong_host:
       return "this is not the host that was asked for; its names are in http.names";
     default:
@@ -91,8 +103,7 @@ std::string reason_of(int status, const std::string& path) {
 
 class HttpAnswerer::Library final : public httplib::Server {
  public:
-  Library(std::function<Page(const std::string& path)> pages, std::vector<std::string> names)
-      : pages_(std::move(pages)), names_(std::move(names)) {
+  Library(Pages pages, std::vector<std::string> names) : pages_(std::move(pages)), names_(std::move(names)) {
     names_.insert(names_.end(), {"", "localhost", own_name()});  // "": HTTP/1.0 says none
     // Before the library's own routing, which would read a body first.
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
@@ -102,8 +113,7 @@ class HttpAnswerer::Library final : public httplib::Server {
     set_error_handler([this](const httplib::Request& request, httplib::Response& response) {
       status_ = response.status;
       if (!response.body.empty()) return;  // the page says itself what is wrong
-      response.set_content("{\"error\":" + json_text(reason_of(response.status, request.path)) + "}\n",
-                           "application/json");
+      response.set_content("{\"error\":" + json_text(reason_of(response.status, request)) + "}\n", "application/json");
     });
     set_default_headers({{"Cache-Control", "no-store"},
                          {"X-Content-Type-Options", "nosniff"},
@@ -111,9 +121,12 @@ class HttpAnswerer::Library final : public httplib::Server {
                          {"Content-Security-Policy", what_a_page_may}});
   }
 
-  HttpAnswer answer(const std::string& request, std::optional<Page> made) {
+  HttpAnswer answer(const std::string& request, std::optional<Page> made, std::uint32_t peer) {
     MemoryStream stream(request);
     made_ = std::move(made);
+    const std::size_t head = request.find(end_of_head);
+    body_ = head == std::string::npos ? "" : std::string_view(request).substr(head + end_of_head.size());
+    peer_ = peer;
     work_ = {};
     bool closed = false;
     status_ = 0;
@@ -124,14 +137,23 @@ class HttpAnswerer::Library final : public httplib::Server {
       parsed.headers.erase("Range");
       parsed.headers.erase("Accept-Encoding");
     });
-    if (work_) return {0, {}, false, std::move(work_)};
+    if (work_) return {0, {}, false, std::move(work_), lane_};
     return {status_, std::move(stream.written), is_stream_};
   }
 
  private:
+  HttpRequest told(const httplib::Request& request) const {
+    HttpRequest told{request.method == "POST", request.path, {}, request.get_header_value("Cookie")};
+    if (told.is_post) told.body = body_;
+    told.is_from_a_page = request.get_header_value("X-Spindle-Twin") == "command" && is_own_origin(request);
+    told.peer = peer_;
+    return told;
+  }
+
   void show(const httplib::Request& request, httplib::Response& response) {
     const bool is_head = request.method == "HEAD";
-    if (!is_head && request.method != "GET") {
+    const bool is_read = is_head || request.method == "GET";
+    if (!is_read && request.method != "POST") {
       response.status = wrong_method;
       response.set_header("Allow", "GET, HEAD");
       return;
@@ -141,9 +163,15 @@ class HttpAnswerer::Library final : public httplib::Server {
       response.status = wrong_host;
       return;
     }
-    const Page page = made_ ? *std::move(made_) : pages_(request.path);
+    const Page page = made_ ? *std::move(made_) : pages_(told(request));
     work_ = page.work;
+    lane_ = page.lane;
     response.status = status_ = page.status;
+    if (!page.cookie.empty()) response.set_header("Set-Cookie", page.cookie);
+    if (page.status == wrong_method) {
+      response.set_header("Allow", is_read ? "POST" : "GET, HEAD");
+      return;
+    }
     if (page.status == not_found && page.body.empty()) return;
     if (!page.is_stream) {
       response.set_content(page.body, page.type);
@@ -154,27 +182,48 @@ class HttpAnswerer::Library final : public httplib::Server {
     response.set_content_provider(page.type, [](std::size_t, httplib::DataSink&) { return false; });
   }
 
-  std::function<Page(const std::string& path)> pages_;
+  Pages pages_;
   std::vector<std::string> names_;
   std::optional<Page> made_;
+  std::string_view body_;  ///< of the request that is answered
+  std::uint32_t peer_ = 0;
   SlowWork work_;
+  Lane lane_ = Lane::disk;
   int status_ = 0;
   bool is_stream_ = false;
 };
 
-HttpAnswerer::HttpAnswerer(std::function<Page(const std::string& path)> pages, std::vector<std::string> names)
+HttpAnswerer::HttpAnswerer(Pages pages, std::vector<std::string> names)
     : library_(std::make_unique<Library>(std::move(pages), std::move(names))) {}
 HttpAnswerer::~HttpAnswerer() = default;
 
-HttpAnswer HttpAnswerer::answer(const std::string& request, std::optional<Page> made) {
-  return library_->answer(request, std::move(made));
+HttpAnswer HttpAnswerer::answer(const std::string& request, std::optional<Page> made, std::uint32_t peer) {
+  return library_->answer(request, std::move(made), peer);
 }
 
-HttpAnswer HttpAnswerer::too_long() {
-  const std::string body = "{\"error\":\"the request is too long\"}\n";
-  return {431, fmt::format("HTTP/1.1 431 Request Header Fields Too Large\r\nConnection: close\r\n"
-                           "Content-Type: application/json\r\nContent-Length: {}\r\n\r\n{}",
-                           body.size(), body)};
+std::size_t HttpAnswerer::body_bytes(std::string_view head) {
+  constexpr std::string_view post = "POST ";
+  if (!head.starts_with(post)) return 0;
+  const std::string_view path = head.substr(post.size(), head.find_first_of(" ?\r", post.size()) - post.size());
+  if (std::none_of(posted_to.begin(), posted_to.end(), [&](const char* end) { return path.ends_with(end); })) return 0;
+  constexpr std::string_view name = "\r\ncontent-length:";
+  const auto is_same = [](unsigned char one, unsigned char other) { return std::tolower(one) == other; };
+  const auto found = std::search(head.begin(), head.end(), name.begin(), name.end(), is_same);
+  if (found == head.end()) return 0;
+  std::string_view value = head.substr(static_cast<std::size_t>(found - head.begin()) + name.size());
+  value.remove_prefix(std::min(value.size(), value.find_first_not_of(' ')));
+  std::size_t bytes = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), bytes);
+  return error == std::errc::result_out_of_range ? std::numeric_limits<std::size_t>::max() / 2 : bytes;
+}
+
+HttpAnswer HttpAnswerer::too_long(bool body) {
+  const std::string text = "{\"error\":\"the request is too long\"}\n";
+  const int status = body ? 413 : 431;
+  return {status,
+          fmt::format("HTTP/1.1 {} {}\r\nConnection: close\r\n"
+                      "Content-Type: application/json\r\nContent-Length: {}\r\n\r\n{}",
+                      status, body ? "Payload Too Large" : "Request Header Fields Too Large", text.size(), text)};
 }
 
 }  // namespace spindle_twin::firmware

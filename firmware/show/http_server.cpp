@@ -28,9 +28,9 @@ constexpr std::int64_t made_within_ns = 60 * ns_per_s;
 constexpr std::int64_t take_within_ns = 5 * ns_per_s;
 constexpr std::int64_t leave_within_ns = 1 * ns_per_s;
 constexpr std::int64_t viewer_takes_within_ns = 10 * ns_per_s;
-constexpr std::size_t before_connections = 3;  ///< in what is polled
-constexpr int send_buffer_bytes = 32768;       ///< what a client that reads nothing may hold of the system's memory
-constexpr int look_for_cycles_ms = 50;         ///< while somebody watches
+constexpr std::size_t before_connections = 2 + lanes;  ///< in what is polled
+constexpr int send_buffer_bytes = 32768;  ///< what a client that reads nothing may hold of the system's memory
+constexpr int look_for_cycles_ms = 50;    ///< while somebody watches
 
 template <class Routes>
 std::string index_text(const Routes& routes) {
@@ -48,13 +48,15 @@ HttpServer::HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles
       clock_(clock),
       listener_(listen_on(plan.address, plan.port)),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      answerer_([this](const std::string& path) { return page(path); }, plan.names) {
+      answerer_([this](const HttpRequest& request) { return page(request); }, plan.names),
+      commands_(plan.commands, clock) {
   if (wake_.get() < 0) throw std::bad_alloc();
   connections_.reserve(most_connections);
   for (SpindleToShow& spindle : spindles) spindles_.push_back(std::make_unique<ShownSpindle>(std::move(spindle)));
   if (std::any_of(spindles_.begin(), spindles_.end(), [](const auto& each) { return each->has_history(); })) {
-    slow_.emplace();
+    slow_[static_cast<std::size_t>(Lane::disk)].emplace();
   }
+  if (commands_.enabled()) slow_[static_cast<std::size_t>(Lane::commands)].emplace();
 }
 
 int HttpServer::port() const { return port_of(listener_.get()); }
@@ -62,7 +64,9 @@ int HttpServer::port() const { return port_of(listener_.get()); }
 void HttpServer::stop() {
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = ::write(wake_.get(), &one, sizeof one);
-  if (slow_) slow_->stop();
+  for (auto& each : slow_) {
+    if (each) each->stop();
+  }
 }
 
 std::size_t HttpServer::viewers() const {
@@ -86,7 +90,7 @@ bool HttpServer::wait(std::vector<pollfd>& polled) {
   polled.push_back({wake_.get(), POLLIN, 0});
   if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
   polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
-  polled.push_back({slow_ ? slow_->ready() : -1, POLLIN, 0});
+  for (const auto& each : slow_) polled.push_back({each ? each->ready() : -1, POLLIN, 0});
   for (const Connection& connection : connections_) {
     int events = connection.stage == Stage::answering ? 0 : POLLIN;
     if (!connection.out.empty()) events |= POLLOUT;
@@ -111,7 +115,7 @@ void HttpServer::run() {
       const short events = polled[before_connections + c].revents;
       if (events != 0) look_at(connections_[c], events);
     }
-    if (polled[2].revents != 0) answer_waiting();
+    if (polled[2].revents != 0 || polled[3].revents != 0) answer_waiting();
     send_events();
     const std::int64_t now_ns = clock_.now_ns();
     for (Connection& connection : connections_) {
@@ -159,6 +163,7 @@ void HttpServer::accept_all() {
     Connection& connection = connections_.emplace_back();
     connection.socket = std::move(socket);
     connection.deadline_ns = now_ns + ask_within_ns;
+    connection.peer = host;
   }
 }
 
@@ -200,21 +205,24 @@ void HttpServer::take(Connection& connection) {
   constexpr std::string_view empty_line = "\r\n\r\n";
   connection.in.append(part.data(), static_cast<std::size_t>(got));
   const std::size_t end = connection.in.find(empty_line);
-  const std::size_t length = end == std::string::npos ? connection.in.size() : end + empty_line.size();
-  if (length > longest_request) {
-    begin_answer(connection, HttpAnswerer::too_long());
-  } else if (end != std::string::npos) {
-    connection.in.resize(length);
+  const bool has_head = end != std::string::npos;
+  const std::size_t head = has_head ? end + empty_line.size() : connection.in.size();
+  const std::size_t body = has_head ? HttpAnswerer::body_bytes(std::string_view(connection.in).substr(0, head)) : 0;
+  if (head > longest_request || body > longest_body) {
+    begin_answer(connection, HttpAnswerer::too_long(body > longest_body));
+  } else if (has_head && connection.in.size() >= head + body) {
+    connection.in.resize(head + body);
     answer(connection);
   }
 }
 
 /// At once, or where the page takes its time when that is `made`.
 void HttpServer::answer(Connection& connection, std::optional<Page> made) {
-  HttpAnswer answer = answerer_.answer(connection.in, std::move(made));
+  HttpAnswer answer = answerer_.answer(connection.in, std::move(made), connection.peer);
   if (answer.is_stream) connection.spindle = asked_for_;
   if (!answer.work) return begin_answer(connection, std::move(answer));
-  if (const std::optional<std::uint64_t> number = slow_->ask(std::move(answer.work))) {
+  connection.lane = answer.lane;
+  if (const std::optional<std::uint64_t> number = slow(answer.lane).ask(std::move(answer.work))) {
     connection.number = *number;
     connection.stage = Stage::waiting;
     connection.deadline_ns = clock_.now_ns() + made_within_ns;
@@ -225,18 +233,20 @@ void HttpServer::answer(Connection& connection, std::optional<Page> made) {
 }
 
 void HttpServer::answer_waiting() {
-  for (SlowPages::Made& made : slow_->take()) {
-    for (Connection& connection : connections_) {
-      if (!connection.open || connection.stage != Stage::waiting || connection.number != made.number) continue;
-      answer(connection, std::move(made.page));
-      break;
+  for (const Lane lane : {Lane::disk, Lane::commands}) {
+    if (!slow_[static_cast<std::size_t>(lane)]) continue;
+    for (SlowPages::Made& made : slow(lane).take()) {
+      const auto asked = std::find_if(connections_.begin(), connections_.end(), [&](const Connection& each) {
+        return each.open && each.stage == Stage::waiting && each.lane == lane && each.number == made.number;
+      });
+      if (asked != connections_.end()) answer(*asked, std::move(made.page));
     }
   }
 }
 
 /// Nobody waits for its page any more.
 void HttpServer::forget(const Connection& connection) {
-  if (connection.stage == Stage::waiting) slow_->forget(connection.number);
+  if (connection.stage == Stage::waiting) slow(connection.lane).forget(connection.number);
 }
 
 void HttpServer::begin_answer(Connection& connection, HttpAnswer answer) {
@@ -297,7 +307,13 @@ void HttpServer::renew() {
   for (const auto& spindle : spindles_) spindle->renew(clock_.now_ns());
 }
 
-Page HttpServer::page(const std::string& path) {
+Page HttpServer::page(const HttpRequest& request) {
+  const std::string& path = request.path;
+  if (path == "/api/v1/login") return commands_.log_in(request);
+  if (path == "/api/v1/logout") return commands_.log_out(request);
+  if (path == "/api/v1/session") return commands_.session(request);
+  const std::string command = "/command";
+  if (request.is_post && !path.ends_with(command)) return {405};
   const bool is_one = spindles_.size() == 1 && spindles_[0]->name().empty();
   if (std::optional<Page> file = page_file(path)) return std::move(*file);
   if (path == "/api/v1/words") return {200, "application/json", words_json() + "\n"};
@@ -309,17 +325,18 @@ Page HttpServer::page(const std::string& path) {
   if (path == "/healthz") return all_healthy();
   if (path == "/api/v1/spindles") return list();
   const std::string of_one = "/api/v1/";
-  if (is_one) return path.starts_with(of_one) ? page_of(*spindles_[0], path.substr(of_one.size())) : Page{404};
+  if (is_one) return path.starts_with(of_one) ? page_of(*spindles_[0], path.substr(of_one.size()), request) : Page{404};
   for (const auto& spindle : spindles_) {
     const std::string folder = "/api/v1/spindles/" + spindle->name() + "/";
     if (!path.starts_with(folder)) continue;
     const std::string what = path.substr(folder.size());
-    return what == "healthz" ? spindle->health(clock_.now_ns()) : page_of(*spindle, what);
+    return what == "healthz" ? spindle->health(clock_.now_ns()) : page_of(*spindle, what, request);
   }
   return {404};
 }
 
-Page HttpServer::page_of(ShownSpindle& spindle, const std::string& what) {
+Page HttpServer::page_of(ShownSpindle& spindle, const std::string& what, const HttpRequest& request) {
+  if (what == "command") return commands_.command(request, spindle.commanded());
   if (what == "state") return {200, "application/json", spindle.state() + "\n"};
   if (what == "scene") return {200, "application/json", spindle.scene() + "\n"};
   const std::string history = "history/";

@@ -2,6 +2,7 @@
 
 #include <poll.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,18 +20,20 @@
 
 namespace spindle_twin::firmware {
 
-/// Shows by HTTP what stands in the registers of each spindle, read-only, in the one thread that calls run(); the cycle
-/// thread only leaves its snapshots. Every socket is non-blocking. A request has 2 s from its connection to its empty
-/// line and 8 KiB of room, an answer 5 s to be taken; the connection ends with it. Of 32 connections the oldest that is
-/// no viewer makes room for a new one. An event stream gets the newest cycle, at most one event a second, only when the
-/// one before was taken, and ends when that lasts 10 s; the ninth viewer gets 503. A page that takes its time is made
-/// by another thread, 8 at once, while its connection waits, a minute at most: then, and without room, it is 503. So
-/// memory is bounded, and nobody waits for a client or a disk.
+/// Shows by HTTP what stands in the registers of each spindle, in the one thread that calls run(); the cycle thread
+/// only leaves its snapshots. What is commanded behind a login goes the way of what PLCs write. Every socket is
+/// non-blocking. A request has 2 s from its connection to its end and 8 KiB of room, of which 2 KiB behind its empty
+/// line, an answer 5 s to be taken; the connection ends with it. Of 32 connections the oldest that is no viewer makes
+/// room for a new one. An event stream gets the newest cycle, at most one event a second, only when the one before was
+/// taken, and ends when that lasts 10 s; the ninth viewer gets 503. A page that takes its time is made by another
+/// thread, and a command handed over by one more, 8 at once each, while its connection waits, a minute at most: then,
+/// and without room, it is 503. So memory is bounded, and nobody waits for a client or a disk.
 class HttpServer {
  public:
   static constexpr std::size_t most_connections = 32;
   static constexpr std::size_t most_viewers = 8;
   static constexpr std::size_t longest_request = 8192;  ///< bytes
+  static constexpr std::size_t longest_body = 2048;     ///< of these
 
   /// Listens. One spindle without a name is at routes, several with names at routes_of_several. Throws rom::InputError
   /// naming address and port if listening is not possible.
@@ -54,6 +57,8 @@ class HttpServer {
     std::int64_t deadline_ns = 0;           ///< of the stage; of a viewer only while it owes us a read
     std::string in;                         ///< the request; of one that waits until its page is made
     std::uint64_t number = 0;               ///< of that page
+    Lane lane = Lane::disk;                 ///< who makes it
+    std::uint32_t peer = 0;                 ///< IPv4 address, host byte order
     std::string out;                        ///< not sent yet
     const ShownSpindle* spindle = nullptr;  ///< of a viewer
     std::uint64_t seen = 0;                 ///< by a viewer: the last cycle that it was sent
@@ -74,8 +79,9 @@ class HttpServer {
   void flush(Connection& connection);
   void send_events();
   void renew();
-  Page page(const std::string& path);
-  Page page_of(ShownSpindle& spindle, const std::string& what);
+  SlowPages& slow(Lane lane) { return *slow_[static_cast<std::size_t>(lane)]; }
+  Page page(const HttpRequest& request);
+  Page page_of(ShownSpindle& spindle, const std::string& what, const HttpRequest& request);
   Page metrics();
   Page all_healthy() const;
   Page list() const;
@@ -88,7 +94,8 @@ class HttpServer {
   Descriptor listener_;
   Descriptor wake_;
   HttpAnswerer answerer_;
-  std::optional<SlowPages> slow_;  ///< where a spindle has such pages
+  std::array<std::optional<SlowPages>, lanes> slow_;  ///< by Lane; where something needs it
+  PageCommands commands_;
   HttpCounts counts_;
   const PlantCounts* plant_ = nullptr;
   std::vector<Connection> connections_;  ///< oldest first

@@ -9,7 +9,7 @@ struct Route {
   const char* path;
   const char* doc;
 };
-inline constexpr std::array<Route, 10> routes{{
+inline constexpr std::array<Route, 14> routes{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the prediction may be used (state running or degraded), 503 while it may not"},
@@ -18,6 +18,10 @@ inline constexpr std::array<Route, 10> routes{{
     {"/api/v1/scene", "what does not change: outlines of the parts, key points, the notice"},
     {"/api/v1/state", "every register of the map as JSON, of one cycle"},
     {"/api/v1/events", "the same as server-sent events, at most one a second"},
+    {"/api/v1/session", "whether commands are on, and who is logged in"},
+    {"/api/v1/login", "POST: a session for commands, where [http.commands] is configured; else 403"},
+    {"/api/v1/logout", "POST: its end"},
+    {"/api/v1/command", "POST: an order, as a PLC writes it by registers; 401 without a session"},
     {"/api/v1/history/{HOURS}", "the last 1, 8, 24 or 168 hours of a history in SQLite, thinned; else 404"},
     {"/metrics", "the registers for Prometheus, text format 0.0.4"},
 }};
@@ -26,12 +30,16 @@ inline constexpr std::array<Route, 10> routes{{
 inline constexpr std::array<int, 4> history_hours{1, 8, 24, 168};
 
 /// Of a daemon with several spindles, whose names stand in the place of {NAME}.
-inline constexpr std::array<Route, 11> routes_of_several{{
+inline constexpr std::array<Route, 15> routes_of_several{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the predictions of all spindles may be used, 503 while one may not"},
     {"/api/v1/spindles", "the names of the spindles, their units and states"},
     {"/api/v1/words", "what the codes and bits of the registers mean"},
+    {"/api/v1/session", "whether commands are on, and who is logged in"},
+    {"/api/v1/login", "POST: a session for commands, where [http.commands] is configured; else 403"},
+    {"/api/v1/logout", "POST: its end"},
+    {"/api/v1/spindles/{NAME}/command", "POST: an order, as a PLC writes it by registers; 401 without a session"},
     {"/api/v1/spindles/{NAME}/healthz", "200 while the prediction of this spindle may be used, else 503"},
     {"/api/v1/spindles/{NAME}/scene", "what of it does not change: outlines of the parts, key points, the notice"},
     {"/api/v1/spindles/{NAME}/state", "every register of its map as JSON, of one cycle"},

@@ -34,8 +34,11 @@ std::string key_point(const rom::KeyPoint& point) {
 }  // namespace
 
 std::string scene_json(const rom::Network& network, const std::string& notice, bool has_history) {
-  return fmt::format("{{\"notice\":{},\"has_history\":{},\"outlines\":[{}],\"key_points\":[{}]}}", json_text(notice),
-                     has_history, listed(network.outlines, outline), listed(network.key_points, key_point));
+  return fmt::format(
+      "{{\"notice\":{},\"has_history\":{},\"outlines\":[{}],\"key_points\":[{}],"
+      "\"deformations\":[{}]}}",
+      json_text(notice), has_history, listed(network.outlines, outline), listed(network.key_points, key_point),
+      listed(network.deformations, [](const auto& each) { return json_text(each.name); }));
 }
 
 }  // namespace spindle_twin::firmware

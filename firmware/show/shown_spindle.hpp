@@ -8,6 +8,7 @@
 #include "firmware/serve/register_map.hpp"
 #include "firmware/show/http_answer.hpp"
 #include "firmware/show/metrics.hpp"
+#include "firmware/show/page_commands.hpp"
 #include "firmware/show/shown_names.hpp"
 #include "firmware/watch/clock.hpp"
 
@@ -22,6 +23,7 @@ struct SpindleToShow {
   std::string scene = "{}";    ///< scene_json()
   /// Makes the page of its last hours, as many as are asked for; empty: no history is kept that could be asked.
   std::function<Page(int hours, const std::atomic<bool>& stop)> history = {};
+  GiveOrder order = {};  ///< hands an order to it
 };
 
 /// A cycle is called dead that is three periods late, or five seconds where that is longer.
@@ -46,6 +48,7 @@ class ShownSpindle {
   /// The page of its last hours, to be made by another thread; `hours` as it stands in the path. 400 with what is
   /// allowed, 404 where no history is kept that could be asked.
   Page history(const std::string& hours) const;
+  Commanded commanded() const { return {spindle_.name, spindle_.names.deformations, spindle_.order}; }
   bool has_history() const { return static_cast<bool>(spindle_.history); }
   /// {"name": ..., "unit": ..., "spindle": ..., "state": ...}
   std::string summary() const;

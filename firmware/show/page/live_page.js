@@ -1,6 +1,7 @@
 // The daemon's live page: asks once a second for the state of the spindle that is chosen, and shows it.
 import { byId, element } from "./pages/elements.js";
 import { addToCurves, clearCurves } from "./curves.js";
+import { beginCommands, renewSession, showOrders } from "./commands.js";
 import { makeSection } from "./live_section.js";
 import { beginDays, renewDays } from "./days.js";
 import { setText } from "./cells.js";
@@ -37,6 +38,7 @@ async function beginSection() {
   if (spindle !== chosen()) return;
   section = makeSection(scene);
   beginDays(scene.has_history ? `${folder()}/history` : null);
+  beginCommands(folder(), scene.deformations);
   setText(byId("notice"), scene.notice);
   byId("notice").hidden = scene.notice === "";
 }
@@ -82,6 +84,8 @@ async function renew() {
   section?.show(state.registers);
   addToCurves(state.registers);
   renewDays();
+  renewSession();
+  showOrders(words, state.registers);
 }
 
 byId("spindle").addEventListener("change", () => {

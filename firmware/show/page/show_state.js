@@ -24,7 +24,7 @@ function showHeader(words, state) {
   setText(byId("title"), state.spindle);
   setText(byId("state"), `${sign[name] ?? ""} ${name}: ${meaning(words, "state", name)}`);
   setText(byId("moment"), `cycle ${registers.sequence.value}`);
-  setText(byId("about"), `spindle-twind ${state.version}, register map ${state.map_version}. Nothing can be changed here.`);
+  setText(byId("about"), `spindle-twind ${state.version}, register map ${state.map_version}.`);
 }
 
 function showGrowth(words, registers) {

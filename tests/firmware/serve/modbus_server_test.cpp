@@ -156,6 +156,36 @@ TEST(ModbusServer, orders_that_find_the_queue_full_are_answered_with_busy_and_ch
   EXPECT_EQ(exception_of(client.ask(write_single(Register::command_speed, 5))), 0) << "a signal needs no place";
 }
 
+TEST(ModbusServer, an_order_from_another_thread_goes_the_way_of_written_ones_and_moves_the_switch_that_is_read_back) {
+  Serving serving;
+  Client client(serving.server.port());
+  EXPECT_TRUE(serving.server.order(0, {OrderKind::tare, 60001, 1, {}}));
+  EXPECT_TRUE(serving.server.order(0, {OrderKind::compensation, 60002, 0, {}}));
+  const Bytes read_back = payload(client.ask({3, 0x04, 0x05, 0, 1}));
+  EXPECT_EQ(read_back, (Bytes{0, 0}));
+  PlcCommand command;
+  serving.orders.hand_out(command);
+  EXPECT_EQ(command.tare_orders, 1U);
+  EXPECT_EQ(command.compensation, SwitchOrder::off);
+  for (std::size_t n = 0; n < OrderDesk::room; ++n) {
+    EXPECT_TRUE(serving.server.order(0, {OrderKind::tare, 60003, 1, {}})) << n;
+  }
+  EXPECT_FALSE(serving.server.order(0, {OrderKind::tare, 60004, 1, {}}));
+}
+
+TEST(ModbusServer, an_order_that_no_server_takes_is_not_obeyed_later) {
+  MonotonicClock clock;
+  Latest<Snapshot> snapshots;
+  Latest<PlcSignals> signals;
+  OrderDesk orders;
+  ModbusServer server(Serving::plan(), clock, {{units_of_one_spindle(), snapshots, signals, orders}});
+  EXPECT_FALSE(server.order(0, {OrderKind::tare, 60001, 1, {}}));
+  std::thread runs([&] { server.run(); });
+  server.stop();
+  runs.join();
+  EXPECT_TRUE(orders.has_room_for(OrderDesk::room));
+}
+
 TEST(ModbusServer, a_connection_that_asks_nothing_is_closed_and_one_that_asks_is_not) {
   ServePlan plan = Serving::plan();
   plan.idle_s = 0.5;

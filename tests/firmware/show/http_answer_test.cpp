@@ -19,7 +19,11 @@ class Answers : public ::testing::Test {
  protected:
   HttpAnswer answer(const std::string& request) { return answerer_.answer(request); }
 
-  HttpAnswerer answerer_{[](const std::string& path) -> Page {
+  HttpAnswerer answerer_{[this](const HttpRequest& request) -> Page {
+    const std::string& path = request.path;
+    asked_ = request;
+    if (path == "/command") return request.is_post ? Page{202, "application/json", "{}"} : Page{405};
+    if (request.is_post) return {405};
     if (path == "/events") return {200, "text/event-stream", "", true};
     if (path == "/sick") return {503, "application/json", "{\"error\":\"own words\"}"};
     if (path == "/slow") {
@@ -31,6 +35,7 @@ class Answers : public ::testing::Test {
     if (path == "/throws") throw std::runtime_error("a page went wrong");
     return path == "/" ? Page{200, "text/plain", "hello"} : Page{404};
   }};
+  HttpRequest asked_;  ///< last
 };
 
 TEST_F(Answers, every_answer_ends_its_connection_and_is_not_to_be_stored) {
@@ -87,7 +92,7 @@ TEST_F(Answers, a_stream_is_a_head_without_length_and_of_head_it_is_none) {
 }
 
 TEST_F(Answers, only_who_asks_for_this_host_is_answered) {
-  HttpAnswerer named([](const std::string&) { return Page{200, "text/plain", "hello"}; }, {"twin.example"});
+  HttpAnswerer named([](const HttpRequest&) { return Page{200, "text/plain", "hello"}; }, {"twin.example"});
   const auto status_for = [&](const std::string& host) {
     return named.answer("GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n").status;
   };
@@ -101,6 +106,42 @@ TEST_F(Answers, only_who_asks_for_this_host_is_answered) {
   const HttpAnswer refused = named.answer("GET / HTTP/1.1\r\nHost: elsewhere.example\r\n\r\n");
   EXPECT_NE(refused.bytes.find("http.names"), std::string::npos) << refused.bytes;
   EXPECT_EQ(refused.bytes.find("hello"), std::string::npos);
+}
+
+TEST_F(Answers, a_page_hears_who_posts_what_and_whether_one_of_ours_does) {
+  const std::string head = "POST /command HTTP/1.1\r\nHost: 127.0.0.1:9502\r\nCookie: a=b; c=d\r\n";
+  EXPECT_EQ(answerer_.answer(head + "\r\n{\"x\":\r\n\r\n1}", std::nullopt, 7).status, 202);
+  EXPECT_EQ(asked_.body, "{\"x\":\r\n\r\n1}");
+  EXPECT_EQ(asked_.cookie, "a=b; c=d");
+  EXPECT_EQ(asked_.peer, 7U);
+  EXPECT_FALSE(asked_.is_from_a_page);
+  const auto is_ours = [&](const std::string& lines) {
+    answer(head + lines + "\r\n");
+    return asked_.is_from_a_page;
+  };
+  const std::string own = "X-Spindle-Twin: command\r\n";
+  EXPECT_TRUE(is_ours(own));
+  EXPECT_TRUE(is_ours(own + "Origin: http://127.0.0.1:9502\r\n"));
+  EXPECT_TRUE(is_ours(own + "Origin: https://127.0.0.1:9502\r\n"));
+  EXPECT_FALSE(is_ours(own + "Origin: http://elsewhere.example\r\n"));
+  EXPECT_FALSE(is_ours(own + "Origin: null\r\n"));
+  EXPECT_FALSE(is_ours("X-Spindle-Twin: 1\r\n"));
+  EXPECT_NE(answer("GET /command HTTP/1.1\r\n\r\n").bytes.find("\r\nAllow: POST\r\n"), std::string::npos);
+  EXPECT_NE(answer("POST / HTTP/1.1\r\n\r\n").bytes.find("\r\nAllow: GET, HEAD\r\n"), std::string::npos);
+}
+
+TEST(HttpAnswerer, a_body_is_as_long_as_the_head_of_a_post_says) {
+  const auto bytes = [](const std::string& first, const std::string& line) {
+    return HttpAnswerer::body_bytes(first + " /api/v1/command HTTP/1.1\r\n" + line + "\r\n\r\n");
+  };
+  EXPECT_EQ(bytes("POST", "Content-Length: 17"), 17U);
+  EXPECT_EQ(bytes("POST", "content-LENGTH:17"), 17U);
+  EXPECT_GT(bytes("POST", "Content-Length: 99999999999999999999999"), 1U << 30U);
+  EXPECT_EQ(bytes("POST", "Content-Length: -1"), 0U);
+  EXPECT_EQ(bytes("POST", "Content-Length:"), 0U);
+  EXPECT_EQ(bytes("POST", "X-Content-Length: 5"), 0U);
+  EXPECT_EQ(bytes("GET", "Content-Length: 17"), 0U);
+  EXPECT_EQ(HttpAnswerer::body_bytes("POST / HTTP/1.1\r\nContent-Length: 17\r\n\r\n"), 0U);
 }
 
 TEST_F(Answers, a_body_is_not_waited_for) {

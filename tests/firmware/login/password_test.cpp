@@ -1,0 +1,36 @@
+#include "firmware/login/password.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace spindle_twin::firmware {
+namespace login_password_test {
+
+TEST(Password, is_known_by_its_hash_and_no_other_one_is) {
+  const std::string hash = hash_password("correct horse");
+  EXPECT_TRUE(hash.starts_with("$argon2id$v=19$m=19456,t=2,p=1$")) << hash;
+  EXPECT_EQ(wrong_with_hash(hash), "");
+  EXPECT_TRUE(is_password(hash, "correct horse"));
+  EXPECT_FALSE(is_password(hash, "correct horse "));
+  EXPECT_FALSE(is_password(hash, ""));
+  EXPECT_NE(hash_password("correct horse"), hash) << "the same salt twice";
+}
+
+TEST(Password, hashes_of_other_forms_and_those_that_take_the_machine_are_refused) {
+  const std::string salt = "$c2FsdHNhbHRzYWx0c2FsdA", sum = "$" + std::string(43, 'A');
+  EXPECT_EQ(wrong_with_hash("$argon2id$v=19$m=65536,t=10,p=1" + salt + sum), "");
+  for (const std::string& other :
+       {std::string(), std::string("secret"), "$2y$10$" + std::string(53, 'a'),
+        "$argon2i$v=19$m=19456,t=2,p=1" + salt + sum, "$argon2id$v=16$m=19456,t=2,p=1" + salt + sum,
+        "$argon2id$v=19$m=19456,t=2,p=1" + salt, "$argon2id$v=19$m=19456,t=2,p=1" + salt + sum + "A"}) {
+    EXPECT_NE(wrong_with_hash(other).find("must be a hash of argon2id"), std::string::npos) << other;
+  }
+  for (const char* much : {"m=65537,t=2", "m=8,t=11", "m=999999999,t=1"}) {
+    const std::string hash = std::string("$argon2id$v=19$") + much + ",p=1" + salt + sum;
+    EXPECT_NE(wrong_with_hash(hash).find("at most m=65536 (KiB) and t=10"), std::string::npos) << hash;
+  }
+}
+
+}  // namespace login_password_test
+}  // namespace spindle_twin::firmware

@@ -1,0 +1,75 @@
+#include "firmware/show/order_request.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace spindle_twin::firmware {
+namespace show_order_request_test {
+
+const std::vector<std::string> outputs{"nose", "housing"};
+
+std::string refusal(const std::string& body) {
+  try {
+    read_order(body, outputs);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(OrderRequest, words_are_the_numbers_that_a_plc_writes) {
+  struct Case {
+    const char* body;
+    OrderKind kind;
+    int code;
+  };
+  for (const Case& each : {Case{R"({"command":"tare","value":"take"})", OrderKind::tare, 1},
+                           {R"({"command":"tare","value":"clear"})", OrderKind::tare, 2},
+                           {R"({"command":"sensors","value":"tare"})", OrderKind::sensors, 1},
+                           {R"({"command":"sensors","value":"clear_tare"})", OrderKind::sensors, 2},
+                           {R"({"command":"sensors","value":"acknowledge"})", OrderKind::sensors, 3},
+                           {R"({"command":"correction","value":"off"})", OrderKind::correction, 0},
+                           {R"({"command":"compensation","value":"on"})", OrderKind::compensation, 1},
+                           {R"({"command":"compensation","value":"as_configured"})", OrderKind::compensation, 65535},
+                           {R"({"command":"acknowledge"})", OrderKind::acknowledge, 1}}) {
+    const OrderRequest request = read_order(each.body, outputs);
+    EXPECT_EQ(request.order.kind, each.kind) << each.body;
+    EXPECT_EQ(request.order.code, each.code) << each.body;
+  }
+  EXPECT_EQ(read_order(R"({"command":"tare","value":"take"})", outputs).said, "tare take");
+}
+
+TEST(OrderRequest, a_length_is_of_the_output_that_is_named_and_else_of_the_first) {
+  const Order nose = read_order(R"({"command":"length","um":-3.5,"sd_um":1})", outputs).order;
+  EXPECT_EQ(nose.kind, OrderKind::length);
+  EXPECT_EQ(nose.code, 1);
+  EXPECT_EQ(nose.length.output, 0U);
+  EXPECT_DOUBLE_EQ(nose.length.value_m, -3.5e-6);
+  EXPECT_DOUBLE_EQ(nose.length.deviation_m, 1e-6);
+  EXPECT_EQ(read_order(R"({"command":"length","um":0,"sd_um":1,"output":"housing"})", outputs).order.length.output, 1U);
+}
+
+TEST(OrderRequest, bad_bodies_get_one_error_that_says_what_is_allowed) {
+  EXPECT_EQ(refusal(""), "the body must be a JSON object");
+  EXPECT_EQ(refusal("[1]"), "the body must be a JSON object");
+  EXPECT_EQ(refusal(R"({"command":"tare")"), "the body must be a JSON object");
+  EXPECT_EQ(refusal(std::string(2000, '[')), "the body must be a JSON object");
+  EXPECT_EQ(refusal("{}"), "command: must be one of tare, sensors, correction, compensation, length, acknowledge");
+  EXPECT_EQ(refusal(R"({"command":"reboot"})"),
+            "command: must be one of tare, sensors, correction, compensation, length, acknowledge");
+  EXPECT_EQ(refusal(R"({"command":"tare"})"), "value: must be one of take, clear");
+  EXPECT_EQ(refusal(R"({"command":"tare","value":1})"), "value: must be one of take, clear");
+  EXPECT_EQ(refusal(R"({"command":"tare","value":"on"})"), "value: must be one of take, clear");
+  EXPECT_EQ(refusal(R"({"command":"tare","value":"take","times":2})"), "there is no key \"times\" here");
+  EXPECT_EQ(refusal(R"({"command":"length","um":"3"})"), "um: must be a number from -10000 to 10000");
+  EXPECT_EQ(refusal(R"({"command":"length","um":1e9,"sd_um":1})"), "um: must be a number from -10000 to 10000");
+  EXPECT_EQ(refusal(R"({"command":"length","um":3,"sd_um":0})"), "sd_um: must be a number from 0.01 to 1000");
+  EXPECT_EQ(refusal(R"({"command":"length","um":3,"sd_um":1,"output":"tail"})"),
+            "output: must be one of nose, housing");
+}
+
+}  // namespace show_order_request_test
+}  // namespace spindle_twin::firmware

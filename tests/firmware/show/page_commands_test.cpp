@@ -1,0 +1,147 @@
+#include "firmware/show/page_commands.hpp"
+
+#include <gtest/gtest.h>
+#include <sodium.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace spindle_twin::firmware {
+namespace show_page_commands_test {
+
+class SetClock final : public Clock {
+ public:
+  std::int64_t now_ns() const override { return now; }
+  void sleep_until_ns(std::int64_t time_ns) override { now = time_ns; }
+  std::int64_t now = ns_per_s;
+};
+
+/// Quick to try, as many are.
+std::string quick_hash(const std::string& password) {
+  std::array<char, crypto_pwhash_argon2id_STRBYTES> hash{};
+  EXPECT_GE(sodium_init(), 0);
+  EXPECT_EQ(crypto_pwhash_argon2id_str(hash.data(), password.data(), password.size(),
+                                       crypto_pwhash_argon2id_OPSLIMIT_MIN, crypto_pwhash_argon2id_MEMLIMIT_MIN),
+            0);
+  return hash.data();
+}
+
+class PageOrders : public ::testing::Test {
+ protected:
+  static CommandPlan plan() { return {{{"anna", quick_hash("correct horse")}}, 900.0, 28800.0, false}; }
+  static HttpRequest post(const std::string& body, const std::string& cookie = "") {
+    return {true, "", body, cookie, true, 0x7F000001U};
+  }
+  /// What comes in the end, work included.
+  static Page made(Page page) { return page.work ? page.work(std::atomic<bool>{false}) : page; }
+  Page log_in(const std::string& password, const std::string& user = "anna") {
+    return made(commands_->log_in(post(R"({"user":")" + user + R"(","password":")" + password + "\"}")));
+  }
+  Page order(const std::string& body, const std::string& cookie) {
+    return made(commands_->command(post(body, cookie), {"", outputs_, give_}));
+  }
+  /// The part of Set-Cookie that comes back.
+  static std::string cookie_of(const Page& page) { return page.cookie.substr(0, page.cookie.find(';')); }
+
+  SetClock clock_;
+  std::optional<PageCommands> commands_{std::in_place, plan(), clock_};
+  std::vector<std::string> outputs_{"nose"};
+  std::vector<Order> given_;
+  bool has_room_ = true;
+  GiveOrder give_ = [this](const Order& order) {
+    if (has_room_) given_.push_back(order);
+    return has_room_;
+  };
+  const std::string tare_ = R"({"command":"tare","value":"take"})";
+};
+
+TEST_F(PageOrders, an_order_is_refused_before_login_and_given_after) {
+  EXPECT_EQ(order(tare_, "").status, 401);
+  EXPECT_EQ(order(tare_, "spindle_twin_session=" + std::string(64, 'a')).status, 401);
+  EXPECT_TRUE(given_.empty());
+  const Page in = log_in("correct horse");
+  EXPECT_EQ(in.status, 200);
+  const Page taken = order(tare_, "theme=dark; " + cookie_of(in));
+  EXPECT_EQ(taken.status, 202);
+  EXPECT_EQ(taken.body, "{\"order_id\":60001}\n");
+  ASSERT_EQ(given_.size(), 1U);
+  EXPECT_EQ(given_[0].kind, OrderKind::tare);
+  EXPECT_EQ(given_[0].id, 60001);
+  EXPECT_EQ(order(tare_, cookie_of(in)).body, "{\"order_id\":60002}\n");
+}
+
+TEST_F(PageOrders, a_wrong_password_and_an_unknown_name_are_told_alike) {
+  const Page wrong = log_in("correct mule"), unknown = log_in("correct horse", "bert");
+  EXPECT_EQ(wrong.status, 401);
+  EXPECT_EQ(unknown.status, 401);
+  EXPECT_EQ(wrong.body, unknown.body);
+  EXPECT_TRUE(wrong.cookie.empty());
+  EXPECT_EQ(log_in("nobody has this password", "bert").status, 401);
+}
+
+TEST_F(PageOrders, the_cookie_is_for_no_script_no_other_site_and_behind_tls_for_no_other_way) {
+  EXPECT_TRUE(log_in("correct horse").cookie.ends_with("; Path=/; HttpOnly; SameSite=Strict"));
+  CommandPlan behind = plan();
+  behind.behind_tls = true;
+  commands_.emplace(behind, clock_);
+  EXPECT_TRUE(log_in("correct horse").cookie.ends_with("; HttpOnly; SameSite=Strict; Secure"));
+}
+
+TEST_F(PageOrders, tries_are_limited_whether_right_or_wrong) {
+  for (int n = 0; n < 5; ++n) EXPECT_EQ(log_in("guess").status, 401);
+  const Page late = log_in("correct horse");
+  EXPECT_EQ(late.status, 429);
+  EXPECT_EQ(late.body, "{\"error\":\"too many logins: try again in 12 s\"}\n");
+  clock_.now += 12 * ns_per_s;
+  EXPECT_EQ(log_in("correct horse").status, 200);
+}
+
+TEST_F(PageOrders, a_session_ends_by_logout_and_by_idleness_while_looking_on_does_not_keep_it) {
+  const std::string first = cookie_of(log_in("correct horse"));
+  EXPECT_EQ(commands_->session({false, "", "", first}).body, "{\"commands\":true,\"user\":\"anna\"}\n");
+  const Page out = commands_->log_out(post("", first));
+  EXPECT_EQ(out.status, 200);
+  EXPECT_NE(out.cookie.find("Max-Age=0"), std::string::npos);
+  EXPECT_EQ(order(tare_, first).status, 401);
+  const std::string second = cookie_of(log_in("correct horse"));
+  for (int minute = 0; minute < 15; ++minute) {
+    commands_->session({false, "", "", second});
+    clock_.now += 60 * ns_per_s;
+  }
+  EXPECT_EQ(order(tare_, second).status, 401);
+  EXPECT_EQ(commands_->session({false, "", "", second}).body, "{\"commands\":true,\"user\":null}\n");
+}
+
+TEST_F(PageOrders, another_pages_request_is_refused_although_the_cookie_came_with_it) {
+  HttpRequest forged = post(tare_, cookie_of(log_in("correct horse")));
+  forged.is_from_a_page = false;
+  EXPECT_EQ(commands_->command(forged, {"", outputs_, give_}).status, 403);
+  EXPECT_EQ(commands_->log_in(forged).status, 403);
+  EXPECT_EQ(commands_->log_out(forged).status, 403);
+  EXPECT_TRUE(given_.empty());
+}
+
+TEST_F(PageOrders, without_a_plan_all_is_refused_with_the_key_that_is_missing) {
+  commands_.emplace(std::nullopt, clock_);
+  EXPECT_FALSE(commands_->enabled());
+  for (const Page& page : {log_in("correct horse"), order(tare_, ""), commands_->log_out(post(""))}) {
+    EXPECT_EQ(page.status, 403);
+    EXPECT_EQ(page.body, "{\"error\":\"commands are off: the configuration has no [http.commands]\"}\n");
+  }
+  EXPECT_EQ(commands_->session({}).body, "{\"commands\":false,\"user\":null}\n");
+}
+
+TEST_F(PageOrders, a_full_queue_and_a_bad_body_are_said_and_nothing_is_given) {
+  const std::string cookie = cookie_of(log_in("correct horse"));
+  has_room_ = false;
+  EXPECT_EQ(order(tare_, cookie).status, 503);
+  EXPECT_EQ(order("{}", cookie).status, 400);
+  EXPECT_EQ(made(commands_->log_in(post("{\"user\":\"anna\"}"))).body, "{\"error\":\"password: must be a text\"}\n");
+  EXPECT_EQ(made(commands_->log_in(post("anna"))).status, 400);
+  EXPECT_EQ(commands_->command({}, {"", outputs_, give_}).status, 405);
+}
+
+}  // namespace show_page_commands_test
+}  // namespace spindle_twin::firmware
