@@ -2,11 +2,13 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "correction/estimator/calibrated_prior.hpp"
 #include "correction/estimator/parameters.hpp"
+#include "rom/file/keys.hpp"
 #include "rom/network.hpp"
 #include "rom/option.hpp"
 
@@ -56,13 +58,22 @@ std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, 
 void check_fits(const Calibration& calibration, const rom::Network& network, EstimatorPriors priors,
                 const std::string& file);
 
-/// The file's bytes: a line with format and SHA-256, then the message of calibration.proto.
-std::vector<std::uint8_t> encode_calibration(const Calibration& calibration);
+/// What a file holds, and whose signature fits it; whether to trust that key is the reader's question.
+struct CalibrationFile {
+  Calibration calibration;
+  std::optional<rom::PublicKey> signed_by;
+};
+
+/// The file's bytes: a line with format and SHA-256, then the message of calibration.proto. With a key the line says
+/// that the file is signed, and a block with the signature of all before it ends it (rom/file/signature.hpp).
+std::vector<std::uint8_t> encode_calibration(const Calibration& calibration, const rom::PrivateKey* key = nullptr);
 /// Throws rom::InputError naming `file` for anything else than what encode_calibration made: damage by a single bit,
-/// another version, sizes that disagree, numbers that are none, a root without a positive diagonal.
-Calibration decode_calibration(const std::vector<std::uint8_t>& bytes, const std::string& file);
+/// another version, a signature that does not fit, sizes that disagree, numbers that are none, a root without a
+/// positive diagonal.
+CalibrationFile decode_calibration(const std::vector<std::uint8_t>& bytes, const std::string& file);
 /// Whole or not at all. Throws rom::InputError with the system's reason.
-void write_calibration(const Calibration& calibration, const std::string& path);
+void write_calibration(const Calibration& calibration, const std::string& path, const rom::PrivateKey* key = nullptr);
+CalibrationFile read_calibration_file(const std::string& path);
 Calibration read_calibration(const std::string& path);
 
 }  // namespace spindle_twin::correction

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include "correction/calibration/calibration.hpp"
 #include "correction/calibration/calibration.pb.h"
 #include "rom/file/packed_message.hpp"
+#include "rom/file/signature.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -14,6 +17,8 @@ namespace {
 using CalibrationMessage = spindle_twin_correction_Calibration;
 
 constexpr const char* calibration_format = "calibration 1";
+constexpr const char* signed_format = "calibration 1 signed";
+constexpr std::string_view calibration_purpose = "spindle-twin calibration\n";
 constexpr std::uint64_t largest_calibration_bytes = 1 << 22;
 constexpr std::size_t most_parameters = 512;
 
@@ -62,7 +67,7 @@ bool all_finite(const std::vector<double>& numbers) {
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_calibration(const Calibration& calibration) {
+std::vector<std::uint8_t> encode_calibration(const Calibration& calibration, const rom::PrivateKey* key) {
   CalibrationLists lists{calibration.spindle,
                          calibration.network_sha256,
                          joined_lines(calibration.names),
@@ -80,11 +85,22 @@ std::vector<std::uint8_t> encode_calibration(const Calibration& calibration) {
   message.tested_s = calibration.tested_s;
   message.promised_m = calibration.promised_m;
   message.accepted = calibration.accepted;
-  return rom::seal(calibration_format, spindle_twin_correction_Calibration_fields, &message);
+  std::vector<std::uint8_t> bytes = rom::seal(key != nullptr ? signed_format : calibration_format,
+                                              spindle_twin_correction_Calibration_fields, &message);
+  if (key == nullptr) return bytes;
+  const std::vector<std::uint8_t> block = rom::signature_block(calibration_purpose, bytes, *key);
+  bytes.insert(bytes.end(), block.begin(), block.end());
+  return bytes;
 }
 
-Calibration decode_calibration(const std::vector<std::uint8_t>& bytes, const std::string& file) {
-  const std::span<const std::uint8_t> payload = rom::unseal(calibration_format, bytes, file);
+namespace {
+
+bool says_signed(std::span<const std::uint8_t> bytes) {
+  const std::string begin = std::string("spindle-twin ") + signed_format + " ";
+  return bytes.size() >= begin.size() && std::equal(begin.begin(), begin.end(), bytes.begin());
+}
+
+Calibration decode_message(std::span<const std::uint8_t> payload, const std::string& file) {
   CalibrationLists lists;
   CalibrationMessage message = calibration_message<rom::Way::decode>(lists);
   pb_istream_t stream = pb_istream_from_buffer(payload.data(), payload.size());
@@ -119,12 +135,31 @@ Calibration decode_calibration(const std::vector<std::uint8_t>& bytes, const std
   return calibration;
 }
 
-void write_calibration(const Calibration& calibration, const std::string& path) {
-  rom::write_whole_file(path, encode_calibration(calibration));
+}  // namespace
+
+CalibrationFile decode_calibration(const std::vector<std::uint8_t>& bytes, const std::string& file) {
+  CalibrationFile result;
+  if (!says_signed(bytes)) {
+    result.calibration = decode_message(rom::unseal(calibration_format, bytes, file), file);
+    return result;
+  }
+  const std::size_t behind = std::min(rom::signature_block_size, bytes.size());
+  const auto sealed = std::span(bytes).first(bytes.size() - behind);
+  const std::span<const std::uint8_t> payload = rom::unseal(signed_format, sealed, file);
+  result.signed_by = rom::signer_of(calibration_purpose, sealed, std::span(bytes).last(behind));
+  if (!result.signed_by) throw rom::InputError({file, 0}, "signature", "does not fit the file, or is damaged");
+  result.calibration = decode_message(payload, file);
+  return result;
 }
 
-Calibration read_calibration(const std::string& path) {
+void write_calibration(const Calibration& calibration, const std::string& path, const rom::PrivateKey* key) {
+  rom::write_whole_file(path, encode_calibration(calibration, key));
+}
+
+CalibrationFile read_calibration_file(const std::string& path) {
   return decode_calibration(rom::read_whole_file(path, largest_calibration_bytes), path);
 }
+
+Calibration read_calibration(const std::string& path) { return read_calibration_file(path).calibration; }
 
 }  // namespace spindle_twin::correction

@@ -3,21 +3,21 @@
 #include <algorithm>
 
 namespace spindle_twin::firmware {
-namespace {
-
-void check_signature(const ConfiguredNetwork& configured, const rom::RomFile& file) {
+void check_signature(const ConfiguredNetwork& configured, const SignedFile& file) {
   if (!configured.require_signature) return;
   if (!file.signed_by) {
-    throw rom::InputError(configured.where, configured.field,
-                          configured.path + " is not signed, and require_signature asks for it; `spindle-twin sign`");
+    throw rom::InputError(file.where, file.field,
+                          file.path + " is not signed, and require_signature asks for it; `spindle-twin sign`");
   }
   const auto& keys = configured.trusted_keys;
   if (std::find(keys.begin(), keys.end(), *file.signed_by) == keys.end()) {
     throw rom::InputError(
-        configured.where, configured.field,
-        configured.path + " is signed by " + rom::to_hex(*file.signed_by) + ", which is not among the trusted_keys");
+        file.where, file.field,
+        file.path + " is signed by " + rom::to_hex(*file.signed_by) + ", which is not among the trusted_keys");
   }
 }
+
+namespace {
 
 void check_certificate(const ConfiguredNetwork& configured, const rom::RomFile& file) {
   if (file.network.certificate.cases > 0) return;
@@ -37,7 +37,7 @@ void check_certificate(const ConfiguredNetwork& configured, const rom::RomFile& 
 
 rom::RomFile load_network(const ConfiguredNetwork& configured) {
   rom::RomFile file = rom::read_rom_file(configured.path);
-  check_signature(configured, file);
+  check_signature(configured, {configured.path, file.signed_by, configured.where, configured.field});
   check_certificate(configured, file);
   return file;
 }

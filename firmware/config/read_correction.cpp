@@ -1,7 +1,9 @@
 #include "firmware/config/read_correction.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "firmware/config/load_network.hpp"
 #include "firmware/config/read_files.hpp"
 #include "rom/read/options.hpp"
 
@@ -19,7 +21,10 @@ void read_priors(const rom::TomlTable& correction, Config& config, correction::E
   }
   if (!file) return;
   const std::string path = beside(config.path, *file);
-  config.calibration = ConfiguredCalibration{path, correction::read_calibration(path)};
+  correction::CalibrationFile read = correction::read_calibration_file(path);
+  check_signature(config.network,
+                  {path, read.signed_by, correction.where("calibration"), correction.path("calibration")});
+  config.calibration = ConfiguredCalibration{path, std::move(read.calibration)};
   priors.calibrated = prior_of(config.calibration->calibration, drift);
 }
 

@@ -1,16 +1,18 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "correction/calibration/calibration.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/file/signature.hpp"
 #include "rom/read/input_error.hpp"
 
 // spindle-twin keys new factory            writes factory.key and factory.pub
-// spindle-twin sign X.rom --key factory.key
+// spindle-twin sign X.rom --key factory.key                 or X.calibration
 // spindle-twin verify-signature X.rom --key factory.pub
 namespace spindle_twin::host_tools {
 namespace {
@@ -37,12 +39,23 @@ rom::PublicKey trusted_key(const std::string& text) {
   return rom::parse_public_key(text, key) ? key : rom::read_public_key(text);
 }
 
+/// A network, or else a calibration.
+std::optional<rom::PublicKey> signer_of_file(const std::string& path) {
+  if (rom::is_rom_file(path)) return rom::read_rom_file(path).signed_by;
+  return correction::read_calibration_file(path).signed_by;
+}
+
+void sign(const std::string& path, const rom::PrivateKey& key) {
+  if (rom::is_rom_file(path)) return rom::sign_file(path, key);
+  write_calibration(correction::read_calibration(path), path, &key);
+}
+
 void verify(const std::string& path, const std::vector<std::string>& trusted) {
-  const rom::RomFile file = rom::read_rom_file(path);
-  if (!file.signed_by) throw rom::InputError({path, 0}, "signature", "there is none");
-  const std::string signer = rom::to_hex(*file.signed_by);
+  const std::optional<rom::PublicKey> signed_by = signer_of_file(path);
+  if (!signed_by) throw rom::InputError({path, 0}, "signature", "there is none");
+  const std::string signer = rom::to_hex(*signed_by);
   bool known = trusted.empty();
-  for (const std::string& text : trusted) known = trusted_key(text) == *file.signed_by || known;
+  for (const std::string& text : trusted) known = trusted_key(text) == *signed_by || known;
   if (!known) throw rom::InputError({path, 0}, "signature", "by " + signer + ", which is none of the keys given");
   std::printf("%s: signed by %s%s\n", path.c_str(), signer.c_str(),
               trusted.empty() ? "; whether that key is to be trusted, --key tells" : "");
@@ -51,7 +64,7 @@ void verify(const std::string& path, const std::vector<std::string>& trusted) {
 }  // namespace
 
 void add_keys(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("keys", "Make the keys that network files are signed with");
+  CLI::App* command = app.add_subcommand("keys", "Make the keys that network files and calibrations are signed with");
   command->require_subcommand(1);
   const auto name = std::make_shared<std::string>();
   CLI::App* fresh = command->add_subcommand("new", "Write NAME.key (private) and NAME.pub (public); never over others");
@@ -63,13 +76,13 @@ void add_sign(CLI::App& app) {
   struct SignOptions {
     std::string network, key;
   };
-  CLI::App* command = app.add_subcommand("sign", "Sign a network file, in place");
+  CLI::App* command = app.add_subcommand("sign", "Sign a network file or a calibration, in place");
   const auto options = std::make_shared<SignOptions>();
-  command->add_option("network", options->network, "network file, .rom")->required();
+  command->add_option("network", options->network, "network file, .rom, or .calibration")->required();
   command->add_option("--key", options->key, "private key, .key")->required();
   command->callback([options] {
     const rom::PrivateKey key = rom::read_private_key(options->key);
-    rom::sign_file(options->network, key);
+    sign(options->network, key);
     std::printf("%s: signed by %s\n", options->network.c_str(), rom::to_hex(rom::public_key(key)).c_str());
   });
 }
@@ -79,9 +92,9 @@ void add_verify_signature(CLI::App& app) {
     std::string network;
     std::vector<std::string> keys;
   };
-  CLI::App* command = app.add_subcommand("verify-signature", "Say who signed a network file");
+  CLI::App* command = app.add_subcommand("verify-signature", "Say who signed a network file or a calibration");
   const auto options = std::make_shared<SignOptions>();
-  command->add_option("network", options->network, "network file, .rom")->required();
+  command->add_option("network", options->network, "network file, .rom, or .calibration")->required();
   command->add_option("--key", options->keys, "public keys that count, .pub files or 64 hex digits");
   command->callback([options] { verify(options->network, options->keys); });
 }

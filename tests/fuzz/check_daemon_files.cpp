@@ -81,7 +81,7 @@ std::string checked_orders(std::span<const std::uint8_t> message) {
 std::string checked_calibration(std::span<const std::uint8_t> message) {
   return reason_of("fuzzed", [&] {
     const auto read = [](const std::vector<std::uint8_t>& bytes) {
-      return correction::decode_calibration(bytes, "fuzzed");
+      return correction::decode_calibration(bytes, "fuzzed").calibration;
     };
     const auto once = encode_calibration(read(sealed("calibration 1", message)));
     require(encode_calibration(read(once)) == once, "calibrations survive a round trip");

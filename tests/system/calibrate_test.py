@@ -130,6 +130,31 @@ class Calibrate(RunningDaemon):
             self.assertIn(message, result.stderr)
             self.assertEqual(len(result.stderr.splitlines()), 1)
 
+    def test_where_signatures_are_required_a_calibration_needs_one_too(self):
+        file, _ = self.calibrated()
+        for key in ("ours", "theirs"):
+            self.assertEqual(self.tool("keys", "new", self.folder / key).returncode, 0)
+        network = self.rom.read_bytes()
+        self.addCleanup(self.rom.write_bytes, network)
+        sign = lambda what, key: self.assertEqual(self.tool("sign", what, "--key", self.folder / f"{key}.key").returncode, 0)
+        sign(self.rom, "ours")
+        self.configure(f'calibration = "{file.name}"\n')
+        text = self.config.read_text()
+        line = next(line for line in text.splitlines() if line.startswith("network = "))
+        self.config.write_text(text.replace(line, f'network = {{ file = "{self.rom.name}", allow_uncertified = true, '
+                                                  'require_signature = true, trusted_keys = ["ours.pub"] }'))
+        refused = self.check()
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("correction.calibration: ", refused.stderr)
+        self.assertIn("machine.calibration is not signed, and require_signature asks for it", refused.stderr)
+        sign(file, "theirs")
+        self.assertIn("which is not among the trusted_keys", self.check().stderr)
+        sign(file, "ours")
+        accepted = self.check()
+        self.assertEqual(accepted.returncode, 0, accepted.stderr)
+        verified = self.tool("verify-signature", file, "--key", self.folder / "ours.pub")
+        self.assertEqual((verified.returncode, verified.stderr), (0, ""))
+
     def test_a_daemons_history_with_touch_offs_is_a_test_too(self):
         self.config.write_text(self.config.read_text().replace("clock_rate = 10.0", "clock_rate = 100.0"))
         for file in self.folder.glob("history*"):

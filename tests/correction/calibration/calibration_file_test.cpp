@@ -69,6 +69,37 @@ TEST(CalibrationFile, no_damaged_bit_and_no_cut_file_is_taken) {
   }
 }
 
+TEST(CalibrationFile, a_signature_is_of_its_signer_and_of_every_byte_before_it) {
+  const Calibration written = some_calibration(plates());
+  const rom::PrivateKey key = rom::make_private_key();
+  const std::vector<std::uint8_t> bytes = encode_calibration(written, &key);
+  const CalibrationFile read = decode_calibration(bytes, "x");
+  EXPECT_EQ(read.signed_by, rom::public_key(key));
+  EXPECT_EQ(encode_calibration(read.calibration), encode_calibration(written));
+  EXPECT_FALSE(decode_calibration(encode_calibration(written), "x").signed_by.has_value());
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 5) {
+    std::vector<std::uint8_t> damaged = bytes;
+    damaged[bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    EXPECT_NE(refusal([&] { decode_calibration(damaged, "x"); }), "taken") << "bit " << bit;
+  }
+  for (std::size_t size = 0; size < bytes.size(); size += 7) {
+    const std::vector<std::uint8_t> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_NE(refusal([&] { decode_calibration(cut, "x"); }), "taken") << size << " bytes";
+  }
+}
+
+TEST(CalibrationFile, another_files_signature_does_not_fit) {
+  const rom::PrivateKey key = rom::make_private_key();
+  const Calibration one = some_calibration(plates());
+  Calibration other = one;
+  other.mean[0] += 0.1;
+  const std::vector<std::uint8_t> theirs = encode_calibration(other, &key);
+  std::vector<std::uint8_t> mixed = encode_calibration(one, &key);
+  ASSERT_EQ(mixed.size(), theirs.size());
+  std::copy(theirs.end() - 104, theirs.end(), mixed.end() - 104);
+  EXPECT_EQ(refusal([&] { decode_calibration(mixed, "x"); }), "x: signature: does not fit the file, or is damaged");
+}
+
 TEST(CalibrationFile, numbers_that_are_none_are_refused) {
   Calibration calibration = some_calibration(plates());
   calibration.mean[1] = std::numeric_limits<double>::quiet_NaN();
