@@ -20,6 +20,7 @@
 
 #include "firmware/config/daemon_config.hpp"
 #include "firmware/config/expect_of_sensors.hpp"
+#include "firmware/config/implausible_plan.hpp"
 #include "firmware/keep/state_files.hpp"
 #include "firmware/login/password.hpp"
 #include "firmware/run/daemon.hpp"
@@ -112,6 +113,14 @@ void say_ok(const std::string& config_path, const PreparedSpindle& spindle) {
   std::fputs(expect_of_sensors(network, spindle.plan.cycle).c_str(), stdout);
 }
 
+/// One line for each on stderr; strict: throws the first.
+void warn_of_implausible(const PreparedSpindle& spindle, bool strict) {
+  for (const rom::InputError& each : implausible_plan(spindle.config, spindle.file.network, spindle.plan.cycle)) {
+    if (strict) throw each;
+    std::fprintf(stderr, "warning: %s\n", each.what());
+  }
+}
+
 void log_network(const PreparedSpindle& spindle) {
   const LogName name(spindle.name);
   const std::string& path = spindle.config.network.path;
@@ -131,7 +140,13 @@ int print_account(const std::string& user) {
   return 0;
 }
 
-int run(const std::string& config_path, bool only_check) {
+/// What only a check asks for.
+struct Check {
+  bool only = false;
+  bool strict = false;
+};
+
+int run(const std::string& config_path, Check check) {
   const DaemonConfig config = read_daemon_config(config_path);
   std::vector<std::unique_ptr<PreparedSpindle>> spindles;
   std::vector<std::string> files;
@@ -139,8 +154,11 @@ int run(const std::string& config_path, bool only_check) {
     spindles.push_back(prepare(spindle));
     for (const std::string& file : state_files(spindle.config)) files.push_back(file);
   }
-  if (only_check) {
-    for (const auto& spindle : spindles) say_ok(config_path, *spindle);
+  if (check.only) {
+    for (const auto& spindle : spindles) {
+      warn_of_implausible(*spindle, check.strict);
+      say_ok(config_path, *spindle);
+    }
     return 0;
   }
   const StateLock lock(files);
@@ -162,13 +180,17 @@ int main(int argc, char** argv) {
     CLI::App app{"spindle-twind: thermal twin of a CNC spindle, served by Modbus/TCP"};
     std::string config_path;
     std::string user;
-    bool only_check = false;
+    Check check;
     CLI::Option* const config = app.add_option("CONFIG", config_path, "configuration file (TOML)");
     CLI::Option* const hash = app.add_option(
         "--hash-password", user,
         "read a password from the terminal or stdin, print the line of this NAME for http.commands.accounts, and end");
     hash->type_name("NAME")->excludes(config);
-    app.add_flag("--check", only_check, "read configuration and network, say whether they fit, and end");
+    CLI::Option* const only_check =
+        app.add_flag("--check", check.only, "read configuration and network, say whether they fit, and end");
+    app.add_flag("--strict", check.strict,
+                 "with --check: refuse implausible constants, heats and films, else warned of")
+        ->needs(only_check);
     app.set_version_flag("--version", SPINDLE_TWIN_VERSION);
     app.failure_message([](const CLI::App*, const CLI::Error& error) {
       return std::string("spindle-twind: ") + error.what() + "; see spindle-twind --help\n";
@@ -180,7 +202,7 @@ int main(int argc, char** argv) {
       constexpr int usage_error = 2;
       return app.exit(error) == 0 ? 0 : usage_error;
     }
-    return hash->empty() ? run(config_path, only_check) : print_account(user);
+    return hash->empty() ? run(config_path, check) : print_account(user);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twind: %s\n", error.what());
     return 1;

@@ -12,30 +12,6 @@ namespace {
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t least_rows = 3;
 
-/// Puts what a row says over what was before.
-void take_signals(const rom::Network& network, const Log& log, const LogRow& row, rom::OperatingState& operating) {
-  const auto is_said = [&](std::size_t signal) { return log.has_signal[signal] && std::isfinite(row.signals[signal]); };
-  const auto at = [](firmware::Signal signal) { return static_cast<std::size_t>(signal); };
-  if (is_said(at(firmware::Signal::speed))) operating.speed_rpm = row.signals[at(firmware::Signal::speed)];
-  if (is_said(at(firmware::Signal::load))) operating.load = row.signals[at(firmware::Signal::load)];
-  if (is_said(at(firmware::Signal::current))) operating.current_A = row.signals[at(firmware::Signal::current)];
-  if (is_said(at(firmware::Signal::power))) operating.power_W = row.signals[at(firmware::Signal::power)];
-  const auto& environments = network.boundaries.environments;
-  for (std::size_t e = 0; e < environments.size(); ++e) {
-    const std::size_t signal = at(environments[e].kind == rom::EnvironmentKind::coolant ? firmware::Signal::coolant
-                                                                                        : firmware::Signal::ambient);
-    if (is_said(signal)) operating.environment_K[static_cast<Eigen::Index>(e)] = row.signals[signal];
-  }
-  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
-    const std::size_t signal = firmware::first_flow_signal + static_cast<std::size_t>(c);
-    if (is_said(signal)) operating.flow_kg_per_s[c] = row.signals[signal];
-  }
-  for (Eigen::Index h = 0; h < operating.heat_W.size(); ++h) {
-    const std::size_t signal = firmware::first_heat_signal + static_cast<std::size_t>(h);
-    if (is_said(signal)) operating.heat_W[h] = row.signals[signal];
-  }
-}
-
 bool is_new(const Log& log, double age_s) {
   constexpr double of_a_cycle = 1.001;
   return !log.cycle_s || std::isnan(age_s) || age_s < of_a_cycle * *log.cycle_s;

@@ -24,4 +24,18 @@ void Plausibility::note_schedule(const std::string& path, const rom::Schedule& s
   }
 }
 
+void Plausibility::note_log(const Log& log, const rom::Network& network) {
+  rom::Boundaries boundaries = network.boundaries;  // with the names of a log's columns
+  for (rom::Environment& environment : boundaries.environments) {
+    environment.name = environment.kind == rom::EnvironmentKind::coolant ? "coolant" : "ambient";
+  }
+  for (rom::CoolantCircuit& circuit : boundaries.circuits) circuit.name = "flow." + circuit.name;
+  const rom::PlausibleInputs believed = rom::plausible_inputs(boundaries, network.certificate.box.speed_high_rpm);
+  rom::OperatingState state = boundaries.operating;
+  for (const LogRow& row : log.rows) {
+    take_signals(network, log, row, state);
+    note(row.where, rom::implausible_inputs(boundaries, believed, state));
+  }
+}
+
 }  // namespace spindle_twin::host_tools

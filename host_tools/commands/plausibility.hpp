@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/replay/log.hpp"
 #include "rom/boundary_values/plausible_inputs.hpp"
 #include "rom/boundary_values/schedule.hpp"
+#include "rom/network.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -22,6 +24,8 @@ class Plausibility {
   /// Of every row; `path` is the schedule's.
   void note_schedule(const std::string& path, const rom::Schedule& schedule, const rom::Boundaries& boundaries,
                      double certified_rpm = 0.0);
+  /// Of every row of a machine's log.
+  void note_log(const Log& log, const rom::Network& network);
 
  private:
   bool strict_ = false;

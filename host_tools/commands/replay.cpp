@@ -9,6 +9,7 @@
 
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "host_tools/commands/plausibility.hpp"
 #include "host_tools/replay/errors.hpp"
 #include "host_tools/replay/plan.hpp"
 #include "rom/file/rom_file.hpp"
@@ -30,6 +31,7 @@ struct ReplayCommand {
   std::string output;
   double from_s = -1e300;
   bool json = false;
+  Plausibility plausibility;
 };
 
 struct Tally {
@@ -138,6 +140,8 @@ void run_replay(const ReplayCommand& options) {
   if (!options.output.empty()) rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.replay.network);
   const Log log = read_log(options.log, network, options.replay.longest_gap_s, options.run);
+  Plausibility plausibility = options.plausibility;
+  plausibility.note_log(log, network);
   const firmware::CyclePlan plan = plan_replay(network, log, options.replay);
   ReplayErrors errors(network, plan, log, options.from_s);
   Tally tally;
@@ -204,6 +208,7 @@ void add_replay(CLI::App& app) {
       ->check(finite_range(-1e12, 1e12, "-1e12 to 1e12 s"));
   command->add_option("-o,--output", options->output, "CSV to write, a row per cycle");
   command->add_flag("--json", options->json, "as JSON");
+  options->plausibility.add_to(*command);
   command->callback([options] { run_replay(*options); });
 }
 

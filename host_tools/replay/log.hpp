@@ -60,4 +60,7 @@ struct Log {
 Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s,
              std::optional<std::int64_t> run = std::nullopt);
 
+/// Puts the signals of a row over what `operating` had before; one that the row does not say stays.
+void take_signals(const rom::Network& network, const Log& log, const LogRow& row, rom::OperatingState& operating);
+
 }  // namespace spindle_twin::host_tools

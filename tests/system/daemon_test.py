@@ -258,6 +258,19 @@ class BadInput(unittest.TestCase):
         result = run_daemon("--check", self.config)
         self.assertEqual((result.returncode, len(result.stdout.splitlines())), (0, 1))
 
+    def test_check_warns_of_a_constant_in_another_unit_and_refuses_it_when_strict(self):
+        signals = [line for line in self.good.splitlines() if line.startswith("coolant = ")]
+        self.assertEqual(len(signals), 1, self.good)
+        self.config.write_text(self.good.replace(signals[0], 'coolant = { source = "constant", value = 295.0 }'))
+        line = 1 + self.good.splitlines().index(signals[0])
+        said = f"{self.config}:{line}: signals.coolant: 295 is not plausible; believed is "
+        result = run_daemon("--check", self.config)
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("warning: " + said, result.stderr)
+        self.assertIn("spindle-twind: " + said, self.error_of("--check", "--strict", self.config))
+        self.config.write_text(self.good)
+        self.assertEqual(run_daemon("--check", "--strict", self.config).stderr, "")
+
     def test_a_missing_configuration(self):
         self.assertEqual(self.error_of(self.folder / "none.toml"),
                          f"spindle-twind: {self.folder}/none.toml: cannot be read as a file")

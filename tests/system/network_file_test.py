@@ -134,6 +134,18 @@ class NetworkFiles(host_tool_case.Case):
         told = self.json_of("replay", network, log)
         self.assertEqual({kind: list(told[kind]) for kind in ("states", "faults")}, self.declared_states_and_faults())
 
+    def test_a_log_in_percent_and_kelvin_is_warned_of_with_line_and_field(self):
+        network = self.assemble()
+        header = "time_s,speed_rpm,load,coolant_degC,ambient_degC\n"
+        log = self.folder / "percent.csv"
+        log.write_text(header + "0,6000,0.7,20,20\n10,6000,70,295,20\n20,6000,70,295,20\n")
+        said = self.good("replay", network, log, "--correction", "none", "--start-degC", 20).stderr
+        warned = [line for line in said.splitlines() if line.startswith("warning: ")]
+        self.assertIn(f"{log}:3: load: 70 is not plausible; believed is -3 to 3", warned[0])
+        self.assertIn(f"{log}:3: coolant_degC: 295 is not plausible; believed is ", warned[1])
+        self.assertEqual(len(warned), 2, said)
+        self.assertIn(f"{log}:3: load: 70 is not plausible", self.error_of("replay", network, log, "--strict"))
+
     def declared_states_and_faults(self):
         declared = tomllib.loads((EXAMPLE.parents[2] / "firmware" / "cycle" / "states.toml").read_text())
         names = {codes["name"]: [code["name"] for code in codes["values"]] for codes in declared["codes"]}
