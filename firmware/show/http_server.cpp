@@ -28,6 +28,7 @@ constexpr std::int64_t made_within_ns = 60 * ns_per_s;
 constexpr std::int64_t take_within_ns = 5 * ns_per_s;
 constexpr std::int64_t leave_within_ns = 1 * ns_per_s;
 constexpr std::int64_t viewer_takes_within_ns = 10 * ns_per_s;
+static_assert(SlowPages::most_at_once == HttpServer::most_connections, "a viewer is not refused because of others");
 constexpr std::size_t before_connections = 2 + lanes;  ///< in what is polled
 constexpr int send_buffer_bytes = 32768;  ///< what a client that reads nothing may hold of the system's memory
 constexpr int look_for_cycles_ms = 50;    ///< while somebody watches

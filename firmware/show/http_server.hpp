@@ -26,7 +26,7 @@ namespace spindle_twin::firmware {
 /// line, an answer 5 s to be taken; the connection ends with it. Of 32 connections the oldest that is no viewer makes
 /// room for a new one. An event stream gets the newest cycle, at most one event a second, only when the one before was
 /// taken, and ends when that lasts 10 s; the ninth viewer gets 503. A page that takes its time is made by another
-/// thread, and a command handed over by one more, 8 at once each, while its connection waits, a minute at most: then,
+/// thread, and a command handed over by one more, one for each connection, which waits, a minute at most: then,
 /// and without room, it is 503. So memory is bounded, and nobody waits for a client or a disk.
 class HttpServer {
  public:

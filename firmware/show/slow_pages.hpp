@@ -22,7 +22,7 @@ namespace spindle_twin::firmware {
 /// that it is to stop.
 class SlowPages {
  public:
-  static constexpr std::size_t most_at_once = 8;  ///< of pages asked for and not taken
+  static constexpr std::size_t most_at_once = 32;  ///< of pages asked for and not taken: HttpServer::most_connections
 
   SlowPages();
   ~SlowPages();

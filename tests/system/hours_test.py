@@ -66,7 +66,7 @@ class Hours(Http):
         self.assertIn("history.sqlite: cannot be read as a history in SQLite", json.loads(body)["error"])
         self.assertEqual(self.get("/")[0], 200)
 
-    def test_clients_that_go_make_room_and_of_many_at_once_each_gets_hours_or_503(self):
+    def test_clients_that_go_make_room_and_of_many_at_once_each_gets_its_hours(self):
         self.run_well()
         for _ in range(40):
             with socket.create_connection(("127.0.0.1", self.http_port)) as client:
@@ -78,8 +78,7 @@ class Hours(Http):
             client.sendall(b"GET /api/v1/history/24 HTTP/1.1\r\n\r\n")
         before = self.state()["sequence"]["value"]
         answers = {client.recv(100).split()[1] for client in clients}
-        self.assertLessEqual(answers, {b"200", b"503"})
-        self.assertIn(b"200", answers)
+        self.assertEqual(answers, {b"200"})
         wait_until(lambda: self.state()["sequence"]["value"] > before, "the cycle to go on")
         wait_until(lambda: self.get("/api/v1/history/1")[0] == 200, "room again")
 
