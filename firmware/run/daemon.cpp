@@ -7,6 +7,7 @@
 #include <future>
 #include <utility>
 
+#include "firmware/run/growth_page.hpp"
 #include "firmware/run/history_page.hpp"
 #include "firmware/show/scene_json.hpp"
 #include "firmware/show/shown_names.hpp"
@@ -61,7 +62,8 @@ void Daemon::show() {
     auto history = history_page(spindle->config.history, network);
     shown.push_back({spindle->name, spindle->unit, names_of(network), stale_after_s(spindle->cycle_s()),
                      scene_json(network, show_.notice, static_cast<bool>(history)), std::move(history),
-                     [this, number = shown.size()](const Order& order) { return server_->order(number, order); }});
+                     [this, number = shown.size()](const Order& order) { return server_->order(number, order); },
+                     growth_page(spindle->config.history, network)});
   }
   shown_.emplace(show_, std::move(shown), clock_);
   if (published_) shown_->show_plant(published_->counts());

@@ -2,36 +2,18 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "firmware/keep/sqlite_history.hpp"
+#include "firmware/run/pace.hpp"
 #include "firmware/show/json_text.hpp"
 #include "firmware/watch/clock.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
-
-/// Rests as long as it worked. Under a real-time priority of the whole process nothing else would let the cycle in.
-class Pace {
- public:
-  explicit Pace(const std::atomic<bool>& stop) : stop_(stop) {}
-  bool go_on() {
-    const auto now = std::chrono::steady_clock::now();
-    std::this_thread::sleep_for(now - began_);
-    began_ = std::chrono::steady_clock::now();
-    return began_ < end_ && !stop_.load(std::memory_order_acquire);
-  }
-
- private:
-  const std::atomic<bool>& stop_;
-  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point end_ = began_ + std::chrono::seconds(5);
-};
 
 void add_list(std::string& json, const char* name, const std::vector<float>& values) {
   json += fmt::format("\"{}\":[", name);

@@ -342,6 +342,7 @@ Page HttpServer::page_of(ShownSpindle& spindle, const std::string& what, const H
   if (what == "scene") return {200, "application/json", spindle.scene() + "\n"};
   const std::string history = "history/";
   if (what.starts_with(history)) return spindle.history(what.substr(history.size()));
+  if (what == "growth") return spindle.growth();
   if (what != "events") return {404};
   if (viewers() >= most_viewers) return {503, "application/json", error_json("there are 8 viewers already")};
   asked_for_ = &spindle;

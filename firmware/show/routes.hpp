@@ -9,7 +9,7 @@ struct Route {
   const char* path;
   const char* doc;
 };
-inline constexpr std::array<Route, 14> routes{{
+inline constexpr std::array<Route, 15> routes{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the prediction may be used (state running or degraded), 503 while it may not"},
@@ -23,6 +23,7 @@ inline constexpr std::array<Route, 14> routes{{
     {"/api/v1/logout", "POST: its end"},
     {"/api/v1/command", "POST: an order, as a PLC writes it by registers; 401 without a session"},
     {"/api/v1/history/{HOURS}", "the last 1, 8, 24 or 168 hours of a history in SQLite, thinned; else 404"},
+    {"/api/v1/growth", "whether the compensation helps: growth at the touch-offs in that history, week by week"},
     {"/metrics", "the registers for Prometheus, text format 0.0.4"},
 }};
 
@@ -30,7 +31,7 @@ inline constexpr std::array<Route, 14> routes{{
 inline constexpr std::array<int, 4> history_hours{1, 8, 24, 168};
 
 /// Of a daemon with several spindles, whose names stand in the place of {NAME}.
-inline constexpr std::array<Route, 15> routes_of_several{{
+inline constexpr std::array<Route, 16> routes_of_several{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the predictions of all spindles may be used, 503 while one may not"},
@@ -46,6 +47,7 @@ inline constexpr std::array<Route, 15> routes_of_several{{
     {"/api/v1/spindles/{NAME}/events", "the same as server-sent events, at most one a second"},
     {"/api/v1/spindles/{NAME}/history/{HOURS}",
      "its last 1, 8, 24 or 168 hours of a history in SQLite, thinned; else 404"},
+    {"/api/v1/spindles/{NAME}/growth", "whether its compensation helps, from that history, week by week"},
     {"/metrics", "the registers of all spindles for Prometheus, text format 0.0.4, with the label spindle_name"},
 }};
 

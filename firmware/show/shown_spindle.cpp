@@ -11,6 +11,13 @@
 #include "firmware/show/state_json.hpp"
 
 namespace spindle_twin::firmware {
+namespace {
+
+Page no_history() {
+  return {404, "application/json", error_json("this spindle keeps no history in SQLite: history.path in its file")};
+}
+
+}  // namespace
 
 double stale_after_s(double cycle_s) {
   constexpr double late_cycles = 3.0, least_s = 5.0;
@@ -34,9 +41,7 @@ Page ShownSpindle::health(std::int64_t now_ns) const {
 }
 
 Page ShownSpindle::history(const std::string& hours) const {
-  if (!has_history()) {
-    return {404, "application/json", error_json("this spindle keeps no history in SQLite: history.path in its file")};
-  }
+  if (!has_history()) return no_history();
   for (const int each : history_hours) {
     if (hours != std::to_string(each)) continue;
     Page page;
@@ -44,6 +49,13 @@ Page ShownSpindle::history(const std::string& hours) const {
     return page;
   }
   return {400, "application/json", error_json(fmt::format("hours: allowed are {}", fmt::join(history_hours, ", ")))};
+}
+
+Page ShownSpindle::growth() const {
+  if (!spindle_.growth) return no_history();
+  Page page;
+  page.work = spindle_.growth;
+  return page;
 }
 
 std::string ShownSpindle::state() const { return state_json(image_, spindle_.names); }

@@ -24,6 +24,8 @@ struct SpindleToShow {
   /// Makes the page of its last hours, as many as are asked for; empty: no history is kept that could be asked.
   std::function<Page(int hours, const std::atomic<bool>& stop)> history = {};
   GiveOrder order = {};  ///< hands an order to it
+  /// Makes the page of what the compensation has been worth, likewise.
+  std::function<Page(const std::atomic<bool>& stop)> growth = {};
 };
 
 /// A cycle is called dead that is three periods late, or five seconds where that is longer.
@@ -48,6 +50,8 @@ class ShownSpindle {
   /// The page of its last hours, to be made by another thread; `hours` as it stands in the path. 400 with what is
   /// allowed, 404 where no history is kept that could be asked.
   Page history(const std::string& hours) const;
+  /// The page of what the compensation has been worth, likewise.
+  Page growth() const;
   Commanded commanded() const { return {spindle_.name, spindle_.names.deformations, spindle_.order}; }
   bool has_history() const { return static_cast<bool>(spindle_.history); }
   /// {"name": ..., "unit": ..., "spindle": ..., "state": ...}

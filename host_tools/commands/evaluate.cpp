@@ -1,7 +1,6 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
-#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <limits>
@@ -10,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "correction/growth/judge_growth.hpp"
 #include "host_tools/commands/commands.hpp"
-#include "host_tools/evaluate/judge_growth.hpp"
+#include "host_tools/evaluate/growth_reading.hpp"
 #include "rom/units.hpp"
 
 // spindle-twin evaluate twin.sqlite --measured parts.csv
@@ -19,9 +19,13 @@ namespace spindle_twin::host_tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using correction::applied_as;
+using correction::AppliedAs;
+using correction::GrowthJudgement;
+using correction::GrowthReading;
+using correction::GrowthWeek;
+using correction::Verdict;
 constexpr int worse_exit_code = 3;
-constexpr double week_s = 7.0 * 86400.0;
-constexpr double monday_s = 4.0 * 86400.0;  // 5 January 1970
 constexpr double ever = std::numeric_limits<double>::infinity();
 
 struct EvaluateOptions {
@@ -31,30 +35,12 @@ struct EvaluateOptions {
   bool json = false;
 };
 
-struct Period {
-  std::string name;
-  GrowthJudgement judged;
-};
-
 struct Evaluation {
   GrowthHistory history;
-  std::vector<Period> weeks;  ///< those with readings; none without dates
+  std::vector<GrowthWeek> weeks;  ///< those with readings; none without dates
   GrowthJudgement whole;
   std::optional<double> scale;
 };
-
-const char* word(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::helps:
-      return "helps";
-    case Verdict::makes_worse:
-      return "makes it worse";
-    case Verdict::not_told:
-      return "cannot be told";
-    default:
-      return "too few readings";
-  }
-}
 
 const char* word(AppliedAs applied) {
   switch (applied) {
@@ -79,15 +65,12 @@ Evaluation evaluate(const EvaluateOptions& options) {
   const std::vector<GrowthReading>& readings = result.history.readings;
   result.whole = judge_growth(readings, -ever, ever);
   result.scale = applied_scale(readings);
-  if (!result.history.has_clock || readings.empty()) return result;
-  const auto week_of = [](double unix_s) { return std::floor((unix_s - monday_s) / week_s); };
-  for (double week = week_of(readings.front().unix_s); week <= week_of(readings.back().unix_s); ++week) {
-    const double from_s = monday_s + week * week_s;
-    const GrowthJudgement judged = judge_growth(readings, from_s, from_s + week_s);
-    if (judged.readings == 0) continue;
-    result.weeks.push_back({fmt::format("{:%Y-%m-%d}", fmt::gmtime(static_cast<std::time_t>(from_s))), judged});
-  }
+  if (result.history.has_clock) result.weeks = judge_weeks(readings);
   return result;
+}
+
+std::string date_of(const GrowthWeek& week) {
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(static_cast<std::time_t>(week.from_unix_s)));
 }
 
 Json json_of(const GrowthJudgement& judged) {
@@ -96,15 +79,15 @@ Json json_of(const GrowthJudgement& judged) {
           {"growth_worst_um", judged.growth_worst_m * rom::um_per_m},
           {"left_rms_um", judged.left_rms_m * rom::um_per_m},
           {"left_worst_um", judged.left_worst_m * rom::um_per_m},
-          {"verdict", word(judged.verdict)}};
+          {"verdict", name_of(judged.verdict)}};
 }
 
 void print_json(const Evaluation& result) {
   Json json{{"output", result.history.output}, {"stretches", result.history.stretches}};
   json["weeks"] = Json::array();
-  for (const Period& week : result.weeks) {
+  for (const GrowthWeek& week : result.weeks) {
     json["weeks"].push_back(json_of(week.judged));
-    json["weeks"].back()["from"] = week.name;
+    json["weeks"].back()["from"] = date_of(week);
   }
   json["whole"] = json_of(result.whole);
   json["applied_times"] = result.scale ? Json(*result.scale) : Json();
@@ -116,7 +99,7 @@ void print_line(const std::string& name, const GrowthJudgement& judged) {
   std::printf("%-12s %8zu %10.2f %10.2f %10.2f %10.2f %8.2f  %s\n", name.c_str(), judged.readings,
               judged.growth_rms_m * rom::um_per_m, judged.growth_worst_m * rom::um_per_m,
               judged.left_rms_m * rom::um_per_m, judged.left_worst_m * rom::um_per_m,
-              judged.left_rms_m / judged.growth_rms_m, word(judged.verdict));
+              judged.left_rms_m / judged.growth_rms_m, name_of(judged.verdict));
 }
 
 void print_table(const EvaluateOptions& options, const Evaluation& result) {
@@ -129,7 +112,7 @@ void print_table(const EvaluateOptions& options, const Evaluation& result) {
   }
   std::printf("%-12s %8s %10s %10s %10s %10s %8s\n", "week from", "readings", "growth rms", "worst um", "left rms",
               "worst um", "left");
-  for (const Period& week : result.weeks) print_line(week.name, week.judged);
+  for (const GrowthWeek& week : result.weeks) print_line(date_of(week), week.judged);
   print_line("all", result.whole);
   if (result.scale) {
     std::printf("\nthe control applies %.2f times what is published: %s\n", *result.scale,

@@ -4,24 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "correction/growth/growth_reading.hpp"
+
 namespace spindle_twin::host_tools {
-
-/// How a growth was measured.
-enum class ReadingOrigin {
-  touch_off,           ///< a length that the PLC handed to the daemon
-  by_hand,             ///< the growth itself: a probe, an uncompensated part
-  by_hand_compensated  ///< what was left of it while the control compensated: a part
-};
-
-/// One measured growth of an output beside what the twin had published before it knew of it, m. Zeros are unknown:
-/// only differences within one stretch and origin count.
-struct GrowthReading {
-  double unix_s = 0.0;
-  std::size_t stretch = 0;  ///< from a start or a tare to the next one
-  ReadingOrigin origin = ReadingOrigin::touch_off;
-  double measured_m = 0.0;
-  double predicted_m = 0.0;
-};
 
 /// A measurement that a person has written down, line by line.
 struct HandReading {
@@ -42,7 +27,7 @@ struct GrowthHistory {
   std::string output;
   bool has_clock = false;  ///< unix_s is one; else the history's own time
   std::size_t stretches = 0;
-  std::vector<GrowthReading> readings;
+  std::vector<correction::GrowthReading> readings;
 };
 
 /// Takes the touch-offs out of a history of spindle-twind (CSV, or all runs of one in SQLite), and puts the readings by

@@ -7,14 +7,15 @@
 #include <optional>
 #include <span>
 
+#include "correction/growth/touch_offs.hpp"
 #include "firmware/keep/read_sqlite_history.hpp"
 #include "host_tools/evaluate/growth_reading.hpp"
 #include "rom/read/csv_table.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
 
-// Steps: find the columns; walk through the rows of each run; where the PLC handed over a length, take the row before
-// as what the twin had said without it; give each reading by hand the last row before its time.
+// Steps: find the columns; walk through the rows of each run, of which TouchOffs finds the touch-offs; give each
+// reading by hand the last row before its time.
 namespace spindle_twin::host_tools {
 namespace {
 
@@ -59,7 +60,12 @@ struct GrowthColumns {
 class GrowthWalk {
  public:
   GrowthWalk(const GrowthColumns& columns, const std::vector<HandReading>& by_hand, GrowthHistory& history)
-      : columns_(columns), by_hand_(by_hand), order_(by_hand.size()), matched_(by_hand.size(), false), out_(history) {
+      : columns_(columns),
+        by_hand_(by_hand),
+        order_(by_hand.size()),
+        matched_(by_hand.size(), false),
+        out_(history),
+        touch_offs_(columns.slot) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(),
                      [&](std::size_t a, std::size_t b) { return by_hand[a].unix_s < by_hand[b].unix_s; });
@@ -67,32 +73,24 @@ class GrowthWalk {
 
   void begin_run(double first_unix_s) {
     first_unix_s_ = first_unix_s;
-    before_.reset();
+    touch_offs_.begin_run();
     next_hand_ = 0;
   }
 
   void row(std::span<const double> values) {
-    if (!before_) {
-      first_clock_ns_ = values[columns_.clock];
-      ++out_.stretches;
-    } else if (values[columns_.tares] != before_->tares) {
-      ++out_.stretches;
-    }
+    if (!touch_offs_.before()) first_clock_ns_ = values[columns_.clock];
     const double unix_s = first_unix_s_ + s_per_ns * (values[columns_.clock] - first_clock_ns_);
     match_until(unix_s);
     const double tare_m = columns_.slot == 0 ? values[columns_.tare] * rom::m_per_um : 0.0;
-    const double predicted_m = values[columns_.predicted] * rom::m_per_um - tare_m;
-    const bool touched = before_ && values[columns_.orders] > before_->orders &&
-                         static_cast<std::size_t>(values[columns_.of_output]) == columns_.slot &&
-                         values[columns_.tares] == before_->tares;
-    if (touched && std::isfinite(before_->predicted_m)) {
-      add(unix_s, ReadingOrigin::touch_off, values[columns_.length], before_->predicted_m);
-    }
-    before_ = Before{unix_s, predicted_m, values[columns_.tares], values[columns_.orders]};
+    const auto reading =
+        touch_offs_.row({unix_s, values[columns_.predicted] * rom::m_per_um - tare_m, values[columns_.tares],
+                         values[columns_.orders], values[columns_.of_output], values[columns_.length]});
+    out_.stretches = touch_offs_.stretches();
+    if (reading) out_.readings.push_back(*reading);
   }
 
   void end_run() {
-    if (before_) match_until(before_->unix_s + longest_before_s);
+    if (touch_offs_.before()) match_until(touch_offs_.before()->unix_s + longest_before_s);
   }
 
   void check_all_matched(const std::string& hand_file) const {
@@ -104,25 +102,17 @@ class GrowthWalk {
   }
 
  private:
-  struct Before {
-    double unix_s, predicted_m, tares, orders;
-  };
-
-  void add(double unix_s, ReadingOrigin origin, double measured_m, double predicted_m) {
-    if (!std::isfinite(measured_m)) return;
-    out_.readings.push_back({unix_s, out_.stretches - 1, origin, measured_m, predicted_m});
-  }
-
   /// Readings by hand before `unix_s` belong to the row before.
   void match_until(double unix_s) {
+    const std::optional<correction::GrowthRow>& before = touch_offs_.before();
     for (; next_hand_ < order_.size() && by_hand_[order_[next_hand_]].unix_s < unix_s; ++next_hand_) {
-      const std::size_t hand = order_[next_hand_];
-      const double since_s = before_ ? by_hand_[hand].unix_s - before_->unix_s : -1.0;
-      if (since_s < 0.0 || since_s > longest_before_s || !std::isfinite(before_->predicted_m)) continue;
-      matched_[hand] = true;
-      add(by_hand_[hand].unix_s,
-          by_hand_[hand].compensated ? ReadingOrigin::by_hand_compensated : ReadingOrigin::by_hand,
-          by_hand_[hand].growth_m, before_->predicted_m);
+      const HandReading& hand = by_hand_[order_[next_hand_]];
+      const double since_s = before ? hand.unix_s - before->unix_s : -1.0;
+      if (since_s < 0.0 || since_s > longest_before_s || !std::isfinite(before->published_m)) continue;
+      matched_[order_[next_hand_]] = true;
+      const auto origin =
+          hand.compensated ? correction::ReadingOrigin::by_hand_compensated : correction::ReadingOrigin::by_hand;
+      out_.readings.push_back({hand.unix_s, touch_offs_.stretches() - 1, origin, hand.growth_m, before->published_m});
     }
   }
 
@@ -131,7 +121,7 @@ class GrowthWalk {
   std::vector<std::size_t> order_;  ///< of the readings by hand, by time
   std::vector<bool> matched_;
   GrowthHistory& out_;
-  std::optional<Before> before_;
+  correction::TouchOffs touch_offs_;
   std::size_t next_hand_ = 0;
   double first_unix_s_ = 0.0, first_clock_ns_ = 0.0;
 };

@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <random>
 #include <thread>
 
 #include "firmware/cycle/publish.hpp"
 #include "firmware/keep/history_row.hpp"
 #include "firmware/keep/read_sqlite_history.hpp"
 #include "firmware/keep/sqlite_history.hpp"
+#include "firmware/keep/touch_off_history.hpp"
 #include "firmware/watch/clock.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/firmware/support/small_network.hpp"
@@ -101,6 +103,31 @@ TEST_F(Hour, a_touch_off_stands_beside_what_was_published_before_it_was_known) {
   }
 }
 
+TEST_F(Hour, the_daemon_finds_the_same_by_halving_its_history) {
+  std::mt19937_64 random(20261124);
+  for (int n = 0; n < 12; ++n) {
+    const auto at = static_cast<int>(random() % 60);
+    touch(at, static_cast<double>(random() % 9) * um, static_cast<std::uint32_t>(random() % 2));
+    for (std::size_t row = random() % 240; row < rows_.size(); ++row) ++rows_[row].tare_count;
+  }
+  const std::string path = sqlite();
+  const std::string names[2] = {network_.deformations[0].name, network_.deformations[1].name};
+  const firmware::FoundTouchOffs found =
+      firmware::TouchOffHistory(path, {names[0], names[1]}).read([] { return true; });
+  ASSERT_TRUE(found.is_whole);
+  for (std::size_t d = 0; d < 2; ++d) {
+    const GrowthHistory all = read(path, names[d]);
+    EXPECT_EQ(found.outputs[d].stretches, all.stretches);
+    ASSERT_EQ(found.outputs[d].readings.size(), all.readings.size()) << d;
+    for (std::size_t r = 0; r < all.readings.size(); ++r) {
+      EXPECT_EQ(found.outputs[d].readings[r].stretch, all.readings[r].stretch);
+      EXPECT_EQ(found.outputs[d].readings[r].measured_m, all.readings[r].measured_m);
+      EXPECT_EQ(found.outputs[d].readings[r].predicted_m, all.readings[r].predicted_m);
+      EXPECT_NEAR(found.outputs[d].readings[r].unix_s, all.readings[r].unix_s, 1e-3);
+    }
+  }
+}
+
 TEST_F(Hour, touch_offs_of_another_output_belong_to_it) {
   touch(10, 1.5 * um);
   touch(20, -6.0 * um, 1);
@@ -130,9 +157,9 @@ TEST_F(Hour, what_was_written_down_stands_beside_the_cycle_before_its_time) {
   const GrowthHistory history =
       read(path, "", {{first_s + 1230.0, 2.5 * um, true, 3}, {first_s + 630.0, 1.2 * um, false, 2}});
   ASSERT_EQ(history.readings.size(), 2U);
-  EXPECT_EQ(history.readings[0].origin, ReadingOrigin::by_hand);
+  EXPECT_EQ(history.readings[0].origin, correction::ReadingOrigin::by_hand);
   EXPECT_NEAR(history.readings[0].predicted_m, 1.0 * um, 1e-12);
-  EXPECT_EQ(history.readings[1].origin, ReadingOrigin::by_hand_compensated);
+  EXPECT_EQ(history.readings[1].origin, correction::ReadingOrigin::by_hand_compensated);
   EXPECT_NEAR(history.readings[1].predicted_m, 2.0 * um, 1e-12);
   for (const double off_s : {-10.0, 59 * 60 + 61.0}) {
     EXPECT_EQ(error_of([&] {

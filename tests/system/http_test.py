@@ -185,10 +185,12 @@ class Protocol(Http):
         routes = [line.split()[0] for line in body.splitlines() if line.startswith("/")]
         self.assertEqual(routes, ["/", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/scene",
                                   "/api/v1/state", "/api/v1/events", "/api/v1/session", "/api/v1/login", "/api/v1/logout",
-                                  "/api/v1/command", "/api/v1/history/{HOURS}", "/metrics"])
+                                  "/api/v1/command", "/api/v1/history/{HOURS}", "/api/v1/growth", "/metrics"])
         for route in routes:
             if route == "/api/v1/history/{HOURS}":
                 self.assertEqual(self.get("/api/v1/history/1")[0], 404, "the history of this daemon is a CSV file")
+            elif route == "/api/v1/growth":
+                self.assertEqual(self.get(route)[0], 404, "likewise")
             elif route in ("/api/v1/login", "/api/v1/logout", "/api/v1/command"):
                 self.assertEqual(self.get(route)[0], 403, "no commands are configured")
             elif route != "/api/v1/events":

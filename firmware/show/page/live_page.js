@@ -3,6 +3,7 @@ import { byId, element } from "./pages/elements.js";
 import { addToCurves, clearCurves } from "./curves.js";
 import { beginCommands, renewSession, showOrders } from "./commands.js";
 import { makeSection } from "./live_section.js";
+import { beginBenefit, renewBenefit } from "./benefit.js";
 import { beginDays, renewDays } from "./days.js";
 import { setText } from "./cells.js";
 import { showState } from "./show_state.js";
@@ -38,6 +39,7 @@ async function beginSection() {
   if (spindle !== chosen()) return;
   section = makeSection(scene);
   beginDays(scene.has_history ? `${folder()}/history` : null);
+  beginBenefit(scene.has_history && scene.deformations.length ? `${folder()}/growth` : null);
   beginCommands(folder(), scene.deformations);
   setText(byId("notice"), scene.notice);
   byId("notice").hidden = scene.notice === "";
@@ -84,6 +86,7 @@ async function renew() {
   section?.show(state.registers);
   addToCurves(state.registers);
   renewDays();
+  renewBenefit();
   renewSession();
   showOrders(words, state.registers);
 }

@@ -1,16 +1,19 @@
-#include "host_tools/evaluate/judge_growth.hpp"
+#include "correction/growth/judge_growth.hpp"
 
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
-namespace spindle_twin::host_tools {
+namespace spindle_twin::correction {
 namespace {
 
 constexpr std::size_t least_readings = 3;
 constexpr double least_growth_m = 1e-6;
 constexpr double standard_errors = 2.0;
+constexpr double week_s = 7.0 * 86400.0;
+constexpr double monday_s = 4.0 * 86400.0;  ///< 5 January 1970
 
 /// One reading against the first of its stretch and origin.
 struct Grown {
@@ -18,12 +21,12 @@ struct Grown {
 };
 
 /// Steps: the first reading of each stretch and origin is the reference of the others.
-std::vector<Grown> grown_since_first(std::span<const GrowthReading> readings, bool compensated_only) {
+std::vector<Grown> grown_since_first(std::span<const GrowthReading> readings, std::optional<bool> only_compensated) {
   std::map<std::pair<std::size_t, ReadingOrigin>, const GrowthReading*> first;
   std::vector<Grown> grown;
   for (const GrowthReading& reading : readings) {
     const bool compensated = reading.origin == ReadingOrigin::by_hand_compensated;
-    if (compensated_only && !compensated) continue;
+    if (only_compensated && *only_compensated != compensated) continue;
     const auto [known, is_first] = first.try_emplace({reading.stretch, reading.origin}, &reading);
     if (is_first) continue;
     const double measured_m = reading.measured_m - known->second->measured_m;
@@ -50,12 +53,37 @@ Verdict verdict_of(const std::vector<double>& differences) {
   return mean < -error ? Verdict::helps : Verdict::not_told;
 }
 
+/// Least squares through zero of `value` over what was published.
+std::optional<double> slope_over_published(const std::vector<Grown>& grown, double Grown::*value) {
+  double published_squares = 0.0, products = 0.0;
+  for (const Grown& each : grown) {
+    published_squares += each.published_m * each.published_m;
+    products += each.*value * each.published_m;
+  }
+  const auto count = static_cast<double>(grown.size());
+  if (grown.size() < least_readings || published_squares < count * least_growth_m * least_growth_m) return {};
+  return products / published_squares;
+}
+
 }  // namespace
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::helps:
+      return "helps";
+    case Verdict::makes_worse:
+      return "makes it worse";
+    case Verdict::not_told:
+      return "cannot be told";
+    default:
+      return "too few readings";
+  }
+}
 
 GrowthJudgement judge_growth(std::span<const GrowthReading> readings, double from_s, double to_s) {
   GrowthJudgement judged;
   std::vector<double> differences;
-  for (const Grown& grown : grown_since_first(readings, false)) {
+  for (const Grown& grown : grown_since_first(readings, std::nullopt)) {
     if (grown.unix_s < from_s || grown.unix_s >= to_s) continue;
     judged.growth_rms_m += grown.growth_m * grown.growth_m;
     judged.left_rms_m += grown.left_m * grown.left_m;
@@ -72,15 +100,25 @@ GrowthJudgement judge_growth(std::span<const GrowthReading> readings, double fro
 }
 
 std::optional<double> applied_scale(std::span<const GrowthReading> readings) {
-  const std::vector<Grown> grown = grown_since_first(readings, true);
-  double published_squares = 0.0, products = 0.0;
-  for (const Grown& each : grown) {
-    published_squares += each.published_m * each.published_m;
-    products += each.left_m * each.published_m;
+  const auto slope = slope_over_published(grown_since_first(readings, true), &Grown::left_m);
+  if (!slope) return std::nullopt;
+  return 1.0 - *slope;
+}
+
+std::optional<double> measured_times(std::span<const GrowthReading> readings) {
+  return slope_over_published(grown_since_first(readings, false), &Grown::growth_m);
+}
+
+std::vector<GrowthWeek> judge_weeks(std::span<const GrowthReading> readings) {
+  std::set<double> numbers;
+  for (const GrowthReading& reading : readings) numbers.insert(std::floor((reading.unix_s - monday_s) / week_s));
+  std::vector<GrowthWeek> weeks;
+  for (const double number : numbers) {
+    const double from_s = monday_s + number * week_s;
+    const GrowthJudgement judged = judge_growth(readings, from_s, from_s + week_s);
+    if (judged.readings > 0) weeks.push_back({from_s, judged});
   }
-  const auto count = static_cast<double>(grown.size());
-  if (grown.size() < least_readings || published_squares < count * least_growth_m * least_growth_m) return {};
-  return 1.0 - products / published_squares;
+  return weeks;
 }
 
 AppliedAs applied_as(std::optional<double> scale) {
@@ -92,4 +130,4 @@ AppliedAs applied_as(std::optional<double> scale) {
   return *scale > too_large || *scale < too_small ? AppliedAs::wrong_scale : AppliedAs::not_told;
 }
 
-}  // namespace spindle_twin::host_tools
+}  // namespace spindle_twin::correction

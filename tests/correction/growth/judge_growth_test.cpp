@@ -1,4 +1,4 @@
-#include "host_tools/evaluate/judge_growth.hpp"
+#include "correction/growth/judge_growth.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace spindle_twin::host_tools {
+namespace spindle_twin::correction {
 namespace judge_growth_test {
 
 constexpr double ever = std::numeric_limits<double>::infinity();
@@ -85,6 +85,30 @@ TEST(JudgeGrowth, where_neither_growth_nor_prediction_stands_out_of_the_noise_no
   EXPECT_EQ(judge_growth(std::vector<GrowthReading>(3), -ever, ever).verdict, Verdict::too_few);
 }
 
+TEST(JudgeGrowth, weeks_begin_on_monday_and_only_those_with_growth_are_told) {
+  constexpr double monday_s = 1'793'577'600.0, day_s = 86400.0;  // 2 November 2026
+  std::vector<GrowthReading> readings;
+  for (const double day : {-1.0, 0.0, 6.9, 20.0}) {
+    readings.push_back({monday_s + day * day_s, 0, ReadingOrigin::touch_off, day * um, 0.5 * day * um});
+  }
+  const std::vector<GrowthWeek> weeks = judge_weeks(readings);
+  ASSERT_EQ(weeks.size(), 2U) << "the week of the zero has nothing to tell, the one between has no reading";
+  EXPECT_EQ(weeks[0].from_unix_s, monday_s);
+  EXPECT_EQ(weeks[0].judged.readings, 2U);
+  EXPECT_EQ(weeks[1].from_unix_s, monday_s + 14.0 * day_s);
+  EXPECT_TRUE(judge_weeks({}).empty());
+}
+
+TEST(JudgeGrowth, how_many_times_the_published_growth_was_measured_has_the_sign_of_what_is_wrong) {
+  for (const double published : {1.0, -1.0, 2.0, 0.5}) {
+    const auto times = measured_times(warm_up(published));
+    ASSERT_TRUE(times);
+    EXPECT_NEAR(*times, 1.0 / published, 1e-12);
+  }
+  EXPECT_FALSE(measured_times(warm_up(1.0, ReadingOrigin::by_hand_compensated)));
+  EXPECT_FALSE(measured_times(warm_up(0.01))) << "hardly any published growth";
+}
+
 TEST(AppliedScale, is_found_from_what_compensated_parts_have_left) {
   const auto left_of = [](double applied) {
     std::vector<GrowthReading> parts = warm_up(1.0, ReadingOrigin::by_hand_compensated);
@@ -116,4 +140,4 @@ TEST(AppliedScale, is_found_from_what_compensated_parts_have_left) {
 }
 
 }  // namespace judge_growth_test
-}  // namespace spindle_twin::host_tools
+}  // namespace spindle_twin::correction

@@ -3,12 +3,16 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
-#include "host_tools/evaluate/growth_reading.hpp"
+#include "correction/growth/growth_reading.hpp"
 
-namespace spindle_twin::host_tools {
+namespace spindle_twin::correction {
 
 enum class Verdict { too_few, helps, not_told, makes_worse };
+
+/// "too few readings", "helps", "cannot be told", "makes it worse".
+const char* name_of(Verdict verdict);
 
 /// What a control seems to do with the compensation, from how what is left goes with what was published.
 enum class AppliedAs { as_published, not_at_all, wrong_sign, wrong_scale, not_told };
@@ -27,6 +31,19 @@ struct GrowthJudgement {
 /// counts; references may lie before.
 GrowthJudgement judge_growth(std::span<const GrowthReading> readings, double from_s, double to_s);
 
+struct GrowthWeek {
+  double from_unix_s = 0.0;  ///< Monday, 0:00 UTC
+  GrowthJudgement judged;
+};
+
+/// The same of each week that has readings beside first ones, in their order.
+std::vector<GrowthWeek> judge_weeks(std::span<const GrowthReading> readings);
+
+/// How many times the published growth was measured: the slope of growth over published, least squares through the
+/// first readings; of readings that were not compensated. 1: a right prediction, −1: one of the two has the wrong sign,
+/// 0: they have nothing in common. Empty: fewer than three, or hardly any published growth (below 1 um rms).
+std::optional<double> measured_times(std::span<const GrowthReading> readings);
+
 /// How many times the published value the control applies: 1 − slope of what is left over what was published, least
 /// squares through the first readings; of compensated readings only. Empty: fewer than three, or hardly any growth
 /// (below 1 um rms).
@@ -36,4 +53,4 @@ std::optional<double> applied_scale(std::span<const GrowthReading> readings);
 /// scale; else, and without a scale, not told.
 AppliedAs applied_as(std::optional<double> scale);
 
-}  // namespace spindle_twin::host_tools
+}  // namespace spindle_twin::correction
