@@ -8,7 +8,9 @@ export const pageData = () => JSON.parse(byId("data").textContent);
 const minus = text => text.replaceAll("-", "\u2212");
 // "–" for what is not known.
 export const fixed = (value, digits) => value === null ? "–" : minus(value.toFixed(digits)).replace(/^\u2212(0\.?0*)$/, "$1");
-export const signed = (value, digits) => (value < 0 ? "" : "+") + minus(value.toFixed(digits));
+// What is 0 in these digits has no minus.
+export const signed = (value, digits) => Number(value.toFixed(digits)) < 0 ? minus(value.toFixed(digits))
+  : `+${Math.abs(value).toFixed(digits)}`;
 export const power = value => minus(value.toExponential(0));
 export const duration = seconds =>
   seconds >= 7200 ? `${fixed(seconds / 3600, 1)} h` : seconds >= 120 ? `${fixed(seconds / 60, 1)} min` : `${fixed(seconds, 1)} s`;

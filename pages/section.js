@@ -152,7 +152,8 @@ function draw(svg, pointed, scene, width) {
 }
 
 // Draws, and again when the window's width changes. `show(bodies, key_points)` gives bodies and key points other numbers,
-// `rescale(low_K, high_K)` the colours another scale; `leave()` makes room for another section in the same place.
+// `rescale(low_K, high_K)` the colours another scale, `reflow(flows)` other flows; `leave()` makes room for another section in
+// the same place.
 export function drawSection(svg, pointed, scene) {
   const widthNow = () => Math.round(Math.min(1160, Math.max(320, svg.parentElement.clientWidth)));
   let width = widthNow();
@@ -165,6 +166,10 @@ export function drawSection(svg, pointed, scene) {
   addEventListener("resize", follow);
   return {
     leave: () => removeEventListener("resize", follow),
+    reflow(flows) {
+      Object.assign(scene, { flows });
+      drawn = draw(svg, pointed, scene, width);
+    },
     rescale(low_K, high_K) {
       Object.assign(scene, { low_K, high_K });
       drawn = draw(svg, pointed, scene, width);

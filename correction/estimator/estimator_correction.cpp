@@ -274,6 +274,7 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
   for (std::size_t s = 0; s < channels_.size(); ++s) {
     channels_[s].predict(options_.sensors[s].row.dot(nodes_K_), elapsed_s, lag_s(static_cast<Eigen::Index>(s)));
   }
+  sensitivities_.source_rises(nodes_K_, rises_K_);
   factors_.heat.setOnes();
   factors_.conductance.setOnes();
   factors_.node_heat_W.setZero();

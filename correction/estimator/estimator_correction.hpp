@@ -196,6 +196,8 @@ class EstimatorCorrection {
 
   const ParameterModel& parameters() const { return parameters_; }
   ParameterEstimate estimate(Eigen::Index parameter) const;
+  /// By how much friction heats are warmer than at rest, as the factors follow it: of each source, at the last step.
+  const Eigen::VectorXd& source_rises_K() const { return rises_K_; }
   const std::vector<EstimatorSensor>& sensors() const { return options_.sensors; }
   const SensorRecord& record(Eigen::Index sensor) const { return records_.at(static_cast<std::size_t>(sensor)); }
   /// Estimated lag of a sensor, and whether the readings fit the estimate.

@@ -43,6 +43,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
       publish_uncorrected(uncorrected_, snapshot_);
     }
     publish_prediction();
+    heat_paths_.publish(model_, snapshot_);
     publish_correction(corrector_, inputs.factors, snapshot_);
     publish_estimate(corrector_, snapshot_);
     publish_health(watch_, corrector_, snapshot_);

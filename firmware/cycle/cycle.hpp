@@ -9,6 +9,7 @@
 #include "firmware/cycle/correct.hpp"
 #include "firmware/cycle/device_inbox.hpp"
 #include "firmware/cycle/hand_over.hpp"
+#include "firmware/cycle/heat_paths.hpp"
 #include "firmware/cycle/order_desk.hpp"
 #include "firmware/cycle/publish.hpp"
 #include "firmware/cycle/remember.hpp"
@@ -108,6 +109,7 @@ class Cycle {
   CyclePlan plan_;
   Model model_;
   Model uncorrected_;
+  HeatPaths heat_paths_;
   Corrector corrector_;
   SensorWatch watch_;
   SensedInputs sensed_;

@@ -14,6 +14,7 @@ Cycle::Cycle(const rom::Network& network, const CyclePlan& plan, const MakeStepp
       plan_(plan),
       model_(make_model(network, make_stepper)),
       uncorrected_(make_model(network, make_stepper)),
+      heat_paths_(network, shared_operator_),
       corrector_(make_corrector(network, plan, make_stepper, shared_operator_)),
       watch_(make_watch(network, plan, corrector_)),
       judgement_(first_judgement(plan)),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "correction/estimator/factor_spread.hpp"
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/integrate/output_uncertainty.hpp"
 
@@ -30,6 +31,25 @@ void copy(const correction::SensorRecord& from, ChannelUpdate& to) {
   to.test_ratio = from.test_ratio;
   if (from.fused) to.flags |= bits(Update::fused);
   if (from.rejected) to.flags |= bits(Update::rejected);
+}
+
+/// What is known of each factor.
+void publish_bands(const Corrector& corrector, Snapshot& snapshot) {
+  const correction::EstimatorCorrection& estimator = *corrector.estimator;
+  const correction::FactorKnowledge known{estimator.parameters(), estimator.prior(), estimator.filter()};
+  const bool is_in_use = corrector.corrects && corrector.enabled;
+  const auto band = [&](const correction::FactorSpread& spread) {
+    const auto deviation = static_cast<float>(is_in_use ? spread.deviation : not_a_value);
+    return FactorBand{static_cast<float>(spread.prior_mean), static_cast<float>(spread.prior_deviation), deviation};
+  };
+  const double speed_rpm = snapshot.signals[static_cast<std::size_t>(Signal::speed)];
+  for (std::size_t i = 0; i < snapshot.sources; ++i) {
+    const auto source = static_cast<Eigen::Index>(i);
+    snapshot.heat_band[i] = band(heat_spread(known, source, speed_rpm, estimator.source_rises_K()[source]));
+  }
+  for (std::size_t j = 0; j < snapshot.conductances; ++j) {
+    snapshot.conductance_band[j] = band(conductance_spread(known, static_cast<Eigen::Index>(j)));
+  }
 }
 
 }  // namespace
@@ -125,6 +145,7 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
     snapshot.deformation_deviation_m[i] = std::hypot(deviations.deformations_m[static_cast<Eigen::Index>(i)],
                                                      snapshot.deformation_raw_m[i] - snapshot.deformation_m[i]);
   }
+  publish_bands(corrector, snapshot);
   if (!corrector.corrects) return;
   if (corrector.enabled && estimator.consistency().in_doubt()) snapshot.quality |= bits(Quality::estimate_in_doubt);
   snapshot.updates = static_cast<std::uint32_t>(estimator.updates());

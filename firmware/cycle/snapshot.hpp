@@ -146,6 +146,14 @@ struct ExchangeView {
   double left_s = not_a_value;       ///< of the trial, or of the watch behind it; model time with readings
 };
 
+/// Of the ln of a factor, 1σ: what the prior says at the present speed and temperatures, and how sure the estimate is
+/// of what is in use; NaN without an estimator, the last while it corrects nothing.
+struct FactorBand {
+  float prior_mean = std::numeric_limits<float>::quiet_NaN();
+  float prior_deviation = std::numeric_limits<float>::quiet_NaN();
+  float deviation = std::numeric_limits<float>::quiet_NaN();
+};
+
 /// All that is known after a cycle: plain data of fixed size, so that it is copied between threads without the heap.
 /// Entries beyond the counts, and values that do not exist, are NaN. Room as in states.toml.
 struct Snapshot {  // NOLINT(public-members): one page of plain data, copied whole; registers show it member by member
@@ -170,7 +178,9 @@ struct Snapshot {  // NOLINT(public-members): one page of plain data, copied who
   std::size_t conductances = 0;
   std::size_t deformations = 0;
   std::size_t circuits = 0;
-  std::size_t heats = 0;  ///< measured ones
+  std::size_t heats = 0;   ///< measured ones
+  std::size_t flows = 0;   ///< of heat from body to body that are told: as many as there is room for
+  std::size_t bodies = 0;  ///< parts and volumes of air, likewise
 
   std::uint32_t orders = 0;                            ///< taken up since the start
   std::array<OrderRecord, order_records> last_orders;  ///< newest first
@@ -208,6 +218,10 @@ struct Snapshot {  // NOLINT(public-members): one page of plain data, copied who
   std::array<double, slots::deformations> deformation_deviation_m = not_values;
   std::array<double, slots::sources> heat_factor = not_values;
   std::array<double, slots::conductances> conductance_factor = not_values;
+  std::array<FactorBand, slots::sources> heat_band{};
+  std::array<FactorBand, slots::conductances> conductance_band{};
+  std::array<double, slots::flows> flow_W = not_values;   ///< by rom::flow_paths(), each in its sense
+  std::array<double, slots::bodies> made_W = not_values;  ///< what rom::FlowRows says that a body is given otherwise
 
   CompensationState compensation;
 

@@ -2,7 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "firmware/cycle/heat_paths.hpp"
 #include "firmware/show/json_text.hpp"
+#include "rom/kind_names.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -31,14 +33,40 @@ std::string key_point(const rom::KeyPoint& point) {
   return fmt::format("{{\"name\":{},\"at_m\":{}}}", json_text(point.name), place(point.r_m, point.z_m));
 }
 
+/// A body with the mean place of its nodes.
+std::string body_json(const rom::Network& network, const rom::Body& body) {
+  double r_m = 0.0, z_m = 0.0;
+  for (const Eigen::Index i : body.nodes) {
+    r_m += network.nodes[static_cast<std::size_t>(i)].r_m;
+    z_m += network.nodes[static_cast<std::size_t>(i)].z_m;
+  }
+  const auto count = static_cast<double>(body.nodes.size());
+  return fmt::format("{{\"name\":{},\"centre_m\":{}}}", json_text(body.name), place(r_m / count, z_m / count));
+}
+
+std::string flow_json(const rom::Network& network, const ToldFlows& told, const rom::FlowPath& path) {
+  const rom::Boundaries& boundaries = network.boundaries;
+  const rom::Conductance& conductance = boundaries.conductances[static_cast<std::size_t>(path.conductance)];
+  const bool is_outside = path.to < 0;
+  const std::string& to = is_outside ? boundaries.environments[static_cast<std::size_t>(conductance.environment)].name
+                                     : told.bodies[static_cast<std::size_t>(path.to)].name;
+  return fmt::format("{{\"name\":{},\"kind\":{},\"from\":{},\"to\":{},\"outside\":{},\"at_m\":{}}}",
+                     json_text(conductance.name), json_text(kind_name(conductance.kind)),
+                     json_text(told.bodies[static_cast<std::size_t>(path.from)].name), json_text(to), is_outside,
+                     path.has_place ? place(path.r_m, path.z_m) : "null");
+}
+
 }  // namespace
 
 std::string scene_json(const rom::Network& network, const std::string& notice, bool has_history) {
+  const ToldFlows told = told_flows(network);
   return fmt::format(
       "{{\"notice\":{},\"has_history\":{},\"outlines\":[{}],\"key_points\":[{}],"
-      "\"deformations\":[{}]}}",
+      "\"deformations\":[{}],\"bodies\":[{}],\"flows\":[{}]}}",
       json_text(notice), has_history, listed(network.outlines, outline), listed(network.key_points, key_point),
-      listed(network.deformations, [](const auto& each) { return json_text(each.name); }));
+      listed(network.deformations, [](const auto& each) { return json_text(each.name); }),
+      listed(told.bodies, [&](const rom::Body& body) { return body_json(network, body); }),
+      listed(told.paths, [&](const rom::FlowPath& path) { return flow_json(network, told, path); }));
 }
 
 }  // namespace spindle_twin::firmware

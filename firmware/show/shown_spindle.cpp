@@ -6,6 +6,8 @@
 #include <string>
 
 #include "firmware/serve/fill_image.hpp"
+#include "firmware/show/factor_json.hpp"
+#include "firmware/show/flow_json.hpp"
 #include "firmware/show/json_text.hpp"
 #include "firmware/show/routes.hpp"
 #include "firmware/show/state_json.hpp"
@@ -58,7 +60,9 @@ Page ShownSpindle::growth() const {
   return page;
 }
 
-std::string ShownSpindle::state() const { return state_json(image_, spindle_.names); }
+std::string ShownSpindle::state() const {
+  return state_json(image_, spindle_.names, factors_json(snapshot_, spindle_.names) + "," + flows_json(snapshot_));
+}
 
 std::string ShownSpindle::summary() const {
   std::string state;

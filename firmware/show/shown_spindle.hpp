@@ -44,7 +44,8 @@ class ShownSpindle {
   std::uint64_t sequence() const { return snapshot_.sequence; }
   /// 200, or 503 with the reason.
   Page health(std::int64_t now_ns) const;
-  /// All its registers on one line.
+  /// All its registers on one line, and what no register has: what is known of the correction factors, and the heat
+  /// flows.
   std::string state() const;
   const std::string& scene() const { return spindle_.scene; }
   /// The page of its last hours, to be made by another thread; `hours` as it stands in the path. 400 with what is

@@ -70,7 +70,7 @@ std::string register_json(const RegisterImage& image, Register which, const Show
 
 }  // namespace
 
-std::string state_json(const RegisterImage& image, const ShownNames& names) {
+std::string state_json(const RegisterImage& image, const ShownNames& names, const std::string& more) {
   std::string json = fmt::format("{{\"spindle\":{},\"version\":{},\"map_version\":{},\"registers\":{{",
                                  json_text(names.spindle), json_text(SPINDLE_TWIN_VERSION), register_map_version);
   bool first = true;
@@ -80,7 +80,9 @@ std::string state_json(const RegisterImage& image, const ShownNames& names) {
     first = false;
     json += register_json(image, static_cast<Register>(r), names);
   }
-  return json + "}}";
+  json += '}';
+  if (!more.empty()) json.append(",").append(more);
+  return json + "}";
 }
 
 }  // namespace spindle_twin::firmware

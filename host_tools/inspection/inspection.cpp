@@ -45,24 +45,6 @@ Checks check(const rom::Network& network) {
 
 }  // namespace
 
-const char* kind_name(rom::ConductanceKind kind) {
-  switch (kind) {
-    case rom::ConductanceKind::contact:
-      return "contact";
-    case rom::ConductanceKind::gap_film:
-      return "gap film";
-    case rom::ConductanceKind::air_film:
-      return "air film";
-    case rom::ConductanceKind::environment_film:
-      return "environment film";
-  }
-  return "unknown";
-}
-
-const char* kind_name(rom::EnvironmentKind kind) {
-  return kind == rom::EnvironmentKind::coolant ? "coolant" : "ambient";
-}
-
 std::string limit_text(const rom::CertificateLimit& rule) {
   return fmt::format("with {:g} % confidence at most {:g} % of all cases from this box exceed it ({})",
                      100.0 * rule.confidence, 100.0 * (1.0 - rule.content),

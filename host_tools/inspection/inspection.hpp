@@ -15,9 +15,6 @@ namespace spindle_twin::host_tools {
 
 inline constexpr double megapascal_per_pascal = 1e-6;
 
-const char* kind_name(rom::ConductanceKind kind);
-const char* kind_name(rom::EnvironmentKind kind);
-
 /// What reading has already required, as numbers.
 struct Checks {
   double capacity_asymmetry = 0.0;    ///< of the largest entry

@@ -2,6 +2,7 @@
 
 #include "host_tools/inspection/inspection.hpp"
 #include "host_tools/inspection/law_facts.hpp"
+#include "rom/kind_names.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {

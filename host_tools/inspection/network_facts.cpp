@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "host_tools/inspection/law_facts.hpp"
+#include "rom/kind_names.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {

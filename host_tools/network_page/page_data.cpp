@@ -10,6 +10,7 @@
 #include "host_tools/network_page/warm_up.hpp"
 #include "host_tools/pages/outlines.hpp"
 #include "rom/boundary_values/environments.hpp"
+#include "rom/kind_names.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
 

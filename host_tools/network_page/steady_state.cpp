@@ -8,6 +8,7 @@
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/integrate/sensitivity.hpp"
+#include "rom/kind_names.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
@@ -16,66 +17,22 @@ namespace {
 using Index = Eigen::Index;
 using Json = nlohmann::ordered_json;
 
-/// Squared factor entries of a term, gathered per body: what of its area each body has.
-Eigen::VectorXd area_shares(const SteadyState& steady, std::size_t term) {
-  const Eigen::MatrixXd& factor = steady.network.factors_m[term];
-  Eigen::VectorXd shares(static_cast<Index>(steady.bodies.size()));
-  for (Index a = 0; a < shares.size(); ++a) {
-    const auto& nodes = steady.bodies[static_cast<std::size_t>(a)].nodes;
-    shares[a] = factor(nodes, Eigen::all).colwise().sum().squaredNorm();
-  }
-  return shares;
-}
-
-/// Where on the section a term acts: the mean place of the nodes of two bodies, by the squares of their factors.
-Json place_of(const SteadyState& steady, std::size_t term, const std::vector<Index>& bodies) {
-  const Eigen::MatrixXd& factor = steady.network.factors_m[term];
-  double weight = 0.0, r_m = 0.0, z_m = 0.0;
-  for (const Index body : bodies) {
-    for (const Index i : steady.bodies[static_cast<std::size_t>(body)].nodes) {
-      const double share = factor.row(i).squaredNorm();
-      const rom::Node& node = steady.network.nodes[static_cast<std::size_t>(i)];
-      weight += share, r_m += share * node.r_m, z_m += share * node.z_m;
-    }
-  }
-  return weight > 0.0 ? Json{r_m / weight, z_m / weight} : Json();
-}
-
-/// Every exchange as flows from body to body or surroundings. Where more than two bodies take part one of them is the
-/// hub: an air volume, which has all the area of the others.
+/// Every exchange as flows from body to body or surroundings.
 Json flows_json(const SteadyState& steady) {
   const rom::Boundaries& boundaries = steady.network.boundaries;
+  const auto body = [&](Index a) { return steady.bodies[static_cast<std::size_t>(a)].name; };
   Json list = Json::array();
-  for (std::size_t j = 0; j < steady.network.factors_m.size(); ++j) {
-    const rom::Conductance& conductance = boundaries.conductances[j];
-    const Eigen::VectorXd heat_W = steady.flows.exchange_W.col(static_cast<Index>(j));
-    const Eigen::VectorXd shares = area_shares(steady, j);
-    std::vector<Index> taking_part;
-    for (Index a = 0; a < shares.size(); ++a) {
-      if (shares[a] > 1e-9 * shares.maxCoeff()) taking_part.push_back(a);
-    }
-    const auto add = [&](Index from, const std::string& to, bool outside, const std::vector<Index>& at) {
-      list.push_back({{"name", conductance.name},
-                      {"kind", kind_name(conductance.kind)},
-                      {"from", steady.bodies[static_cast<std::size_t>(from)].name},
-                      {"to", to},
-                      {"outside", outside},
-                      {"heat_W", heat_W[from]},
-                      {"at_m", place_of(steady, j, at)}});
-    };
-    if (conductance.environment >= 0) {
-      const rom::Environment& environment = boundaries.environments[static_cast<std::size_t>(conductance.environment)];
-      for (const Index a : taking_part) add(a, environment.name, true, {a});
-      continue;
-    }
-    Index hub = 0;
-    shares.maxCoeff(&hub);
-    if (taking_part.size() == 2) hub = taking_part[1];
-    for (const Index a : taking_part) {
-      if (a == hub) continue;
-      const std::vector<Index> at = taking_part.size() == 2 ? taking_part : std::vector<Index>{a};
-      add(a, steady.bodies[static_cast<std::size_t>(hub)].name, false, at);
-    }
+  for (const rom::FlowPath& path : rom::flow_paths(steady.network, steady.bodies)) {
+    const rom::Conductance& conductance = boundaries.conductances[static_cast<std::size_t>(path.conductance)];
+    const bool outside = path.to < 0;
+    list.push_back({{"name", conductance.name},
+                    {"kind", kind_name(conductance.kind)},
+                    {"from", body(path.from)},
+                    {"to", outside ? boundaries.environments[static_cast<std::size_t>(conductance.environment)].name
+                                   : body(path.to)},
+                    {"outside", outside},
+                    {"heat_W", steady.flows.exchange_W(path.from, path.conductance)},
+                    {"at_m", path.has_place ? Json{path.r_m, path.z_m} : Json()}});
   }
   return list;
 }

@@ -1,38 +1,35 @@
 #include "rom/integrate/heat_flows.hpp"
 
-#include <cmath>
-
-#include "rom/integrate/coolant.hpp"
+#include "rom/integrate/flow_rows.hpp"
 
 namespace spindle_twin::rom {
 namespace {
 
-/// Per conductance the temperature that its film meets; of the segments of circuits that of the liquid entering.
-Eigen::VectorXd surroundings_K(const Network& network, const BoundaryValues& values,
-                               const Eigen::VectorXd& temperatures_K) {
-  const Boundaries& boundaries = network.boundaries;
-  Eigen::VectorXd met_K = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(boundaries.conductances.size()));
-  for (Eigen::Index j = 0; j < met_K.size(); ++j) {
-    const int environment = boundaries.conductances[static_cast<std::size_t>(j)].environment;
-    if (environment >= 0) met_K[j] = values.environment_K[environment];
+/// Squared factor entries of a term, gathered per body: what of its area each body has.
+Eigen::VectorXd area_shares(const Network& network, const std::vector<Body>& bodies, std::size_t term) {
+  const Eigen::MatrixXd& factor = network.factors_m[term];
+  Eigen::VectorXd shares(static_cast<Eigen::Index>(bodies.size()));
+  for (Eigen::Index a = 0; a < shares.size(); ++a) {
+    const auto& nodes = bodies[static_cast<std::size_t>(a)].nodes;
+    shares[a] = factor(nodes, Eigen::all).colwise().sum().squaredNorm();
   }
-  CoolantSegments segments = coolant_segments(boundaries);
-  if (segments.count() == 0) return met_K;
-  Eigen::VectorXd above_inlet_K(segments.count());
-  for (Eigen::Index s = 0; s < segments.count(); ++s) {
-    const auto j = static_cast<std::size_t>(segments.conductance[static_cast<std::size_t>(s)]);
-    const Eigen::VectorXd sums_m = network.factors_m[j].colwise().sum().transpose();
-    segments.area_m2[s] = sums_m.squaredNorm();
-    const double wall_K = sums_m.dot(network.factors_m[j].transpose() * temperatures_K) / segments.area_m2[s];
-    above_inlet_K[s] = wall_K - met_K[static_cast<Eigen::Index>(j)];
+  return shares;
+}
+
+/// The mean place of the nodes of these bodies, by the squares of their factors.
+void set_place(const Network& network, const std::vector<Body>& bodies, const std::vector<Eigen::Index>& at,
+               FlowPath& path) {
+  const Eigen::MatrixXd& factor = network.factors_m[static_cast<std::size_t>(path.conductance)];
+  double weight = 0.0, r_m = 0.0, z_m = 0.0;
+  for (const Eigen::Index body : at) {
+    for (const Eigen::Index i : bodies[static_cast<std::size_t>(body)].nodes) {
+      const double share = factor.row(i).squaredNorm();
+      const Node& node = network.nodes[static_cast<std::size_t>(i)];
+      weight += share, r_m += share * node.r_m, z_m += share * node.z_m;
+    }
   }
-  Eigen::MatrixXd upstream(segments.count(), segments.count());
-  coolant_upstream(segments, values, upstream);
-  const Eigen::VectorXd warmed_K = upstream * above_inlet_K;
-  for (Eigen::Index s = 0; s < segments.count(); ++s) {
-    met_K[segments.conductance[static_cast<std::size_t>(s)]] += warmed_K[s];
-  }
-  return met_K;
+  path.has_place = weight > 0.0;
+  if (path.has_place) path.r_m = r_m / weight, path.z_m = z_m / weight;
 }
 
 }  // namespace
@@ -54,6 +51,35 @@ std::vector<Body> network_bodies(const Network& network) {
   return bodies;
 }
 
+std::vector<FlowPath> flow_paths(const Network& network, const std::vector<Body>& bodies) {
+  std::vector<FlowPath> paths;
+  for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
+    const Eigen::VectorXd shares = area_shares(network, bodies, j);
+    std::vector<Eigen::Index> taking_part;
+    for (Eigen::Index a = 0; a < shares.size(); ++a) {
+      if (shares[a] > 1e-9 * shares.maxCoeff()) taking_part.push_back(a);
+    }
+    const auto add = [&](Eigen::Index from, Eigen::Index to, const std::vector<Eigen::Index>& at) {
+      FlowPath& path = paths.emplace_back();
+      path.conductance = static_cast<Eigen::Index>(j);
+      path.from = from;
+      path.to = to;
+      set_place(network, bodies, at, path);
+    };
+    if (network.boundaries.conductances[j].environment >= 0) {
+      for (const Eigen::Index a : taking_part) add(a, -1, {a});
+      continue;
+    }
+    Eigen::Index hub = 0;
+    shares.maxCoeff(&hub);
+    if (taking_part.size() == 2) hub = taking_part[1];
+    for (const Eigen::Index a : taking_part) {
+      if (a != hub) add(a, hub, taking_part.size() == 2 ? taking_part : std::vector<Eigen::Index>{a});
+    }
+  }
+  return paths;
+}
+
 HeatFlows heat_flows(const Network& network, const std::vector<Body>& bodies, const BoundaryValues& values,
                      const Eigen::VectorXd& temperatures_K) {
   const auto count = static_cast<Eigen::Index>(bodies.size());
@@ -61,7 +87,8 @@ HeatFlows heat_flows(const Network& network, const std::vector<Body>& bodies, co
   // Rises: a uniform temperature drives nothing, and differences of rises lose fewer digits than of kelvins.
   const double datum_K = network.boundaries.reference_temperature_K;
   const Eigen::VectorXd rises_K = temperatures_K.array() - datum_K;
-  const Eigen::VectorXd met_K = surroundings_K(network, values, temperatures_K);
+  Eigen::VectorXd met_K(terms);
+  MetTemperatures(network).evaluate(values, temperatures_K, met_K);
   const auto gathered = [&](const Eigen::VectorXd& per_node) {
     Eigen::VectorXd sums(count);
     for (Eigen::Index a = 0; a < count; ++a) sums[a] = per_node(bodies[static_cast<std::size_t>(a)].nodes).sum();

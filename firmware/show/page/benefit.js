@@ -2,10 +2,10 @@
 import { byId, element, fixed, svgElement } from "./pages/elements.js";
 import { setTable, setText } from "./cells.js";
 
-const again_ms = 60000, goOn_ms = 1000, patience_ms = 90000;
-const least = 3;  // of touch-offs that can be compared
-const width = 160, height = 16;
-let path = null, due_ms = 0, isAsked = false;
+const growthAgain_ms = 60000, growthGoOn_ms = 1000, growthPatience_ms = 90000;
+const leastTouchOffs = 3;  // of touch-offs that can be compared
+const benefitWide = 160, benefitTall = 16;
+let growthPath = null, growthDue_ms = 0, growthIsAsked = false;
 
 const dayOf = (unix_s, more = {}) =>
   new Date(1000 * unix_s).toLocaleDateString("en-GB", { day: "numeric", month: "short", ...more });
@@ -42,16 +42,17 @@ function verdictOf(output) {
       return `${since} the compensation has left ${leaves(whole)}: too near to each other to say whether it helps.${lastly}`;
     default:
       return `Too few touch-offs to say: of ${output.touch_offs}, ${whole.readings} can be compared with an earlier ` +
-        `one since the last start or tare; ${least} are needed.`;
+        `one since the last start or tare; ${leastTouchOffs} are needed.`;
   }
 }
 
 // What was there in pale, what is left of it within; both against the largest of all weeks.
 function setBars(cell, judged, most_um) {
   const svg = cell.querySelector("svg") ??
-    svgElement("svg", { class: "benefit", viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" }, cell);
-  const wide = um => width * um / Math.max(most_um, 1e-9);
-  const bars = [[judged.growth_rms_um, 0, height, "pale"], [judged.left_rms_um, 4, height - 8, isWorse(judged) ? "less" : "bar"]];
+    svgElement("svg", { class: "benefit", viewBox: `0 0 ${benefitWide} ${benefitTall}`, "aria-hidden": "true" }, cell);
+  const wide = um => benefitWide * um / Math.max(most_um, 1e-9);
+  const bars = [[judged.growth_rms_um, 0, benefitTall, "pale"],
+    [judged.left_rms_um, 4, benefitTall - 8, isWorse(judged) ? "less" : "bar"]];
   bars.forEach(([um, y, tall, ink], i) => {
     const bar = svg.children[i] ?? svgElement("rect", { rx: 2 }, svg);
     const shape = { y, height: tall, width: wide(um), fill: `var(--${ink})` };
@@ -59,15 +60,15 @@ function setBars(cell, judged, most_um) {
   });
 }
 
-const heads = ["week from", "touch-offs", "growth", "worst", "left", "worst left", "left of growth", "the compensation"];
+const benefitHeads = ["week from", "touch-offs", "growth", "worst", "left", "worst left", "left of growth", "the compensation"];
 
-function rowOf(name, judged, most_um) {
+function weekRow(name, judged, most_um) {
   const um = value => fixed(value, 1);
   return [name, String(judged.readings), um(judged.growth_rms_um), um(judged.growth_worst_um), um(judged.left_rms_um),
     um(judged.left_worst_um), cell => setBars(cell, judged, most_um), judged.verdict];
 }
 
-function placeOf(output, isOnly) {
+function outputPlace(output, isOnly) {
   const known = [...byId("benefit-outputs").children].find(each => each.dataset.output === output.output);
   if (known) return known;
   const place = element("div", { "data-output": output.output }, byId("benefit-outputs"));
@@ -78,11 +79,11 @@ function placeOf(output, isOnly) {
   return place;
 }
 
-const how = "µm; growth: rms of the touch-offs against the first one after each start, gap or tare; left: the same of measured " +
-  "minus published. Weeks begin on Monday, UTC.";
+const howText = "µm; growth: rms of the touch-offs against the first one after each start, gap or tare; left: the same of " +
+  "measured minus published. Weeks begin on Monday, UTC.";
 
 function showOutput(output, isOnly) {
-  const place = placeOf(output, isOnly);
+  const place = outputPlace(output, isOnly);
   const { whole, weeks } = output;
   const verdict = place.querySelector(".verdict");
   setText(verdict, verdictOf(output));
@@ -90,28 +91,28 @@ function showOutput(output, isOnly) {
   const isTold = whole.readings > 0;
   const table = place.querySelector("table");
   table.hidden = !isTold;
-  setText(place.querySelector(".how"), isTold ? how : "");
+  setText(place.querySelector(".how"), isTold ? howText : "");
   if (!isTold) return;
   const most_um = Math.max(...[whole, ...weeks].flatMap(each => [each.growth_rms_um, each.left_rms_um]));
-  const rows = [...weeks].reverse().map(week => rowOf(weekOf(week.from_unix_s), week, most_um));
-  setTable(table, heads, [...rows, rowOf("all", whole, most_um)], true);
+  const rows = [...weeks].reverse().map(week => weekRow(weekOf(week.from_unix_s), week, most_um));
+  setTable(table, benefitHeads, [...rows, weekRow("all", whole, most_um)], true);
 }
 
 async function askGrowth(wanted) {
-  const answer = await fetch(wanted, { cache: "no-store", signal: AbortSignal.timeout(patience_ms) });
+  const answer = await fetch(wanted, { cache: "no-store", signal: AbortSignal.timeout(growthPatience_ms) });
   const content = await answer.json();
   if (!answer.ok) throw new Error(content.error);
   return content;
 }
 
-async function askAndShow() {
-  const wanted = path;
-  isAsked = true;
-  due_ms = Date.now() + again_ms;
+async function askAndShowGrowth() {
+  const wanted = growthPath;
+  growthIsAsked = true;
+  growthDue_ms = Date.now() + growthAgain_ms;
   try {
     const { is_whole, outputs } = await askGrowth(wanted);
-    if (wanted === path) {
-      if (!is_whole) due_ms = Date.now() + goOn_ms;
+    if (wanted === growthPath) {
+      if (!is_whole) growthDue_ms = Date.now() + growthGoOn_ms;
       setText(byId("benefit-said"), is_whole ? "" : "What is older is still being searched for touch-offs.");
       // Of outputs that nobody has measured the first one says so for all.
       const shown = outputs.filter((output, i) => i === 0 || output.touch_offs > 0);
@@ -119,21 +120,21 @@ async function askAndShow() {
     }
   } catch (error) {
     const reason = error.name === "TimeoutError" ? "it did not come in time" : error.message;
-    if (wanted === path) setText(byId("benefit-said"), `The history cannot be read: ${reason}`);
+    if (wanted === growthPath) setText(byId("benefit-said"), `The history cannot be read: ${reason}`);
   }
-  isAsked = false;
+  growthIsAsked = false;
 }
 
 // To be called each second: asks where it is time.
 export function renewBenefit() {
-  if (path !== null && !isAsked && !document.hidden && Date.now() >= due_ms) askAndShow();
+  if (growthPath !== null && !growthIsAsked && !document.hidden && Date.now() >= growthDue_ms) askAndShowGrowth();
 }
 
 // Of another spindle, at this path; null: it keeps no history that can be asked, or does not grow.
 export function beginBenefit(wanted) {
-  path = wanted;
-  due_ms = 0;
-  byId("benefit").hidden = path === null;
+  growthPath = wanted;
+  growthDue_ms = 0;
+  byId("benefit").hidden = growthPath === null;
   byId("benefit-outputs").replaceChildren();
   setText(byId("benefit-said"), "The history is being searched for touch-offs.");
   renewBenefit();

@@ -6,10 +6,11 @@ import { makeSection } from "./live_section.js";
 import { beginBenefit, renewBenefit } from "./benefit.js";
 import { beginDays, renewDays } from "./days.js";
 import { setText } from "./cells.js";
+import { showFlows } from "./heat_flows.js";
 import { showState } from "./show_state.js";
 
 const period_ms = 1000, patience_ms = 3000;
-let words = null, section = null, since = null, version = null;
+let words = null, scene = null, section = null, since = null, version = null;
 
 async function ask(path) {
   const answer = await fetch(path, { cache: "no-store", signal: AbortSignal.timeout(patience_ms) });
@@ -35,8 +36,9 @@ async function begin() {
 // What does not change of the chosen spindle; again where another was chosen meanwhile.
 async function beginSection() {
   const spindle = chosen();
-  const scene = await ask(`${folder()}/scene`);
+  const found = await ask(`${folder()}/scene`);
   if (spindle !== chosen()) return;
+  scene = found;
   section = makeSection(scene);
   beginDays(scene.has_history ? `${folder()}/history` : null);
   beginBenefit(scene.has_history && scene.deformations.length ? `${folder()}/growth` : null);
@@ -83,7 +85,8 @@ async function renew() {
   version ??= state.version;
   if (version !== state.version) location.reload();
   showState(words, state);
-  section?.show(state.registers);
+  section?.show(state);
+  if (section) showFlows(scene, state);
   addToCurves(state.registers);
   renewDays();
   renewBenefit();

@@ -2,7 +2,7 @@
 import { amiss, hasBit, meaning, nameOf, plain, sensorWords } from "./words.js";
 import { byId, fixed, signed } from "./pages/elements.js";
 import { listParts } from "./parts.js";
-import { setBar } from "./factor_bars.js";
+import { showFactors } from "./factors.js";
 import { setFacts, setList, setTable, setText } from "./cells.js";
 
 const sign = { starting: "○", running: "●", degraded: "▲", fault: "✕" };
@@ -58,13 +58,6 @@ function showTemperatures(words, registers) {
   setTable(byId("temperatures"), ["key point", "measured", "predicted", "±2σ", "difference", "sensor"], rows, true);
 }
 
-function showFactors(registers) {
-  const kinds = [["heat", registers.heat_factor], ["contact or film", registers.conductance_factor]];
-  const rows = kinds.flatMap(([kind, { values }]) => Object.entries(values).map(([name, factor]) =>
-    [name, kind, known(factor, value => fixed(value, 3)), cell => setBar(cell, factor)]));
-  setTable(byId("factors"), ["name", "kind", "factor", "against the description"], rows, true);
-}
-
 export function showState(words, state) {
   const { registers } = state;
   showHeader(words, state);
@@ -72,5 +65,5 @@ export function showState(words, state) {
   setList(byId("messages"), amiss(words, registers));
   listParts(byId("parts"), Object.entries(registers.part_maximum_float32.values));
   showTemperatures(words, registers);
-  showFactors(registers);
+  showFactors(state);
 }

@@ -28,6 +28,26 @@ TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice_and
   }
 }
 
+TEST(SceneJson, names_the_heat_flows_and_the_bodies_between_which_they_go) {
+  const rom::Network network = tests::small_network();
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, "", false));
+  ASSERT_EQ(scene.at("bodies").size(), 3U);
+  EXPECT_EQ(scene["bodies"][2].at("name"), "sleeve");
+  EXPECT_NEAR(scene["bodies"][2].at("centre_m")[0].get<double>(), 0.044, 1e-12);
+  EXPECT_NEAR(scene["bodies"][2].at("centre_m")[1].get<double>(), 0.36, 1e-12);
+  ASSERT_EQ(scene.at("flows").size(), 4U);
+  const nlohmann::json& joint = scene["flows"][0];
+  EXPECT_EQ(joint.at("name"), "rotor_bearing");
+  EXPECT_EQ(joint.at("kind"), "contact");
+  EXPECT_EQ(joint.at("from"), "rotor");
+  EXPECT_EQ(joint.at("to"), "bearing");
+  EXPECT_EQ(joint.at("outside"), false);
+  EXPECT_EQ(joint.at("at_m").size(), 2U);
+  EXPECT_EQ(scene["flows"][2].at("from"), "sleeve");
+  EXPECT_EQ(scene["flows"][2].at("to"), "coolant");
+  EXPECT_EQ(scene["flows"][2].at("outside"), true);
+}
+
 TEST(SceneJson, of_a_network_without_outlines_is_whole_too) {
   const nlohmann::json scene = nlohmann::json::parse(scene_json(tests::small_network(), "", false));
   EXPECT_EQ(scene.at("notice"), "");
