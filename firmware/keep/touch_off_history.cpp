@@ -1,6 +1,7 @@
 #include "firmware/keep/touch_off_history.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +35,8 @@ class TouchOffHistory::Search {
   bool all() {
     const std::int64_t first = database_.whole("SELECT min(id) FROM cycle");
     std::int64_t end = database_.whole("SELECT max(id) FROM cycle") + 1;
+    const std::uint64_t before = std::exchange(owner_.file_, file_now());
+    if (before != owner_.file_) owner_.runs_.clear();
     let_go(first);
     Statement run = database_.prepare("SELECT id FROM run ORDER BY id DESC");
     while (end > first && run.step()) {
@@ -47,6 +50,12 @@ class TouchOffHistory::Search {
   }
 
  private:
+  /// Which file stands at the path: a damaged one is put aside, and a new one begun.
+  std::uint64_t file_now() const {
+    struct stat now {};
+    return ::stat(owner_.path_.c_str(), &now) == 0 ? now.st_ino : 0;
+  }
+
   /// What is no longer in the file counts no more.
   void let_go(std::int64_t first) const {
     std::erase_if(owner_.runs_, [&](const auto& each) { return first == 0 || each.second.last.id < first; });

@@ -63,6 +63,7 @@ class TouchOffHistory {
 
   std::string path_, select_;
   std::vector<std::string> outputs_;
+  std::uint64_t file_ = 0;            ///< which one was read (inode)
   std::map<std::int64_t, Run> runs_;  ///< by their ids
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,7 +18,8 @@ bool always() { return true; }
 
 class TouchOffsOf : public ::testing::Test {
  protected:
-  TouchOffsOf() {
+  TouchOffsOf() { make(); }
+  void make() const {
     Database database(path_, Database::Mode::write);
     database.run(
         "PRAGMA journal_mode = WAL; PRAGMA user_version = 1;"
@@ -116,6 +118,18 @@ TEST_F(TouchOffsOf, what_the_daemon_lets_go_counts_no_more_and_its_rest_makes_no
   EXPECT_EQ(history_.read(always).outputs.at(0).stretches, 1U);
   remove_to(200);
   EXPECT_TRUE(times().empty());
+}
+
+TEST_F(TouchOffsOf, of_a_file_that_was_put_aside_nothing_is_left) {
+  write(100, [](std::int64_t n) { return n == 20 || n == 60; });
+  EXPECT_EQ(times(), (std::vector<double>{21, 61}));
+  for (const char* end : {"", "-wal", "-shm"}) {
+    const std::string part = path_ + end;
+    if (std::filesystem::exists(part)) std::filesystem::rename(part, part + ".1");
+  }
+  make();
+  write(200, [](std::int64_t n) { return n == 40; });
+  EXPECT_EQ(times(), (std::vector<double>{41}));
 }
 
 TEST_F(TouchOffsOf, of_a_control_that_hands_over_a_length_each_cycle_the_newest_are_kept) {
