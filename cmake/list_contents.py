@@ -5,9 +5,10 @@ the libraries that the program loads.
   cmake/list_contents.py --build FOLDER --program TARGET --package NAME --version VERSION --root FOLDER -o FILE PATH...
 
 PATHs are the installed files as they will be called, --root is where they are now. What was compiled in is no list that
-somebody keeps: ninja knows which header and which static library went into the program, dpkg whose they are. Of a library
-that is loaded its headers are inside too, as far as they hold code. The licence is the one of Debian's copyright file. The
-same build gives the same bytes; the time is SOURCE_DATE_EPOCH's where that is set.
+somebody keeps: ninja knows which header and which static library went into the program, dpkg whose they are;
+ninja also knows what of KEPT_HERE went in, the work of others that this tree keeps. Of a library that is loaded its headers are
+inside too, as far as they hold code. The licence is the one of Debian's copyright file. The same build gives the same bytes;
+the time is SOURCE_DATE_EPOCH's where that is set.
 """
 import argparse
 import collections
@@ -31,6 +32,8 @@ SPDX_NAMES = {"expat": "MIT", "mit": "MIT", "mpl-2": "MPL-2.0", "mpl-2.0": "MPL-
 # Packages whose copyright file a program cannot read, and the kernel's headers, which have an exception of their own.
 KNOWN_LICENCES = {"libstdc++": "GPL-3.0-or-later WITH GCC-exception-3.1", "libgcc": "GPL-3.0-or-later WITH GCC-exception-3.1",
                   "libc6": "LGPL-2.1-or-later", "linux-libc": "GPL-2.0-only WITH Linux-syscall-note"}
+# Folders of the tree with work of others, and the file that says the version behind a v.
+KEPT_HERE = {"pages/uplot": {"name": "uPlot", "licence": "MIT", "copyright": "2022 Leon Sorokin", "version_in": "uPlot.iife.min.js"}}
 
 
 def said_by(*command):
@@ -60,6 +63,25 @@ def compiled_into(build, target):
     read = said_by("ninja", "-C", build, "-t", "deps", *objects).splitlines()
     headers = {line.strip() for line in read if line.startswith("    /usr/")}
     return headers | {name for name in inputs if name.startswith("/usr/") and name.endswith(".a")}
+
+
+def kept_here(build, target):
+    """SPDX packages of what of KEPT_HERE went into a target of the build."""
+    tree = pathlib.Path(__file__).resolve().parents[1]
+    inputs = said_by("ninja", "-C", build, "-t", "inputs", target).splitlines()
+    inputs = [os.path.realpath(os.path.join(build, name)) for name in inputs]
+    packages = []
+    for folder, about in KEPT_HERE.items():
+        if not any(name.startswith(f"{tree / folder}{os.sep}") for name in inputs):
+            continue
+        version = re.search(r"\bv(\d+\.\d+\.\d+)\b", (tree / folder / about["version_in"]).read_text())[1]
+        packages.append({"SPDXID": identifier("Kept-" + about["name"]), "name": about["name"], "versionInfo": version,
+                         "supplier": "NOASSERTION", "downloadLocation": "NOASSERTION", "filesAnalyzed": False,
+                         "sourceInfo": f"{folder} of the source", "copyrightText": about["copyright"],
+                         "licenseConcluded": "NOASSERTION", "licenseDeclared": about["licence"],
+                         "externalRefs": [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl",
+                                           "referenceLocator": f"pkg:npm/{about['name'].lower()}@{version}"}]})
+    return packages
 
 
 def loaded_by(program):
@@ -135,7 +157,9 @@ def document(wanted):
     relations += [("SPDXRef-Package", "STATIC_LINK", identifier("Debian-" + name),
                    f"{count} of its headers or static libraries were compiled in") for name, count in sorted(inside.items())]
     relations += [("SPDXRef-Package", "DYNAMIC_LINK", identifier("Debian-" + name), "") for name in sorted(loaded)]
-    packages = [debian_package(name) for name in sorted(set(inside) | loaded)]
+    kept = kept_here(wanted.build, wanted.program)
+    relations += [("SPDXRef-Package", "STATIC_LINK", entry["SPDXID"], "written into its pages") for entry in kept]
+    packages = [debian_package(name) for name in sorted(set(inside) | loaded)] + kept
     created = datetime.datetime.fromtimestamp(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())), datetime.timezone.utc)
     content = hashlib.sha256(json.dumps([own, files, packages], sort_keys=True).encode()).hexdigest()
     return {"spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT",

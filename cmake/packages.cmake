@@ -44,10 +44,8 @@ foreach(package spindle-twind spindle-twin)
       file(APPEND ${packed}/${package}/copyright " ${line}\n")
     endif()
   endforeach()
-  if(package STREQUAL "spindle-twind")  # its live page draws with uPlot
-    file(APPEND ${packed}/${package}/copyright
-      "\nFiles: pages/uplot/*\nCopyright: 2022 Leon Sorokin\nLicense: Expat\n")
-  endif()
+  # The pages of both draw with uPlot.
+  file(APPEND ${packed}/${package}/copyright "\nFiles: pages/uplot/*\nCopyright: 2022 Leon Sorokin\nLicense: Expat\n")
   spindle_twin_compress(${packed}/${package}/changelog ${packed}/${package}/changelog.gz)
   spindle_twin_compress(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${packed}/${package}/CHANGELOG.md.gz)
 endforeach()
@@ -129,7 +127,7 @@ set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
   "${service}/postinst;${service}/prerm;${service}/postrm;${service}/conffiles")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME spindle-twin)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "spindle-twind, libjs-dygraphs")
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "spindle-twind")
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION "Host tool.
 Solves the finite element model of a spindle, reduces it to a nodal network
 with a certificate of its error, inspects, exports and replays such networks.")

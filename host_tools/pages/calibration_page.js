@@ -1,5 +1,5 @@
 // The page of `spindle-twin calibrate --html`: readings, model before and after, and what is left.
-import { drawChart } from "./chart.js";
+import { drawChart } from "./time_chart.js";
 import { addFacts, addRow, byId, duration, element, fixed, pageData } from "./pages/elements.js";
 
 const data = pageData();
@@ -35,7 +35,7 @@ function showChannel(channel, id) {
     { name: "after", values: channel.after, sd: channel.sd, ink: "twin" },
     { name: "before", values: channel.before, ink: "raw", dashed: true }] });
   addChart(pair, `${id}-left`, "What is left", { label: `measured − after, ${channel.unit}`, time_s, series: [
-    { name: "±2σ", values: time_s.map(() => 0), sd: channel.sd, ink: "reading", width: 1 },
+    { name: "expected", values: time_s.map(() => 0), sd: channel.sd, ink: "reading", width: 1 },
     { name: "left", values: channel.left, ink: "twin" }] });
 }
 

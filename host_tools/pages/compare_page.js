@@ -1,5 +1,5 @@
 // The page of `spindle-twin compare`: one log replayed twice.
-import { drawChart } from "./chart.js";
+import { drawChart } from "./time_chart.js";
 import { addRow, byId, element, fixed, left, pageData, signed } from "./pages/elements.js";
 
 const data = pageData();

@@ -1,5 +1,5 @@
 // The page of `spindle-twin inspect --html`: a network in its steady state.
-import { drawChart } from "./chart.js";
+import { drawChart } from "./time_chart.js";
 import { addFacts, addRow, aside, byId, duration, fixed, left, pageData, power, signed } from "./pages/elements.js";
 import { drawSection } from "./pages/section.js";
 

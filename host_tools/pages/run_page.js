@@ -1,5 +1,5 @@
 // The page of `spindle-twin report`: a run of the daemon beside its simulated plant.
-import { drawChart, onMoment } from "./chart.js";
+import { drawChart, onMoment } from "./time_chart.js";
 import { addRow, byId, element, fixed, pageData, signed } from "./pages/elements.js";
 import { drawSection } from "./pages/section.js";
 

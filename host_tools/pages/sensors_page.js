@@ -1,5 +1,5 @@
 // The page of `spindle-twin identify --html`: what sensors tell, where the next one helps, and which test is proposed.
-import { drawChart } from "./chart.js";
+import { drawChart } from "./time_chart.js";
 import { addFacts, addRow, aside, byId, fixed, left, pageData } from "./pages/elements.js";
 import { drawSection } from "./pages/section.js";
 

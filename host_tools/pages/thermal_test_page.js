@@ -1,5 +1,5 @@
 // The page of `spindle-twin thermal-test-report`: a thermal test after ISO 230-3, to read and to print.
-import { drawChart } from "./chart.js";
+import { drawChart } from "./time_chart.js";
 import { addFacts, addRow, byId, duration, fixed, left, pageData } from "./pages/elements.js";
 
 const data = pageData();

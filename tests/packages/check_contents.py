@@ -3,12 +3,13 @@
 
   tests/packages/check_contents.py PACKAGE.deb
 
-Every file but the list itself with its checksums, every package that it depends on, every name that a relation uses, and
-licences as SPDX writes them (python3-license-expression).
+Every file but the list itself with its checksums, every package that it depends on, every other's work that the package's
+copyright file names, every name that a relation uses, and licences as SPDX writes them (python3-license-expression).
 """
 import hashlib
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -33,6 +34,8 @@ def check(package):
         listed = json.loads(lists[0].read_text())
         sums = {"./" + str(path.relative_to(root)): hashlib.sha256(path.read_bytes()).hexdigest()
                 for path in root.rglob("*") if path.is_file() and path != lists[0]}
+        (copyright_file,) = root.glob("usr/share/doc/*/copyright")
+        holders = re.findall(r"^Files: (?!\*$).*\nCopyright: (.*)", copyright_file.read_text(), re.MULTILINE)
     told = {entry["fileName"]: entry["checksums"][1]["checksumValue"] for entry in listed["files"]}
     wrong += [f"{name} is not in the list" for name in sums.keys() - told.keys()]
     wrong += [f"{name} is not in the package" for name in told.keys() - sums.keys()]
@@ -51,6 +54,8 @@ def check(package):
         is_provided = any(name.startswith(other) for other in loaded)  # libspdlog1.10-fmt9 is a name of libspdlog1.10
         if "|" not in alternatives and name not in MADE_BY_CMAKE and not is_provided:
             wrong.append(f"it depends on {name}, which the list does not have")
+    listed_holders = {entry["copyrightText"] for entry in listed["packages"]}
+    wrong += [f"work of {name} is inside, which the list does not have" for name in holders if name not in listed_holders]
     for entry in listed["packages"]:
         expression = entry["licenseDeclared"]
         if expression != "NOASSERTION" and get_spdx_licensing().validate(expression).errors:

@@ -5,7 +5,7 @@ import { test } from "node:test";
 
 const folder = new URL("../../pages/", import.meta.url);
 const style = readFileSync(new URL("style.css", folder), "utf8");
-const [light, dark] = style.split("@media (prefers-color-scheme: dark)");
+const [light, dark] = style.split("@media screen and (prefers-color-scheme: dark)");
 const theme = text => Object.fromEntries([...text.matchAll(/--([\w-]+): #([\da-f]{3,6});/g)].map(([, name, hex]) =>
   [name, (hex.length === 3 ? [...hex].map(h => h + h) : hex.match(/../g)).map(h => linear(parseInt(h, 16)))]));
 const linear = level => level <= 10.31475 ? level / 3294.6 : ((level / 255 + 0.055) / 1.055) ** 2.4;

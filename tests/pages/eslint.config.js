@@ -26,10 +26,9 @@ export default [
   { files: ["pages/*.js", "host_tools/pages/*.js", "tests/bench/table/*.js"], languageOptions: { globals: browser } },
   { files: ["firmware/show/page/*.js"],
     languageOptions: {
-      globals: { ...browser, ...names(["AbortSignal", "fetch", "location", "ResizeObserver", "setTimeout"]) } } },
-  // The only scripts that know a chart library.
-  { files: ["firmware/show/page/curve_chart.js"], languageOptions: { globals: names(["uPlot"]) } },
-  { files: ["host_tools/pages/chart.js"], languageOptions: { globals: names(["Dygraph"]) } },
+      globals: { ...browser, ...names(["AbortSignal", "fetch", "location", "setTimeout"]) } } },
+  // The only script that knows the chart library.
+  { files: ["pages/chart.js"], languageOptions: { globals: names(["ResizeObserver", "uPlot"]) } },
   { files: ["tests/pages/*.js", "tests/bench/table/take_picture.js"],
     languageOptions: { globals: { ...browser, ...names(["console", "process", "URL"]) } } },
   { files: ["tests/system/clients/*.js"], languageOptions: { globals: names(["Buffer", "console", "process"]) } },

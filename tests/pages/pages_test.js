@@ -1,5 +1,5 @@
-// The pages of `spindle-twin inspect --html` and `report` in a browser: what a person reads there is what the commands give
-// as JSON, CSV and tables; nothing is loaded, nothing is complained of.
+// The pages of `spindle-twin` in a browser: what a person reads there is what the commands give as JSON, CSV and tables;
+// nothing is loaded, nothing is complained of.
 import assert from "node:assert/strict";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -48,11 +48,19 @@ const tableOf = (page, id) => page.locator(`#${id} tr:has(td)`)
 
 // What a chart's legend says after the mouse went to that share of its width: {time, values by series}.
 async function pointAt(page, id, share) {
-  const axis = 51;  // px, width of the scale on the left
-  const area = page.locator(`#${id}`);
+  const box = await boxOf(page, id);
+  await page.mouse.move(box.x + 1 + share * (box.width - 2), box.y + box.height / 2);
+  return legendOf(page, id);
+}
+
+// Where the curves of a chart are, without its axes.
+async function boxOf(page, id) {
+  const area = page.locator(`#${id} .u-over`);
   await area.scrollIntoViewIfNeeded();
-  const box = await area.locator("canvas").first().boundingBox();
-  await page.mouse.move(box.x + axis + share * (box.width - axis - 4), box.y + box.height / 2);
+  return area.boundingBox();
+}
+
+function legendOf(page, id) {
   return page.locator(`#${id}-legend`).evaluate(legend => ({
     time: legend.querySelector(":scope > b").textContent,
     values: Object.fromEntries([...legend.querySelectorAll("[data-series]")].map(e =>
@@ -184,15 +192,20 @@ test("charts and section of the run show the same moment, and zoom together", as
   close(number(label), twin["predicted.centre_degC"][row], 0.0051, label);
   const shaft = await page.locator('#section path[data-tip^="shaft"]').getAttribute("data-tip");
   close(number(shaft.split("highest")[1]), twin["part_maximum.shaft_degC"][row], 0.0101, shaft);
-  const box = await page.locator("#nose canvas").first().boundingBox();
+  const box = await boxOf(page, "nose");
   await page.mouse.move(box.x + 0.5 * box.width, box.y + 80);
   await page.mouse.down();
   await page.mouse.move(box.x + 0.75 * box.width, box.y + 82, { steps: 4 });
   await page.mouse.up();
-  const begins = number((await pointAt(page, "hottest", 0)).time);
-  assert.ok(begins > 200, `the other chart still begins at ${begins} s`);
-  await page.locator("#hottest").dblclick();
-  assert.ok(number((await pointAt(page, "nose", 0)).time) < 10, "a double click shows all again");
+  for (const id of ["nose", "hottest"]) {
+    close(number((await pointAt(page, id, 0)).time), 300, 10, `where ${id} begins`);
+    close(number((await pointAt(page, id, 1)).time), 450, 10, `where ${id} ends`);
+  }
+  await page.locator("#hottest .u-over").dblclick();
+  for (const id of ["nose", "hottest"]) {
+    assert.ok(number((await pointAt(page, id, 0)).time) < 10, `a double click shows all of ${id} again`);
+    close(number((await pointAt(page, id, 1)).time), 600, 1, `where ${id} ends`);
+  }
 });
 
 test("the tables of a thermal test, of a proposed one and of two replays are those of the JSON", async () => {
@@ -213,9 +226,31 @@ test("the tables of a thermal test, of a proposed one and of two replays are tho
   compared.deformations.forEach((output, i) => close(number(table[i][3]), output.difference.rms_um, 0.00051, output.name));
 });
 
-test("every curve is on its chart, in light and dark", async () => {
-  for (const colorScheme of ["light", "dark"]) {
+test("a finger on a chart scrolls the page, and a tap points at a moment in all charts", async () => {
+  const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+  const { page } = await openPage(browser, files.run, phone);
+  const box = await boxOf(page, "nose");
+  await page.touchscreen.tap(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
+  const { time, values } = await legendOf(page, "nose");
+  close(number(time), 300, 15, "the moment under the finger");
+  close(number(values.twin), run.twin["deformation.outer_growth_um"][run.twin.time_s.indexOf(number(time))], 0.0051, time);
+  assert.equal((await legendOf(page, "hottest")).time, time);
+  const finger = await page.context().newCDPSession(page);
+  const top = await page.evaluate("scrollY");
+  const at = step => ({ x: box.x + 0.5 * box.width, y: box.y + 0.9 * box.height - 10 * step });
+  await finger.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [at(0)] });
+  for (let step = 1; step <= 12; ++step) {
+    await finger.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: [at(step)] });
+  }
+  await finger.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  await page.waitForFunction(`scrollY > ${top + 50}`);
+  close(number((await pointAt(page, "nose", 0)).time), 0, 10, "a finger does not zoom");
+});
+
+test("every curve is on its chart, in light and dark and on paper", async () => {
+  for (const [colorScheme, media] of [["light", "screen"], ["dark", "screen"], ["dark", "print"]]) {
     const { page } = await openPage(browser, files.run, { colorScheme });
+    await page.emulateMedia({ media });
     for (const [id, inks] of [["nose", ["plant", "twin", "raw"]], ["key-point-1", ["k2"]], ["factor", ["twin"]]]) {
       const drawn = await page.evaluate(([area, names]) => {
         const canvas = [...document.querySelectorAll(`#${area} canvas`)];
@@ -230,8 +265,10 @@ test("every curve is on its chart, in light and dark", async () => {
           return count;
         })));
       }, [id, inks]);
-      drawn.forEach((pixels, i) => assert.ok(pixels > 30, `${inks[i]} of ${id}: ${pixels} pixels (${colorScheme})`));
+      drawn.forEach((pixels, i) => assert.ok(pixels > 30, `${inks[i]} of ${id}: ${pixels} pixels (${colorScheme}, ${media})`));
     }
+    const ground = await page.evaluate("getComputedStyle(document.body).backgroundColor");
+    if (media === "print") assert.equal(ground, "rgb(255, 255, 255)");
     await page.context().close();
   }
 });

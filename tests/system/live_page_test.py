@@ -123,7 +123,7 @@ class Values(LivePage):
             return shown if shown == curves else None
         first = wait_until(both, "curves and numbers of one moment")
         self.assertEqual(first[3], 28.0)
-        self.assertEqual(self.tell(evaluate="document.querySelectorAll('.curves canvas').length"), 2)
+        self.assertEqual(self.tell(evaluate="document.querySelectorAll('.chart canvas').length"), 2)
         self.assertEqual(self.tell(seen=True), {"elsewhere": [], "complaints": []})
 
     def test_a_pulled_sensor_shows_within_three_seconds_with_its_reason(self):
@@ -236,7 +236,7 @@ class Days(LivePage):
         self.assertEqual(self.pressed(), ["1 h"])
         self.tell(choose=["#point", "sleeve_outer"])
         wait_until(lambda: "sleeve_outer" in self.text("days-point-title"), "the key point's name", 10)
-        shown = self.tell(evaluate="[...document.querySelectorAll('#days .curves')].map(one => one.querySelectorAll('canvas').length)")
+        shown = self.tell(evaluate="[...document.querySelectorAll('#days .chart')].map(one => one.querySelectorAll('canvas').length)")
         self.assertEqual(shown, [1, 1])
         last = "document.querySelector('#days-point-legend [data-series=measured] b').textContent"
         self.assertEqual(self.tell(evaluate=last), "28.00")
