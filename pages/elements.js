@@ -62,11 +62,12 @@ function addText(cell, text) {
   });
 }
 
-// A cell is a text, {text, kind: class of the cell} or {bar, within}.
+// A cell is a text, {text, kind: class of the cell} or {bar, within}. Above bars stands no heading.
 export function addRow(table, cells, tag = "td", kind = "") {
   const line = element("tr", kind ? { class: kind } : {}, table);
   for (const content of cells) {
-    const cell = element(tag, tag === "th" ? { scope: "col" } : {}, line);
+    const isHeading = tag === "th" && content.bar === undefined;
+    const cell = element(isHeading ? "th" : "td", isHeading ? { scope: "col" } : {}, line);
     if (typeof content !== "object") addText(cell, content);
     else if (content.bar !== undefined) addBar(cell, content);
     else {

@@ -12,6 +12,28 @@ using correction::TestReading;
 
 double rounded(double value) { return std::round(1e4 * value) / 1e4; }
 
+bool is_probe(const correction::CalibrateOptions& options, const correction::ChannelFit& channel) {
+  return channel.channel >= static_cast<int>(options.sensors.size());
+}
+
+/// How well channels are met, one after the other.
+Json fits_json(const correction::CalibrateOptions& options, const std::vector<correction::ChannelFit>& channels) {
+  Json list = Json::array();
+  for (const correction::ChannelFit& channel : channels) {
+    const bool probe = is_probe(options, channel);
+    const double scale = probe ? rom::um_per_m : 1.0;
+    list.push_back({{"name", channel.name},
+                    {"log", channel.test + 1},
+                    {"unit", probe ? "µm" : "K"},
+                    {"readings", channel.readings},
+                    {"rms", scale * channel.rms},
+                    {"expected_rms", scale * channel.expected_rms},
+                    {"autocorrelation", channel.lag_1},
+                    {"outliers", channel.outliers}});
+  }
+  return list;
+}
+
 /// One channel of one test.
 Json channel_json(const correction::CalibrationResult& result, const correction::ChannelFit& channel, bool probe) {
   const double scale = probe ? rom::um_per_m : 1.0, shift = probe ? 0.0 : -rom::zero_degC_K;
@@ -49,12 +71,14 @@ Json calibration_page_data(const rom::Network& network, const correction::Calibr
             {"tested_s", calibration.tested_s},
             {"chi_square_per_reading", result.fit.chi_square_per_reading},
             {"promised_um", rom::um_per_m * calibration.promised_m},
-            {"misfits", result.misfits}};
+            {"misfits", result.misfits},
+            {"fit", fits_json(options, result.fit.channels)},
+            {"held_out", fits_json(options, result.held_out)}};
   for (std::size_t test = 0; test < calibration.logs.size(); ++test) {
     Json channels = Json::array();
     for (const correction::ChannelFit& channel : result.fit.channels) {
       if (channel.test != test) continue;
-      channels.push_back(channel_json(result, channel, channel.channel >= static_cast<int>(options.sensors.size())));
+      channels.push_back(channel_json(result, channel, is_probe(options, channel)));
     }
     data["tests"].push_back({{"log", calibration.logs[test]}, {"channels", channels}});
   }

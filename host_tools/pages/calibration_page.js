@@ -3,6 +3,7 @@ import { drawChart } from "./time_chart.js";
 import { addFacts, addRow, byId, duration, element, fixed, pageData } from "./pages/elements.js";
 
 const data = pageData();
+const wide = text => ({ text, kind: "wide" });  // left out where there is little room
 
 function writeHead() {
   byId("title").textContent = `Calibration of spindle “${data.spindle}”`;
@@ -46,6 +47,14 @@ function showTests() {
   });
 }
 
+function showFits(id, channels) {
+  addRow(byId(id), ["channel", "readings", "rms", "expected", wide("lag 1"), wide("outliers")], "th");
+  for (const one of channels) {
+    addRow(byId(id), [`${one.name}, log ${one.log}`, one.readings, ...[one.rms, one.expected_rms].map(value =>
+      `${fixed(value, 3)} ${one.unit}`), wide(fixed(one.autocorrelation, 2)), wide(one.outliers)]);
+  }
+}
+
 function showParameters() {
   addRow(byId("parameters"), ["parameter", "before", "±", "after", "±", { bar: 0 }], "th");
   for (const one of data.parameters) {
@@ -56,4 +65,6 @@ function showParameters() {
 
 writeHead();
 showTests();
+showFits("fit", data.fit);
+showFits("held-out", data.held_out);
 showParameters();

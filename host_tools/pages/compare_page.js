@@ -10,7 +10,7 @@ function writeTables() {
   byId("state").textContent = `${data.log}, ${data.cycles} cycles.`;
   addRow(byId("first-second"), ["first", left(data.first)]);
   addRow(byId("first-second"), ["second", left(data.second)]);
-  addRow(byId("table"), ["", "first, rms", "second, rms", "difference, rms", "worst difference", "at, s"], "th");
+  addRow(byId("table"), ["output", "first, rms", "second, rms", "difference, rms", "worst difference", "at, s"], "th");
   const add = (outputs, unit, words) => outputs.forEach(output => addRow(byId("table"), [`${output.name}, ${words}`,
     number(output.first_error, `rms_${unit}`, 3), number(output.second_error, `rms_${unit}`, 3),
     fixed(output.difference[`rms_${unit}`], 3), signed(output.difference[`worst_${unit}`], 3),

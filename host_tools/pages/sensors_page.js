@@ -60,7 +60,7 @@ function showSection() {
 }
 
 function showTables() {
-  addRow(byId("sensors"), ["sensor", left(""), "1σ without it"], "th");
+  addRow(byId("sensors"), ["sensor", left("role"), "1σ without it"], "th");
   for (const sensor of data.sensors) addRow(byId("sensors"), [sensor.name, left(sensor.role), um(sensor.without_um)]);
   addRow(byId("places"), ["place", aside("part"), aside("r, mm"), aside("z, mm"), "1σ with it"], "th");
   for (const place of data.places.slice(0, mostPlaces)) {

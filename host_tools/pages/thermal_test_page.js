@@ -45,13 +45,13 @@ function showRotation() {
     "first reading by the time between. Steepest: the largest change within 15 min.";
   if (!rotation) return;
   byId("rotation-title").textContent = `Distortion by the rotating spindle, ${rotation.kind}`;
-  addRow(byId("rotation"), ["", ...heads, "steepest"], "th");
+  addRow(byId("rotation"), ["length", ...heads, "steepest"], "th");
   for (const length of rotation.lengths) {
     addRow(byId("rotation"), [`${length.name}, measured`, ...cells(length.measured, length.unit)]);
     if (!length.compensated) continue;
     addRow(byId("rotation"), [`${length.name}, compensated`, ...cells(length.compensated, length.unit)]);
   }
-  addRow(byId("temperatures"), ["", ...heads, "steepest"], "th");
+  addRow(byId("temperatures"), ["place", ...heads, "steepest"], "th");
   for (const place of rotation.temperatures) addRow(byId("temperatures"), [place.name, ...cells(place.measured, place.unit)]);
   for (const place of rotation.surroundings) {
     addRow(byId("temperatures"), [place.name, ...cells(place, place.unit)]);
@@ -62,7 +62,7 @@ function showStandstill(id, of, none) {
   byId(`${id}-text`).textContent = of ? `${clock(of.from_s, of.until_s)}: what moved while the spindle stood, and what its ` +
     "surroundings did." : none;
   if (!of) return;
-  addRow(byId(id), ["", "range", "change", "rate", "steepest 15 min"], "th");
+  addRow(byId(id), ["channel", "range", "change", "rate", "steepest 15 min"], "th");
   for (const one of [...of.lengths, ...of.surroundings]) {
     const known = one.whole;
     const steepest = one.steepest_15_min_per_h;
@@ -73,7 +73,7 @@ function showStandstill(id, of, none) {
 }
 
 function showTimeConstants() {
-  addRow(byId("time-constants"), ["", "time", "speed, rpm", "τ", "swing", "rms left"], "th");
+  addRow(byId("time-constants"), ["length", "time", "speed, rpm", "τ", "swing", "rms left"], "th");
   for (const one of data.time_constants) {
     const known = one.time_constant_s !== null;
     addRow(byId("time-constants"), [one.name, clock(one.from_s, one.until_s), fixed(one.speed_rpm, 0),

@@ -1,16 +1,16 @@
 // The pages of `spindle-twin` in a browser: what a person reads there is what the commands give as JSON, CSV and tables;
 // nothing is loaded, nothing is complained of.
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { openPage, startBrowser } from "./browser.js";
-import { assembleLumps, buildNetwork, command, makeRun, makeTest, simulateHeld } from "./commands.js";
+import { assembleLumps, buildNetwork, command, makeRun, makeTest, readTable, simulateHeld } from "./commands.js";
 
 const folder = mkdtempSync(join(tmpdir(), "spindle-twin-pages-"));
 const files = { network: join(folder, "network.html"), lumps: join(folder, "lumps.html") };
-let browser, rings, steady, lumps, run, compared, thermal, proposal;
+let browser, rings, steady, lumps, run, calibrated, tested, compared, thermal, proposal;
 
 before(async () => {
   rings = buildNetwork(folder);
@@ -21,7 +21,8 @@ before(async () => {
   lumps = JSON.parse(command("inspect", rom, "--json")).steady_state;
   const log = makeTest(folder, rom);
   for (const name of ["calibration", "compared", "thermal_test", "test", "sensors"]) files[name] = join(folder, `${name}.html`);
-  command("calibrate", rom, log, "--accept", "--html", files.calibration);
+  calibrated = JSON.parse(command("calibrate", rom, log, "--accept", "--json", "--html", files.calibration));
+  tested = readTable(log);
   compared = JSON.parse(command("compare", rom, log, "--correction", "none", "--to-correction", "estimator", "--json", "--html",
     files.compared));
   thermal = JSON.parse(command("thermal-test-report", log, "--rom", rom, "--json", "-o", files.thermal_test));
@@ -43,7 +44,7 @@ const close = (value, expected, tolerance, what) =>
   assert.ok(Math.abs(value - expected) <= tolerance, `${what}: ${value} is not ${expected} within ${tolerance}`);
 
 // Texts of a table's cells, row by row, without its head.
-const tableOf = (page, id) => page.locator(`#${id} tr:has(td)`)
+const tableOf = (page, id) => page.locator(`#${id} tr:not(:has(th))`)
   .evaluateAll(rows => rows.map(row => [...row.cells].map(c => c.textContent)));
 
 // What a chart's legend says after the mouse went to that share of its width: {time, values by series}.
@@ -247,6 +248,52 @@ test("a finger on a chart scrolls the page, and a tap points at a moment in all 
   close(number((await pointAt(page, "nose", 0)).time), 0, 10, "a finger does not zoom");
 });
 
+test("parameters, chi-square, fit and hold-out of a calibration are those of the JSON", async () => {
+  const { page } = await openPage(browser, files.calibration);
+  const facts = Object.fromEntries(await page.locator("#facts div").evaluateAll(list =>
+    list.map(fact => [fact.lastChild.textContent, fact.firstChild.textContent])));
+  close(number(facts["chi-square per reading"]), calibrated.chi_square_per_reading, 0.0051, "chi-square");
+  close(number(facts["promised for the nose, 1σ"]), calibrated.promised_um, 0.0051, "promise");
+  assert.equal(facts.verdict, calibrated.fits ? "fits" : "does not fit");
+  const parameters = await tableOf(page, "parameters");
+  assert.ok(parameters.length > 10, `${parameters.length} parameters`);
+  assert.deepEqual(parameters.map(row => row[0]), calibrated.parameters.map(one => one.name));
+  calibrated.parameters.forEach((one, i) => ["prior", "prior_deviation", "value", "deviation"].forEach((key, k) =>
+    close(number(parameters[i][k + 1]), one[key], 0.00051, `${one.name}, ${key}`)));
+  for (const [id, channels] of [["fit", calibrated.channels], ["held-out", calibrated.held_out]]) {
+    const rows = await tableOf(page, id);
+    assert.deepEqual(rows.map(row => row[0]), ["front_seat, log 1", "winding_sensor, log 1", "nose, log 1"]);
+    channels.forEach((channel, i) => {
+      const unit = channel.name === "nose" ? "um" : "K";
+      const told = [channel.readings, channel[`rms_${unit}`], channel[`expected_rms_${unit}`], channel.autocorrelation,
+        channel.outliers];
+      told.forEach((value, k) => close(number(rows[i][k + 1]), value, 0.0051, `${id}, ${channel.name}, column ${k + 1}`));
+    });
+  }
+});
+
+test("a calibration's curves are the log's readings, and end with what is left of them", async () => {
+  const { page } = await openPage(browser, files.calibration);
+  const columns = ["measured.front_seat_degC", "measured.winding_sensor_degC", "measured.nose_um"];
+  for (const [k, column] of columns.entries()) {
+    const rms = { left: 0, sd: 0 };
+    const { channels } = await page.evaluate("JSON.parse(document.getElementById('data').textContent).tests[0]");
+    for (const of of Object.keys(rms)) rms[of] = Math.hypot(...channels[k][of]) / Math.sqrt(channels[k][of].length);
+    const { name, ...told } = calibrated.channels[k];
+    close(rms.left, told.rms_um ?? told.rms_K, 2e-4, `rms of the curve of what ${name} leaves`);
+    close(rms.sd, told.expected_rms_um ?? told.expected_rms_K, 2e-4, `rms of ${name}'s band`);
+    for (const share of [0.4, 1]) {
+      const { time, values } = await pointAt(page, `test-0-${k}`, share);
+      const row = tested.time_s.indexOf(number(time));
+      close(number(values.measured), tested[column][row], 0.0051, `${name} at ${time}`);
+      const { left } = (await pointAt(page, `test-0-${k}-left`, share)).values;
+      close(number(left), number(values.measured) - number(values.after), 0.0151, `what is left of ${name} at ${time}`);
+    }
+  }
+  const { values } = await pointAt(page, "test-0-2", 0);
+  assert.equal(values.before, values.measured, "a probe's zero is unknown: the model begins where it does");
+});
+
 test("every curve is on its chart, in light and dark and on paper", async () => {
   for (const [colorScheme, media] of [["light", "screen"], ["dark", "screen"], ["dark", "print"]]) {
     const { page } = await openPage(browser, files.run, { colorScheme });
@@ -282,6 +329,20 @@ test("a phone shows the numbers that tables are ranked by without scrolling side
       return [...table.rows].map(row => row.cells[column].getBoundingClientRect().right);
     }, unit);
     assert.ok(ends.length > 2 && Math.max(...ends) <= 360, `${id} reaches ${Math.max(...ends)} px`);
+  }
+});
+
+test("axe-core finds nothing on any page, on desktop and phone, in light and dark", async () => {
+  const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+  for (const file of Object.values(files)) {
+    for (const [width, colorScheme] of [[1280, "light"], [390, "light"], [390, "dark"]]) {
+      const { page } = await openPage(browser, file, { viewport: { width, height: 844 }, colorScheme });
+      await page.evaluate(axe);
+      const { violations } = await page.evaluate("axe.run()");
+      const found = violations.map(({ id, nodes }) => `${id}: ${nodes.map(node => node.html).join(" ")}`);
+      assert.deepEqual(found, [], `${file}, ${width} px, ${colorScheme}`);
+      await page.context().close();
+    }
   }
 });
 
