@@ -78,7 +78,9 @@ const axis = (label, more) => ({ stroke: () => ink("soft"), font: letters, ...mo
   ...(label ? { label, labelFont: letters, labelSize: 18, labelGap: 0 } : {}),
   grid: { stroke: () => ink("grid"), width: 0.5 }, ticks: { stroke: () => ink("grid"), width: 0.5 } });
 const widthOf = texts => 18 + 7 * Math.max(4, ...(texts ?? []).map(text => text.length));  // px
-const sizeOf = place => ({ width: place.clientWidth, height: place.clientHeight });
+// Paper's width without margins is not told; this is a little less than that of A4 and Letter, so letters keep their size.
+const paper_px = 660;
+const sizeOf = (place, most_px = Infinity) => ({ width: Math.min(place.clientWidth, most_px), height: place.clientHeight });
 
 function optionsOf(place, { lines, bands }, look, hooks) {
   return {
@@ -130,6 +132,8 @@ export function makePlot(legendPlace, place, look) {
     shown = whole();
   }
   new ResizeObserver(() => chart?.setSize(sizeOf(place))).observe(place);
+  addEventListener("beforeprint", () => chart?.setSize(sizeOf(place, paper_px)));
+  addEventListener("afterprint", () => chart?.setSize(sizeOf(place)));
   matchMedia("screen and (prefers-color-scheme: dark)").addEventListener("change", () => chart?.redraw());
   return {
     renew(time_s, series) {
