@@ -11,6 +11,7 @@
 
 #include "tests/fuzz/check_daemon_files.hpp"
 #include "tests/fuzz/check_modbus.hpp"
+#include "tests/fuzz/check_plant.hpp"
 #include "tests/fuzz/check_stream.hpp"
 
 namespace spindle_twin::firmware {
@@ -63,6 +64,8 @@ TEST(ConfigCorpus, a_file_is_read_or_refused_with_a_reason) { expect_corpus("con
 TEST(TableCorpus, a_file_is_read_or_refused_with_a_reason) { expect_corpus("table", checked_table); }
 
 TEST(HistoryCorpus, a_file_is_read_or_refused_with_a_reason) { expect_corpus("history", checked_history); }
+
+TEST(CommandCorpus, a_payload_is_obeyed_or_not_with_a_reason) { expect_corpus("command", checked_command); }
 
 }  // namespace corpus_test
 }  // namespace spindle_twin::firmware

@@ -4,6 +4,7 @@
 
 #include "tests/fuzz/check_daemon_files.hpp"
 #include "tests/fuzz/check_modbus.hpp"
+#include "tests/fuzz/check_plant.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   spindle_twin::firmware::SPINDLE_TWIN_FUZZED({data, size});
