@@ -145,7 +145,8 @@ export function makePlot(legendPlace, place, look) {
       write();
     },
     pointAt(time_s) {
-      const isShown = time_s !== null && time_s >= chart.scales.x.min && time_s <= chart.scales.x.max;
+      const { min, max } = chart.scales.x;  // null without any value
+      const isShown = time_s !== null && time_s >= (min ?? Infinity) && time_s <= max;
       chart.setCursor({ left: isShown ? chart.valToPos(time_s, "x") : -10, top: 0 }, false);
       write();
     },

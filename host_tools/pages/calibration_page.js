@@ -15,6 +15,7 @@ function writeHead() {
   for (const misfit of data.misfits) element("p", { class: "label" }, byId("misfits"), misfit);
 }
 
+// Charts of one log share their axis of time.
 function addChart(place, id, title, chart) {
   const box = element("div", {}, place);
   element("h3", {}, box, title);
@@ -23,7 +24,7 @@ function addChart(place, id, title, chart) {
   drawChart(byId(`${id}-legend`), byId(id), chart);
 }
 
-function showChannel(channel, id) {
+function showChannel(channel, id, group) {
   const card = element("section", {}, byId("tests"));
   element("h2", {}, card, channel.name);
   element("p", {}, card, `What is left: ${fixed(channel.rms, 3)} ${channel.unit} rms, expected ` +
@@ -31,11 +32,11 @@ function showChannel(channel, id) {
   const pair = element("div", { class: "pair" }, card);
   const { time_s } = channel;
   const label = channel.unit === "K" ? "temperature, °C" : "displacement, µm";
-  addChart(pair, id, "Readings and model", { label, time_s, series: [
+  addChart(pair, id, "Readings and model", { label, time_s, group, series: [
     { name: "measured", values: channel.measured, ink: "plant", width: 3 },
     { name: "after", values: channel.after, sd: channel.sd, ink: "twin" },
     { name: "before", values: channel.before, ink: "raw", dashed: true }] });
-  addChart(pair, `${id}-left`, "What is left", { label: `measured − after, ${channel.unit}`, time_s, series: [
+  addChart(pair, `${id}-left`, "What is left", { label: `measured − after, ${channel.unit}`, time_s, group, series: [
     { name: "expected", values: time_s.map(() => 0), sd: channel.sd, ink: "reading", width: 1 },
     { name: "left", values: channel.left, ink: "twin" }] });
 }
@@ -43,7 +44,7 @@ function showChannel(channel, id) {
 function showTests() {
   data.tests.forEach((test, i) => {
     element("h2", {}, byId("tests"), test.log);
-    test.channels.forEach((channel, k) => showChannel(channel, `test-${i}-${k}`));
+    test.channels.forEach((channel, k) => showChannel(channel, `test-${i}-${k}`, i));
   });
 }
 
