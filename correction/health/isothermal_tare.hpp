@@ -35,6 +35,17 @@ struct SensorTare {
   std::vector<double> deviation_K;  ///< 1σ; 0 where none was taken
 };
 
+/// What a tare that is not offered waits for: the first of these that is amiss.
+enum class TareWait : std::uint8_t { nothing, heat, rest, change, apart, model, sensors };
+
+/// Of a tare now. channel: the one that it waits for, -1 where it is no single one. left_s: until it is judged next;
+/// NaN while there is heat.
+struct TareOutlook {
+  TareWait waits_for = TareWait::rest;
+  int channel = -1;
+  double left_s = 0.0;
+};
+
 struct TareSample {
   bool valid = false;
   double reading_K = 0.0;  ///< as read
@@ -57,6 +68,8 @@ class IsothermalTare {
   /// heated: the spindle turns, or has load.
   void step(const std::vector<TareSample>& samples, bool heated, double h_s);
   bool offered() const { return offered_; }
+  /// Why it is not offered.
+  TareOutlook outlook() const;
   /// False, and nothing changed, while it is not offered or fewer than two sensors are valid. ambient_K: NaN for the
   /// common mean.
   bool take(double ambient_K, double noise_K, SensorTare& tare) const;
@@ -70,7 +83,10 @@ class IsothermalTare {
   void begin(Block& block);
   double mean_K(const Block& block, std::size_t i) const { return block.sum_K[i] / block.samples[i]; }
   bool both(std::size_t i) const { return whole_ && earlier_.samples[i] > 0 && later_.samples[i] > 0; }
+  double middle_K(std::size_t i) const { return 0.5 * (mean_K(earlier_, i) + mean_K(later_, i)); }
   void judge(const std::vector<TareSample>& samples);
+  void judge_spread(const std::vector<TareSample>& samples);
+  int furthest() const;
 
   TareLimits limits_;
   Block earlier_, later_, filling_;
@@ -79,6 +95,9 @@ class IsothermalTare {
   int blocks_ = 0;
   bool whole_ = false;
   bool offered_ = false;
+  bool heated_ = false;
+  TareWait judged_ = TareWait::rest;  ///< at the end of the last block
+  int judged_channel_ = -1;
 };
 
 }  // namespace spindle_twin::correction

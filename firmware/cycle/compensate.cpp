@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace spindle_twin::firmware {
 namespace {
@@ -25,8 +26,27 @@ void Compensation::begin_at(const Snapshot& snapshot) {
   if (!std::isfinite(snapshot.nose_m)) return;
   last_m_ = plan_.sign * snapshot.nose_m;
   has_predicted_ = true;
-  value_m_ = enabled() ? std::clamp(last_m_, -plan_.limit_m, plan_.limit_m) : 0.0;
+  normal_m_ = enabled() ? std::clamp(last_m_, -plan_.limit_m, plan_.limit_m) : 0.0;
+  value_m_ = std::clamp(normal_m_ + begins_away_m_, -plan_.limit_m, plan_.limit_m);
+  is_tried_ = begins_away_m_ != 0.0;
   published_m_ = plan_.step_m > 0.0 ? plan_.step_m * std::round(value_m_ / plan_.step_m) : value_m_;
+}
+
+void Compensation::order(SwitchOrder order) {
+  if (order == SwitchOrder::off && order_ != SwitchOrder::off) trial_.end();
+  order_ = order;
+}
+
+OrderResult Compensation::try_value(const TrialOrder& trial, double now_s) {
+  if (std::exchange(trial_renewals_, trial.renewals) != trial.renewals) trial_.renew(now_s);
+  if (std::exchange(trial_orders_, trial.orders) == trial.orders) return OrderResult::none;
+  if (std::isnan(trial.value_m)) {
+    trial_.end();
+    return OrderResult::done;
+  }
+  if (!(std::abs(trial.value_m) <= plan_.limit_m)) return OrderResult::refused;
+  trial_.begin(trial.value_m, now_s);
+  return OrderResult::done;
 }
 
 void Compensation::follow(double wanted_m, double advance_s) {
@@ -51,13 +71,22 @@ void Compensation::step(std::size_t good, std::size_t configured, double advance
   }
   const double kept = rung == Rung::decay ? std::exp(-(lost_s_ - plan_.hold_s) / plan_.decay_s) : 1.0;
   const double limited_m = std::clamp(kept * last_m_, -plan_.limit_m, plan_.limit_m);
-  const double wanted_m = enabled() ? limited_m : 0.0;
+  normal_m_ = enabled() ? limited_m : 0.0;
+  const double now_s = 1e-9 * static_cast<double>(snapshot.clock_ns);
+  const double tried_m = trial_.value_m(now_s);
+  const bool tries = !std::isnan(tried_m);
+  const double wanted_m = tries ? tried_m : normal_m_;
   follow(wanted_m, advance_s);
+  is_tried_ = tries || (is_tried_ && value_m_ != normal_m_);
 
   told.rung = rung;
   told.value_m = published_m_;
   told.age_s = lost_s_;
-  if (live && enabled()) told.deviation_m = std::hypot(snapshot.deformation_deviation_m[0], published_m_ - wanted_m);
+  if (live && enabled() && !tries) {
+    told.deviation_m = std::hypot(snapshot.deformation_deviation_m[0], published_m_ - wanted_m);
+  }
+  if (is_tried_) told.bits |= bits(CompensationBit::trial);
+  if (is_tried_) told.trial_left_s = tries ? trial_.left_s(now_s) : 0.0;
   if (enabled()) told.bits |= bits(CompensationBit::enabled);
   if (std::abs(kept * last_m_) > plan_.warning_m) told.bits |= bits(CompensationBit::warning);
   if (std::abs(kept * last_m_) > plan_.limit_m) told.bits |= bits(CompensationBit::limited);

@@ -100,6 +100,9 @@ void Cycle::take_orders(const PlcCommand& command) {
   const bool no_such_switch = command.compensation != SwitchOrder::as_configured && network_.deformations.empty();
   result_of(OrderKind::compensation) = no_such_switch ? OrderResult::refused : OrderResult::done;
   compensation_.order(command.compensation);
+  const double now_s = 1e-9 * static_cast<double>(snapshot_.clock_ns);
+  const OrderResult tried = compensation_.try_value(command.trial, now_s);
+  result_of(OrderKind::trial) = network_.deformations.empty() ? OrderResult::refused : tried;
   if (command.displacements != displacements_) result_of(OrderKind::length) = take_length(command);
   if (command.sensor_orders != watch_.orders) {
     result_of(OrderKind::sensors) = OrderResult::waiting;

@@ -10,6 +10,7 @@ bool is_known(const Order& order) {
     case OrderKind::tare:
       return order.code == 1 || order.code == 2;
     case OrderKind::sensors:
+    case OrderKind::trial:
       return order.code >= 1 && order.code <= 3;
     case OrderKind::length:
     case OrderKind::acknowledge:
@@ -49,6 +50,10 @@ void add_to(PlcCommand& command, const Order& order) {
     case OrderKind::acknowledge:
       ++command.acknowledgements;
       break;
+    case OrderKind::trial:
+      command.trial.value_m = order.code == trial_begins ? order.trial_m : not_a_value;
+      ++command.trial.orders;
+      break;
     case OrderKind::none:
       break;
   }
@@ -64,6 +69,10 @@ void OrderDesk::begin_with(const StandingOrders& standing) {
 }
 
 void OrderDesk::add(const Order& order, PlcCommand& command) {
+  if (order.kind == OrderKind::trial && order.code == trial_goes_on) {
+    ++command.trial.renewals;
+    return;
+  }
   std::move_backward(records_.begin(), records_.end() - 1, records_.end());
   const bool known = is_known(order);
   records_[0] = {{++orders_, order.id, order.kind, known ? OrderResult::waiting : OrderResult::unknown}, 0, known};
@@ -107,8 +116,9 @@ void OrderDesk::settle(const OrderResults& results, const StandingOrders& standi
       continue;
     }
     record.handed_out = false;
-    // A measured length lives in the estimate, which the checkpoint keeps.
-    if (record.told.result == OrderResult::done && record.told.kind != OrderKind::length) record.revision = ++revision_;
+    // A measured length lives in the estimate, which the checkpoint keeps; a trial outlives no restart.
+    const bool is_kept = record.told.kind != OrderKind::length && record.told.kind != OrderKind::trial;
+    if (record.told.result == OrderResult::done && is_kept) record.revision = ++revision_;
   }
   if (revision_ != before) {
     StandingOrders now = standing;

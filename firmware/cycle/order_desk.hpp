@@ -13,10 +13,13 @@ namespace spindle_twin::firmware {
 /// One order of the PLC as it was written.
 struct Order {
   OrderKind kind = OrderKind::none;
-  std::uint16_t id = 0;    ///< the PLC's own number for it
-  std::uint16_t code = 0;  ///< what was written; of a switch 0 off, 1 on, not_present as configured
-  Displacement length;     ///< of the kind `length`
+  std::uint16_t id = 0;          ///< the PLC's own number for it
+  std::uint16_t code = 0;        ///< what was written; of a switch 0 off, 1 on, not_present as configured
+  Displacement length;           ///< of the kind `length`
+  double trial_m = not_a_value;  ///< of the kind `trial` with trial_begins: the value to try
 };
+// Codes of the kind `trial`.
+inline constexpr std::uint16_t trial_begins = 1, trial_ends = 2, trial_goes_on = 3;
 inline constexpr std::uint16_t not_present_code = 65535;
 
 /// What one cycle made of the orders of each kind, by OrderKind; none where it was given none.
@@ -61,7 +64,7 @@ class OrderDesk {
   }
   /// Adds the next orders to `command`: in the order in which they came, as long as each is of a later kind than the
   /// one before, so that a row of the history tells all of them. None while an order of before waits for the
-  /// prediction.
+  /// prediction. That a trial goes on is no order of its own: it gets no record.
   void hand_out(PlcCommand& command);
   /// After the cycle: the results of what was handed out, and of those that wait for the disk.
   void settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot);

@@ -58,6 +58,7 @@ void Cycle::remember(Remembered& to) const {
   to.model_time_s = snapshot_.model_time_s;
   to.network_sha256 = network_sha256_;
   to.tare_m = snapshot_.tare_m + tare_to_come_m_;
+  to.trial_away_m = compensation_.away_m();
   to.sensor_tare = watch_.tare;
   keep_health(watch_, to.sensor_health);
   to.signals = judgement_.signals;
@@ -108,6 +109,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
   if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
 
   snapshot_.tare_m = from.tare_m;
+  compensation_.resume_away(std::isfinite(from.trial_away_m) ? from.trial_away_m : 0.0);
   predict(network_, model_);
   publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
   started_ = true;

@@ -12,11 +12,12 @@
 namespace spindle_twin::firmware {
 
 /// What a cycle needs to go on after a restart, and what its estimator knows. Its sizes are those of network and plan.
-struct Remembered {
+struct Remembered {            // NOLINT(public-members): a checkpoint as it is written, member by member
   bool started = false;        ///< else the rest is without meaning
   std::string network_sha256;  ///< hex; empty: nobody said
   double model_time_s = 0.0;
   double tare_m = 0.0;
+  double trial_away_m = 0.0;  ///< how far a trial had the compensation from where it is wanted; Compensation::away_m()
   correction::SensorTare sensor_tare;  ///< per key point
   /// Four of each key point: SensorFault that it is out for, whether until acknowledged, its partner, its failures.
   /// Empty where no health is watched.

@@ -80,6 +80,13 @@ struct PlcSignals {
   std::int64_t alive_ns = 0;  ///< monotonic, of the last request of the client that tells them; 0: never heard
 };
 
+/// A known value of the compensation, to try the control's input with; firmware/cycle/compensation_trial.hpp.
+struct TrialOrder {
+  double value_m = not_a_value;  ///< NaN: the trial ends
+  std::uint32_t orders = 0;      ///< counts up with each order
+  std::uint32_t renewals = 0;    ///< counts up each time that who gave it says to be there still
+};
+
 /// What the PLC wants of one cycle; of each kind of order one at most (OrderDesk hands them out).
 struct PlcCommand {
   std::array<Reading, signal_count> signals;
@@ -93,6 +100,7 @@ struct PlcCommand {
   std::uint32_t displacements = 0;     ///< counts up with each measurement
   std::uint32_t acknowledgements = 0;  ///< counts up with each order to take back latched faults
   SwitchOrder compensation = SwitchOrder::as_configured;
+  TrialOrder trial;
 };
 
 /// What became of one order.
@@ -136,6 +144,7 @@ struct CompensationState {
   double reference_m = not_a_value;
   double forecast_m = not_a_value;       ///< the value wanted after the look-ahead, nothing else changing
   double settled_after_s = not_a_value;  ///< from when on the growth hardly changes (Forecast)
+  double trial_left_s = not_a_value;     ///< clock time until a trial ends by itself; 0 on the way back from it
 };
 
 /// The exchange of the network (exchange.hpp).
@@ -245,7 +254,10 @@ struct Snapshot {  // NOLINT(public-members): one page of plain data, copied who
   bool model_in_doubt = false;
   std::uint16_t sensors_failed = 0;
   std::uint16_t sensor_tare_count = 0;
-  std::uint32_t sensor_orders = 0;  ///< those that the PLC gave for its sensors, and the last of them
+  TareWait sensor_tare_wait = TareWait::start;
+  std::int16_t sensor_tare_point = -1;      ///< key point that it waits for; -1: no single one
+  double sensor_tare_left_s = not_a_value;  ///< model time until the tare is judged next
+  std::uint32_t sensor_orders = 0;          ///< those that the PLC gave for its sensors, and the last of them
   SensorOrder sensor_order = SensorOrder::tare;
   std::array<SensorHealthState, slots::key_points> sensor_health{};
   std::array<double, slots::key_points> sensor_tare_K = not_values;  ///< subtracted from the readings

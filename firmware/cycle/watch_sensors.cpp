@@ -7,6 +7,7 @@ namespace spindle_twin::firmware {
 namespace {
 
 static_assert(bits(SensorState::returning) == bits(correction::HealthState::returning));
+static_assert(bits(TareWait::sensors) == bits(correction::TareWait::sensors));
 static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::implausible));
 
 constexpr std::size_t kept_of_a_sensor = 4;  ///< numbers
@@ -324,6 +325,10 @@ void resume_health(const std::vector<double>& from, SensorWatch& watch) {
 void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot) {
   snapshot.sensor_tare_count = static_cast<std::uint16_t>(watch.tare.count);
   if (watch.resting->offered()) snapshot.quality |= bits(Quality::sensor_tare_offered);
+  const correction::TareOutlook tare = watch.resting->outlook();
+  snapshot.sensor_tare_wait = static_cast<TareWait>(tare.waits_for);
+  snapshot.sensor_tare_point = static_cast<std::int16_t>(tare.channel);
+  snapshot.sensor_tare_left_s = tare.left_s;
   for (std::size_t k = 0; k < watch.tare.offset_K.size(); ++k) {
     if (snapshot.sensor_quality[k] != SensorQuality::not_configured) snapshot.sensor_tare_K[k] = watch.tare.offset_K[k];
   }

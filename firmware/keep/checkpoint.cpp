@@ -24,6 +24,7 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.saved_unix_s = checkpoint.saved_unix_s;
   message.model_time_s = remembered.model_time_s;
   message.tare_m = remembered.tare_m;
+  message.trial_away_m = remembered.trial_away_m;
   message.signals = attach<way>(signals);
   message.nodes_K = attach<way>(remembered.nodes_K);
   message.uncorrected_K = attach<way>(remembered.uncorrected_K);
@@ -72,6 +73,7 @@ Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::
   checkpoint.remembered.started = true;
   checkpoint.remembered.model_time_s = message.model_time_s;
   checkpoint.remembered.tare_m = message.tare_m;
+  checkpoint.remembered.trial_away_m = message.trial_away_m;
   checkpoint.remembered.sensor_tare.count = message.sensor_tares;
   std::copy(signals.begin(), signals.end(), checkpoint.remembered.signals.begin());
   return checkpoint;

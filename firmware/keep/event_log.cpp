@@ -69,6 +69,7 @@ void EventLog::note(const Snapshot& snapshot, std::int64_t now_ns) {
   note_sensors(snapshot, now_ns);
   note_orders(snapshot, now_ns);
   note_overruns(snapshot, now_ns);
+  note_trial(snapshot, now_ns);
   before_ = snapshot;
   first_ = false;
 }
@@ -133,6 +134,16 @@ void EventLog::note_overruns(const Snapshot& now, std::int64_t now_ns) {
   const auto held_back = overruns_.pass(now_ns);
   if (!held_back) return;
   spdlog::warn("{} cycles missed, {} since the start{}", now.overruns - before_.overruns, now.overruns,
+               LogLimit::also(*held_back));
+}
+
+void EventLog::note_trial(const Snapshot& now, std::int64_t now_ns) {
+  const bool tries = now.compensation.trial_left_s > 0.0, tried = before_.compensation.trial_left_s > 0.0;
+  if (tries == tried) return;
+  const auto held_back = trials_.pass(now_ns);
+  if (!held_back) return;
+  spdlog::warn("compensation: {}{}",
+               tries ? "a trial has begun, the value is no prediction" : "the trial has ended, the value goes back",
                LogLimit::also(*held_back));
 }
 

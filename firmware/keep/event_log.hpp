@@ -38,6 +38,7 @@ class EventLog {
   void note_sensors(const Snapshot& now, std::int64_t now_ns);
   void note_orders(const Snapshot& now, std::int64_t now_ns);
   void note_overruns(const Snapshot& now, std::int64_t now_ns);
+  void note_trial(const Snapshot& now, std::int64_t now_ns);
 
   std::vector<std::string> key_points_;
   Latest<Snapshot> tap_;
@@ -46,7 +47,7 @@ class EventLog {
   std::optional<double> clock_offset_s_;  ///< of the clock on the wall to the monotonic one
   std::array<OrderRecord, order_records> told_{};
   LogLimit states_{10, 60.0}, faults_{10, 60.0}, sensors_{16, 60.0}, orders_{20, 60.0}, overruns_{1, 60.0},
-      clock_{6, 60.0};
+      clock_{6, 60.0}, trials_{20, 60.0};
 };
 
 }  // namespace spindle_twin::firmware

@@ -60,8 +60,10 @@ void Daemon::show() {
   for (const auto& spindle : spindles_) {
     const rom::Network& network = spindle->file.network;
     auto history = history_page(spindle->config.history, network);
+    const SceneSettings scene{show_.notice, static_cast<bool>(history), spindle->file.sha256,
+                              spindle->plan.cycle.compensation};
     shown.push_back({spindle->name, spindle->unit, names_of(network), stale_after_s(spindle->cycle_s()),
-                     scene_json(network, show_.notice, static_cast<bool>(history)), std::move(history),
+                     scene_json(network, scene), std::move(history),
                      [this, number = shown.size()](const Order& order) { return server_->order(number, order); },
                      growth_page(spindle->config.history, network)});
   }

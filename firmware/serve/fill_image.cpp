@@ -162,7 +162,9 @@ void fill_health(const Snapshot& snapshot, RegisterImage& image) {
   put(image, Register::sensor_tare_count, snapshot.sensor_tare_count % 65535);
   put(image, Register::sensors_failed, snapshot.health_watched ? snapshot.sensors_failed : not_a_value);
   put(image, Register::model_in_doubt, snapshot.health_watched ? (snapshot.model_in_doubt ? 1.0 : 0.0) : not_a_value);
-  put_not_present(image, Register::health_reserved);
+  put(image, Register::sensor_tare_wait, bits(snapshot.sensor_tare_wait));
+  put(image, Register::sensor_tare_point, snapshot.sensor_tare_point < 0 ? not_a_value : snapshot.sensor_tare_point);
+  put(image, Register::sensor_tare_left, std::ceil(snapshot.sensor_tare_left_s));
 }
 
 /// Orders and what is amiss; what is clipped here is no prediction.
@@ -197,6 +199,7 @@ void fill_compensation(const Snapshot& snapshot, Filler& fill) {
   fill.value(Register::compensation_reference, mm_per_m * told.reference_m);
   fill.value(Register::compensation_forecast, um_per_m * told.forecast_m);
   put(fill.image, Register::compensation_settled_after, told.settled_after_s / rom::seconds_per_minute);
+  put(fill.image, Register::compensation_trial_left, std::ceil(told.trial_left_s));
   for (int slot = 0; slot < entry_of(Register::compensation_reserved).slots; ++slot) {
     put_not_present(fill.image, Register::compensation_reserved, slot);
   }

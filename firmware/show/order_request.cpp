@@ -38,6 +38,7 @@ class Body {
     if (number >= least && number <= most) return number;
     throw std::invalid_argument(fmt::format("{}: must be a number from {} to {}", key, least, most));
   }
+  bool has(const std::string& key) const { return object_.contains(key); }
   void finish() const {
     if (!object_.empty()) throw std::invalid_argument("there is no key \"" + object_.begin().key() + "\" here");
   }
@@ -98,10 +99,28 @@ OrderRequest of_length(const std::vector<std::string>& deformations, Body& body)
           fmt::format("length {} um, sd {} um, output {}", um, sd_um, output)};
 }
 
+/// More than any growth that is to be tried: who takes micrometres for millimetres goes a thousand times as far.
+constexpr double most_tried_um = 50.0;
+
+OrderRequest of_trial(Body& body) {
+  OrderRequest request{{OrderKind::trial, 0, trial_begins, {}}, ""};
+  if (body.has("um")) {
+    const double um = body.number("um", -most_tried_um, most_tried_um);
+    request.order.trial_m = rom::m_per_um * um;
+    request.said = fmt::format("trial {} um", um);
+    return request;
+  }
+  const std::string value = body.text("value", "end or go_on, or um the value to try");
+  if (value != "end" && value != "go_on") throw std::invalid_argument("value: must be end or go_on");
+  request.order.code = value == "end" ? trial_ends : trial_goes_on;
+  request.said = "trial " + value;
+  return request;
+}
+
 }  // namespace
 
 OrderRequest read_order(std::string_view body, const std::vector<std::string>& deformations) {
-  constexpr const char* allowed = "one of tare, sensors, correction, compensation, length, acknowledge";
+  constexpr const char* allowed = "one of tare, sensors, correction, compensation, length, trial, acknowledge";
   Body told(body);
   const std::string command = told.text("command", allowed);
   const auto known = word_orders().find(command);
@@ -110,6 +129,8 @@ OrderRequest read_order(std::string_view body, const std::vector<std::string>& d
     request = by_word(command, known->second, told);
   } else if (command == "length") {
     request = of_length(deformations, told);
+  } else if (command == "trial") {
+    request = of_trial(told);
   } else if (command == "acknowledge") {
     request = {{OrderKind::acknowledge, 0, 1, {}}, command};
   } else {

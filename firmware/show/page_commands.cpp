@@ -105,18 +105,52 @@ Page PageCommands::log_in(const HttpRequest& request) {
 
 Page PageCommands::log_out(const HttpRequest& request) {
   if (auto page = refused(request)) return *std::move(page);
+  const std::string token = token_of(request.cookie);
+  std::vector<GiveOrder> tried;
   if (const auto user = user_of(request, false)) {
-    desk_->sessions.end(token_of(request.cookie));
+    desk_->sessions.end(token);
     spdlog::warn("http: {} logged out from {}", *user, address_text(request.peer));
+    for (const auto& [name, trial] : trials_) {
+      if (trial.token == token) tried.push_back(trial.give);
+    }
+    std::erase_if(trials_, [&](const auto& each) { return each.second.token == token; });
   }
   Page out{200, "application/json", "{\"commands\":true,\"user\":null}\n"};
   out.cookie = cookie("", desk_->plan.behind_tls);
-  return out;
+  if (tried.empty()) return out;
+  Page page;
+  page.lane = Lane::commands;
+  page.work = [tried, out](const std::atomic<bool>&) {
+    // Where the queue is full the trial ends by itself, as nobody says any more that it goes on.
+    for (const GiveOrder& give : tried) give({OrderKind::trial, 0, trial_ends, {}});
+    return out;
+  };
+  return page;
+}
+
+Page PageCommands::go_on(const HttpRequest& request, const Commanded& spindle, const Order& order) const {
+  const auto trial = trials_.find(spindle.name);
+  if (trial == trials_.end() || trial->second.token != token_of(request.cookie)) {
+    return error_page(409, "this session has begun no trial here, or another one has taken it over");
+  }
+  Page page;
+  page.lane = Lane::commands;
+  page.work = [give = spindle.give, order](const std::atomic<bool>&) {
+    if (!give(order)) return error_page(503, "the queue of orders is full: try again in some seconds");
+    return Page{200, "application/json", "{\"goes_on\":true}\n"};
+  };
+  return page;
+}
+
+void PageCommands::note_trial(const HttpRequest& request, const Commanded& spindle, const Order& order) {
+  if (order.kind != OrderKind::trial) return;
+  if (order.code == trial_begins) trials_[spindle.name] = {token_of(request.cookie), spindle.give};
+  if (order.code == trial_ends) trials_.erase(spindle.name);
 }
 
 Page PageCommands::command(const HttpRequest& request, const Commanded& spindle) {
   if (auto page = refused(request)) return *std::move(page);
-  const auto user = user_of(request, true);
+  const auto user = user_of(request, false);
   if (!user) return error_page(401, "log in first: nobody is logged in, or the session has ended");
   OrderRequest wanted;
   try {
@@ -124,6 +158,11 @@ Page PageCommands::command(const HttpRequest& request, const Commanded& spindle)
   } catch (const std::invalid_argument& error) {
     return error_page(400, error.what());
   }
+  if (wanted.order.kind == OrderKind::trial && wanted.order.code == trial_goes_on) {
+    return go_on(request, spindle, wanted.order);
+  }
+  user_of(request, true);
+  note_trial(request, spindle, wanted.order);
   last_id_ = last_id_ < first_id || last_id_ == last_id ? first_id : static_cast<std::uint16_t>(last_id_ + 1);
   wanted.order.id = last_id_;
   const std::string who = fmt::format("http: {}{} at {}: {}", spindle.name.empty() ? "" : spindle.name + ": ", *user,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -50,9 +51,12 @@ class PageCommands {
   Page session(const HttpRequest& request) const;
   /// 200 with the session's cookie, 401 for a wrong name or password, 429 after too many, 400 for another body.
   Page log_in(const HttpRequest& request);
+  /// Ends the session's trials too.
   Page log_out(const HttpRequest& request);
   /// 202 {"order_id": 60001}, under which the registers (order_id, order_result) say what becomes of it; 401 without a
-  /// session, 400 for another body, 503 while the queue of orders is full.
+  /// session, 400 for another body, 503 while the queue of orders is full. That a trial goes on is 200 without a
+  /// number, and 409 from any session but the one that began it: looking on does not keep a session, and whose has
+  /// ended cannot keep a trial.
   Page command(const HttpRequest& request, const Commanded& spindle);
 
  private:
@@ -63,14 +67,22 @@ class PageCommands {
     Clock& clock;
     std::string nobody;  ///< a hash that no password has: who is unknown takes as long
   };
+  /// A value that a session tries at a spindle.
+  struct Trial {
+    std::string token;
+    GiveOrder give;
+  };
   std::optional<Page> refused(const HttpRequest& request) const;
   std::optional<std::string> user_of(const HttpRequest& request, bool used) const;
+  Page go_on(const HttpRequest& request, const Commanded& spindle, const Order& order) const;
+  void note_trial(const HttpRequest& request, const Commanded& spindle, const Order& order);
 
   std::shared_ptr<Desk> desk_;  ///< empty: commands are off
   Clock& clock_;
   LoginLimit limit_;
   LogLimit too_many_;
   std::uint16_t last_id_ = 0;
+  std::map<std::string, Trial> trials_;  ///< by the spindle's name, the last of each
 };
 
 }  // namespace spindle_twin::firmware

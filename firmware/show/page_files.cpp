@@ -2,7 +2,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <array>
 #include <span>
+#include <string_view>
 
 #include "firmware/cycle/states.hpp"
 #include "firmware/serve/register_map.hpp"
@@ -11,6 +14,12 @@
 
 namespace spindle_twin::firmware {
 namespace {
+
+struct File {
+  const char* path;
+  const char* type;
+  std::string_view text;
+};
 
 std::string words_of(const char* name, std::span<const CodeName> codes) {
   std::string json;
@@ -25,10 +34,18 @@ std::string words_of(const char* name, std::span<const CodeName> codes) {
 }  // namespace
 
 std::optional<Page> page_file(const std::string& path) {
-  if (path == "/") return Page{200, "text/html; charset=utf-8", std::string(live_page_html_text)};
-  if (path == "/live_page.css") return Page{200, "text/css; charset=utf-8", std::string(live_page_css_text)};
-  if (path == "/live_page.js") return Page{200, "text/javascript; charset=utf-8", std::string(live_page_js_text)};
-  return std::nullopt;
+  constexpr const char* html = "text/html; charset=utf-8";
+  constexpr const char* css = "text/css; charset=utf-8";
+  constexpr const char* script = "text/javascript; charset=utf-8";
+  const std::array<File, 6> files{{{"/", html, live_page_html_text},
+                                   {"/live_page.css", css, live_page_css_text},
+                                   {"/live_page.js", script, live_page_js_text},
+                                   {"/commissioning", html, commissioning_html_text},
+                                   {"/commissioning.css", css, commissioning_css_text},
+                                   {"/commissioning.js", script, commissioning_js_text}}};
+  const auto found = std::find_if(files.begin(), files.end(), [&](const File& file) { return path == file.path; });
+  if (found == files.end()) return std::nullopt;
+  return Page{200, found->type, std::string(found->text)};
 }
 
 std::string words_json() {

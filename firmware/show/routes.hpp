@@ -9,8 +9,9 @@ struct Route {
   const char* path;
   const char* doc;
 };
-inline constexpr std::array<Route, 15> routes{{
+inline constexpr std::array<Route, 16> routes{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
+    {"/commissioning", "the page of commissioning; it loads /commissioning.css and /commissioning.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the prediction may be used (state running or degraded), 503 while it may not"},
     {"/api/v1/spindles", "the spindle's unit and state, as a list of one"},
@@ -31,8 +32,9 @@ inline constexpr std::array<Route, 15> routes{{
 inline constexpr std::array<int, 4> history_hours{1, 8, 24, 168};
 
 /// Of a daemon with several spindles, whose names stand in the place of {NAME}.
-inline constexpr std::array<Route, 16> routes_of_several{{
+inline constexpr std::array<Route, 17> routes_of_several{{
     {"/", "the live page, for a browser; it loads /live_page.css and /live_page.js"},
+    {"/commissioning", "the page of commissioning; it loads /commissioning.css and /commissioning.js"},
     {"/routes", "this list"},
     {"/healthz", "200 while the predictions of all spindles may be used, 503 while one may not"},
     {"/api/v1/spindles", "the names of the spindles, their units and states"},

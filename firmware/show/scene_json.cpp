@@ -2,9 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+
 #include "firmware/cycle/heat_paths.hpp"
 #include "firmware/show/json_text.hpp"
 #include "rom/kind_names.hpp"
+#include "rom/units.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
@@ -56,17 +59,32 @@ std::string flow_json(const rom::Network& network, const ToldFlows& told, const 
                      path.has_place ? place(path.r_m, path.z_m) : "null");
 }
 
+std::string of_network(const rom::Network& network, const std::string& sha256) {
+  const rom::Certificate& certificate = network.certificate;
+  return fmt::format("{{\"sha256\":{},\"cases\":{},\"worst_K\":{},\"worst_nose_um\":{}}}", json_text(sha256),
+                     certificate.cases, certificate.worst.key_points_K, certificate.worst.nose_um);
+}
+
+std::string of_compensation(const CompensationPlan& plan) {
+  using rom::um_per_m;
+  const std::string limit = std::isfinite(plan.limit_m) ? fmt::format("{}", um_per_m * plan.limit_m) : "null";
+  return fmt::format("{{\"sign\":{},\"limit_um\":{},\"slew_um_per_s\":{},\"step_um\":{}}}", plan.sign, limit,
+                     um_per_m * plan.slew_m_per_s, um_per_m * plan.step_m);
+}
+
 }  // namespace
 
-std::string scene_json(const rom::Network& network, const std::string& notice, bool has_history) {
+std::string scene_json(const rom::Network& network, const SceneSettings& settings) {
   const ToldFlows told = told_flows(network);
   return fmt::format(
       "{{\"notice\":{},\"has_history\":{},\"outlines\":[{}],\"key_points\":[{}],"
-      "\"deformations\":[{}],\"bodies\":[{}],\"flows\":[{}]}}",
-      json_text(notice), has_history, listed(network.outlines, outline), listed(network.key_points, key_point),
+      "\"deformations\":[{}],\"bodies\":[{}],\"flows\":[{}],\"network\":{},\"compensation\":{}}}",
+      json_text(settings.notice), settings.has_history, listed(network.outlines, outline),
+      listed(network.key_points, key_point),
       listed(network.deformations, [](const auto& each) { return json_text(each.name); }),
       listed(told.bodies, [&](const rom::Body& body) { return body_json(network, body); }),
-      listed(told.paths, [&](const rom::FlowPath& path) { return flow_json(network, told, path); }));
+      listed(told.paths, [&](const rom::FlowPath& path) { return flow_json(network, told, path); }),
+      of_network(network, settings.network_sha256), of_compensation(settings.compensation));
 }
 
 }  // namespace spindle_twin::firmware

@@ -2,6 +2,7 @@
 //   {"open": ADDRESS, "options": {...}}    a new page there, the only one
 //   {"evaluate": EXPRESSION}               its value in the page
 //   {"choose": [SELECTOR, VALUE]}          in a select element
+//   {"reload": true}                       the page again, in the same tab
 //   {"picture": FILE}                      of the whole page
 //   {"judge": true}                        what axe-core finds wrong
 //   {"seen": true}                         requests to elsewhere, and complaints of the console
@@ -50,6 +51,7 @@ function obey(order) {
   if (order.open) return open(order.open, order.options ?? {});
   if (order.evaluate) return page.evaluate(order.evaluate);
   if (order.choose) return choose(order.choose);
+  if (order.reload) return page.reload().then(() => null);
   if (order.picture) return picture(order.picture);
   return order.judge ? judge() : seen;
 }

@@ -26,7 +26,7 @@ export default [
   { files: ["pages/*.js", "host_tools/pages/*.js", "tests/bench/table/*.js"], languageOptions: { globals: browser } },
   { files: ["firmware/show/page/*.js"],
     languageOptions: {
-      globals: { ...browser, ...names(["AbortSignal", "fetch", "location", "setTimeout"]) } } },
+      globals: { ...browser, ...names(["AbortSignal", "Blob", "fetch", "location", "sessionStorage", "setTimeout", "URL"]) } } },
   // The only script that knows the chart library.
   { files: ["pages/chart.js"], languageOptions: { globals: names(["ResizeObserver", "uPlot"]) } },
   { files: ["tests/pages/*.js", "tests/bench/table/take_picture.js"],

@@ -183,7 +183,7 @@ class Protocol(Http):
         status, _, body = self.get("/routes")
         self.assertEqual(status, 200)
         routes = [line.split()[0] for line in body.splitlines() if line.startswith("/")]
-        self.assertEqual(routes, ["/", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/scene",
+        self.assertEqual(routes, ["/", "/commissioning", "/routes", "/healthz", "/api/v1/spindles", "/api/v1/words", "/api/v1/scene",
                                   "/api/v1/state", "/api/v1/events", "/api/v1/session", "/api/v1/login", "/api/v1/logout",
                                   "/api/v1/command", "/api/v1/history/{HOURS}", "/api/v1/growth", "/metrics"])
         for route in routes:

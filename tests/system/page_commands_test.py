@@ -54,14 +54,17 @@ class Commands(LivePage):
         ids, results = self.read(1404, 8), self.read(1420, 8)
         return results[ids.index(order_id)] if order_id in ids else None
 
-
-class ByPage(Commands):
     def click(self, selector):
         self.tell(evaluate=f"document.querySelector({json.dumps(selector)}).click()")
 
     def fill(self, **texts):
+        """By id, as a person does."""
         for element, text in texts.items():
-            self.tell(evaluate=f"document.getElementById({json.dumps(element.replace('_', '-'))}).value = {json.dumps(text)}")
+            self.enter(f"#{element.replace('_', '-')}", text)
+
+    def enter(self, selector, text):
+        self.tell(evaluate=f"{{ const field = document.querySelector({json.dumps(selector)}); field.value = {json.dumps(text)}; "
+                           "field.dispatchEvent(new Event('input', { bubbles: true })); }")
 
     def log_in_by_page(self, password):
         self.fill(user="anna", password=password)
@@ -70,6 +73,8 @@ class ByPage(Commands):
     def is_shown(self, element):
         return self.tell(evaluate=f"document.getElementById('{element}').getClientRects().length > 0")
 
+
+class ByPage(Commands):
     def test_a_tare_is_refused_before_login_and_works_after_and_the_log_says_who(self):
         self.open()
         self.run_well()

@@ -7,8 +7,13 @@ import { setList, setText } from "./cells.js";
 const sessionPeriod_ms = 10000, mostShown = 8;
 let commandFolder = "api/v1", isLoggedIn = false, sessionAsked = 0;
 const ordered = [];  // newest first: {id, said, result}
+const heedSessions = [], heedOrders = [];
 
 const say = text => setText(byId("command-said"), text);
+
+// told({commands, user}) whenever the daemon has said so; given({body, said, id}) for each order that it has taken.
+export const heedSession = told => heedSessions.push(told);
+export const heedOrder = given => heedOrders.push(given);
 
 async function post(path, body) {
   const answer = await fetch(path, { method: "POST", cache: "no-store", body: JSON.stringify(body),
@@ -27,6 +32,7 @@ function showSession({ commands, user }) {
   setText(byId("user-name"), user ?? "");
   setText(byId("may-change"), commands ? "Changed is something only by who logs in." : "Nothing can be changed here.");
   if (wasLoggedIn && !isLoggedIn) say("Logged out: the session has ended.");
+  for (const told of heedSessions) told({ commands, user });
 }
 
 async function askSession() {
@@ -57,8 +63,12 @@ function resultText(words, { said, result }) {
   return `${said}: ${plain(result)} (${meaning(words, "order_result", result)})`;
 }
 
-const order = (body, said) => attempt(async () => {
-  const { order_id: id } = await post(`${commandFolder}/command`, body);
+// The same without a word of it: that a trial goes on.
+export const goOn = body => post(`${commandFolder}/command`, body);
+
+export const order = (body, said) => attempt(async () => {
+  const { order_id: id } = await goOn(body);
+  for (const given of heedOrders) given({ body, said, id });
   ordered.unshift({ id, said, result: null });
   ordered.length = Math.min(ordered.length, mostShown);
   say(`Ordered: ${said}.`);

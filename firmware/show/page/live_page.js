@@ -1,103 +1,36 @@
-// The daemon's live page: asks once a second for the state of the spindle that is chosen, and shows it.
-import { byId, element } from "./pages/elements.js";
+// The daemon's live page: shows once a second the state of the spindle that is chosen.
 import { addToCurves, clearCurves } from "./curves.js";
 import { beginCommands, renewSession, showOrders } from "./commands.js";
+import { follow } from "./follow_daemon.js";
 import { makeSection } from "./live_section.js";
 import { beginBenefit, renewBenefit } from "./benefit.js";
 import { beginDays, renewDays } from "./days.js";
-import { setText } from "./cells.js";
 import { showFlows } from "./heat_flows.js";
 import { showState } from "./show_state.js";
 
-const period_ms = 1000, patience_ms = 3000;
-let words = null, scene = null, section = null, since = null, version = null;
+let scene = null, section = null;
 
-async function ask(path) {
-  const answer = await fetch(path, { cache: "no-store", signal: AbortSignal.timeout(patience_ms) });
-  if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
-  return answer.json();
-}
-
-const chosen = () => byId("spindle").value;
-const folder = () => chosen() ? `api/v1/spindles/${encodeURIComponent(chosen())}` : "api/v1";
-
-// Names and meanings; again after a silence, as another daemon may have started.
-async function begin() {
-  const { spindles } = await ask("api/v1/spindles");
-  words = await ask("api/v1/words");
-  const select = byId("spindle");
-  const before = select.value || decodeURIComponent(location.hash.slice(1));
-  select.replaceChildren();
-  for (const { name, spindle } of spindles) element("option", { value: name }, select, name ? `${name}: ${spindle}` : spindle);
-  if (spindles.some(({ name }) => name === before)) select.value = before;
-  byId("choice").hidden = spindles.length < 2;
-}
-
-// What does not change of the chosen spindle; again where another was chosen meanwhile.
-async function beginSection() {
-  const spindle = chosen();
-  const found = await ask(`${folder()}/scene`);
-  if (spindle !== chosen()) return;
-  scene = found;
-  section = makeSection(scene);
-  beginDays(scene.has_history ? `${folder()}/history` : null);
-  beginBenefit(scene.has_history && scene.deformations.length ? `${folder()}/growth` : null);
-  beginCommands(folder(), scene.deformations);
-  setText(byId("notice"), scene.notice);
-  byId("notice").hidden = scene.notice === "";
-}
-
-function showSilence(error) {
-  since ??= new Date();
-  words = null;
-  document.body.classList.add("old");
-  byId("silence").hidden = false;
-  setText(byId("silence"), `No answer from the daemon since ${since.toLocaleTimeString("en-GB")}: what stands below is old. ` +
-    (error.name === "TimeoutError" ? "It did not answer in time." : ""));
-}
-
-function endSilence() {
-  since = null;
-  document.body.classList.remove("old");
-  byId("silence").hidden = true;
-}
-
-// The state of the chosen spindle; null, and said so, where nobody answers.
-async function answered() {
-  try {
-    if (words === null) await begin();
-    if (section === null) await beginSection();
-    const state = await ask(`${folder()}/state`);
-    endSilence();
-    return state;
-  } catch (error) {
-    showSilence(error);
-    return null;
-  }
-}
-
-async function renew() {
-  const spindle = chosen();
-  const state = await answered();
-  setTimeout(renew, period_ms);
-  if (state === null || (chosen() !== spindle && spindle !== "")) return;
-  // Another daemon: its page may be another too.
-  version ??= state.version;
-  if (version !== state.version) location.reload();
-  showState(words, state);
-  section?.show(state);
-  if (section) showFlows(scene, state);
-  addToCurves(state.registers);
-  renewDays();
-  renewBenefit();
-  renewSession();
-  showOrders(words, state.registers);
-}
-
-byId("spindle").addEventListener("change", () => {
-  location.hash = encodeURIComponent(chosen());
-  clearCurves();
-  section?.leave();
-  section = null;
+follow({
+  meet(found, folder) {
+    scene = found;
+    section = makeSection(scene);
+    beginDays(scene.has_history ? `${folder}/history` : null);
+    beginBenefit(scene.has_history && scene.deformations.length ? `${folder}/growth` : null);
+    beginCommands(folder, scene.deformations);
+  },
+  leave() {
+    clearCurves();
+    section?.leave();
+    section = null;
+  },
+  show(words, state) {
+    showState(words, state);
+    section.show(state);
+    showFlows(scene, state);
+    addToCurves(state.registers);
+    renewDays();
+    renewBenefit();
+    renewSession();
+    showOrders(words, state.registers);
+  },
 });
-renew();

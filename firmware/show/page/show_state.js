@@ -13,8 +13,8 @@ const um = value => known(value, number => `${signed(number, 2)} µm`);
 function compensationWords(words, registers) {
   const rung = nameOf(words, "compensation_rung", registers.compensation_rung.value);
   const bits = registers.compensation_bits.value;
-  if (!hasBit(words, "compensation_bits", bits, "enabled")) return "switched off";
-  const more = ["warning", "limited", "moving"].filter(name => hasBit(words, "compensation_bits", bits, name));
+  const more = ["warning", "limited", "moving", "trial"].filter(name => hasBit(words, "compensation_bits", bits, name));
+  if (!hasBit(words, "compensation_bits", bits, "enabled")) return ["switched off", ...more].join(", ");
   return [rung === null ? "–" : plain(rung), ...more].join(", ");
 }
 

@@ -43,6 +43,9 @@ export function amiss(words, registers) {
   for (const name of registers.quality.set ?? []) {
     said.push(`${plain(name)}: ${meaning(words, "quality", name)}`);
   }
+  if (hasBit(words, "compensation_bits", registers.compensation_bits.value, "trial")) {
+    said.push(`Compensation, trial: ${meaning(words, "compensation_bits", "trial")}`);
+  }
   for (const point of Object.keys(registers.sensor_quality.names)) {
     const text = sensorWords(words, registers, point);
     if (text !== "good" && text !== "no sensor") said.push(`Sensor ${point}: ${text}`);

@@ -80,6 +80,44 @@ TEST(IsothermalTare, a_machine_that_still_changes_is_not_isothermal) {
   EXPECT_FALSE(cooling.tare.offered());
 }
 
+TEST(IsothermalTare, says_what_it_waits_for_and_which_sensor_it_is) {
+  Cooling cooling;
+  cooling.run(60.0, true);
+  EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::heat);
+  EXPECT_TRUE(std::isnan(cooling.tare.outlook().left_s));
+  cooling.run(100.0);
+  EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::rest);
+  EXPECT_NEAR(cooling.tare.outlook().left_s, 7100.0, 1.5);
+  cooling.run(7200.0);
+  for (int n = 0; n < 700; ++n) {
+    cooling.offset_K[1] += 2e-4;
+    cooling.run(1.0);
+  }
+  EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::change);
+  EXPECT_EQ(cooling.tare.outlook().channel, 1);
+  EXPECT_LE(cooling.tare.outlook().left_s, 300.0);
+  cooling.run(5.0 * 3600.0);
+  EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::nothing);
+  cooling.offset_K = {0.1, -0.1, 1.4};
+  cooling.run(900.0);
+  EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::apart);
+  EXPECT_EQ(cooling.tare.outlook().channel, 2);
+  cooling.offset_K = {};
+  cooling.tare.step(cooling.samples, true, 1.0);
+  EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::heat);
+}
+
+TEST(IsothermalTare, waits_for_the_model_and_for_two_sensors) {
+  const auto rested = [](double model_K, bool second) {
+    IsothermalTare tare(2, TareLimits{});
+    for (int n = 0; n < 8000; ++n) tare.step({{true, 295.0, 295.0}, {second, 295.0, model_K}}, false, 1.0);
+    return tare.outlook().waits_for;
+  };
+  EXPECT_EQ(rested(295.2, true), TareWait::model);
+  EXPECT_EQ(rested(295.0, false), TareWait::sensors);
+  EXPECT_EQ(rested(295.0, true), TareWait::nothing);
+}
+
 TEST(IsothermalTare, clearing_leaves_no_offset) {
   SensorTare tare{1, {0.1, 0.2}, {0.01, 0.01}};
   IsothermalTare::clear(tare);

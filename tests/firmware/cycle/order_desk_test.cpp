@@ -107,6 +107,27 @@ TEST(OrderDesk, before_the_prediction_begins_orders_wait_in_their_order) {
   EXPECT_EQ(run.last.tare_m, 0.0) << "cleared last";
 }
 
+TEST(OrderDesk, a_trial_is_done_without_the_disk_and_that_it_goes_on_gets_no_record) {
+  Desked run;
+  run.step();
+  run.desk.give({OrderKind::trial, 7, trial_begins, {}, 5e-6});
+  run.step();
+  EXPECT_EQ(run.result(0), OrderResult::done);
+  EXPECT_EQ(run.last.last_orders[0].id, 7);
+  run.desk.give({OrderKind::trial, 0, trial_goes_on, {}});
+  run.step();
+  EXPECT_EQ(run.last.orders, 1U);
+  EXPECT_GT(run.last.compensation.trial_left_s, 0.0);
+  run.desk.give({OrderKind::trial, 8, trial_ends, {}});
+  run.desk.give({OrderKind::trial, 9, 4, {}});
+  for (int n = 0; n < 30; ++n) run.step();
+  EXPECT_EQ(run.result(0), OrderResult::unknown);
+  EXPECT_EQ(run.result(1), OrderResult::done);
+  EXPECT_TRUE(std::isnan(run.last.compensation.trial_left_s));
+  StandingOrders standing;
+  EXPECT_FALSE(run.desk.standing().read(standing)) << "nothing of it outlives a restart";
+}
+
 TEST(OrderDesk, a_full_queue_takes_no_more) {
   OrderDesk desk;
   for (std::size_t i = 0; i < OrderDesk::room; ++i) {

@@ -57,9 +57,10 @@ TEST(OrderRequest, bad_bodies_get_one_error_that_says_what_is_allowed) {
   EXPECT_EQ(refusal("[1]"), "the body must be a JSON object");
   EXPECT_EQ(refusal(R"({"command":"tare")"), "the body must be a JSON object");
   EXPECT_EQ(refusal(std::string(2000, '[')), "the body must be a JSON object");
-  EXPECT_EQ(refusal("{}"), "command: must be one of tare, sensors, correction, compensation, length, acknowledge");
+  EXPECT_EQ(refusal("{}"),
+            "command: must be one of tare, sensors, correction, compensation, length, trial, acknowledge");
   EXPECT_EQ(refusal(R"({"command":"reboot"})"),
-            "command: must be one of tare, sensors, correction, compensation, length, acknowledge");
+            "command: must be one of tare, sensors, correction, compensation, length, trial, acknowledge");
   EXPECT_EQ(refusal(R"({"command":"tare"})"), "value: must be one of take, clear");
   EXPECT_EQ(refusal(R"({"command":"tare","value":1})"), "value: must be one of take, clear");
   EXPECT_EQ(refusal(R"({"command":"tare","value":"on"})"), "value: must be one of take, clear");
@@ -69,6 +70,21 @@ TEST(OrderRequest, bad_bodies_get_one_error_that_says_what_is_allowed) {
   EXPECT_EQ(refusal(R"({"command":"length","um":3,"sd_um":0})"), "sd_um: must be a number from 0.01 to 1000");
   EXPECT_EQ(refusal(R"({"command":"length","um":3,"sd_um":1,"output":"tail"})"),
             "output: must be one of nose, housing");
+  EXPECT_EQ(refusal(R"({"command":"trial"})"), "value: must be end or go_on, or um the value to try");
+  EXPECT_EQ(refusal(R"({"command":"trial","value":"stop"})"), "value: must be end or go_on");
+  EXPECT_EQ(refusal(R"({"command":"trial","um":51})"), "um: must be a number from -50 to 50");
+  EXPECT_EQ(refusal(R"({"command":"trial","um":null})"), "um: must be a number from -50 to 50");
+  EXPECT_EQ(refusal(R"({"command":"trial","um":10,"value":"end"})"), "there is no key \"value\" here");
+}
+
+TEST(OrderRequest, a_trial_has_a_value_or_ends_or_goes_on) {
+  const OrderRequest begins = read_order(R"({"command":"trial","um":-10})", outputs);
+  EXPECT_EQ(begins.order.kind, OrderKind::trial);
+  EXPECT_EQ(begins.order.code, trial_begins);
+  EXPECT_DOUBLE_EQ(begins.order.trial_m, -10e-6);
+  EXPECT_EQ(begins.said, "trial -10 um");
+  EXPECT_EQ(read_order(R"({"command":"trial","value":"end"})", outputs).order.code, trial_ends);
+  EXPECT_EQ(read_order(R"({"command":"trial","value":"go_on"})", outputs).order.code, trial_goes_on);
 }
 
 }  // namespace show_order_request_test

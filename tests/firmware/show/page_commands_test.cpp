@@ -143,5 +143,41 @@ TEST_F(PageOrders, a_full_queue_and_a_bad_body_are_said_and_nothing_is_given) {
   EXPECT_EQ(commands_->command({}, {"", outputs_, give_}).status, 405);
 }
 
+TEST_F(PageOrders, a_trial_goes_on_only_by_the_session_that_began_it_and_looking_on_keeps_no_session) {
+  const std::string go_on = R"({"command":"trial","value":"go_on"})";
+  const std::string first = cookie_of(log_in("correct horse")), second = cookie_of(log_in("correct horse"));
+  EXPECT_EQ(order(go_on, first).status, 409);
+  EXPECT_EQ(order(R"({"command":"trial","um":10})", first).status, 202);
+  EXPECT_EQ(order(go_on, second).status, 409);
+  EXPECT_EQ(order(go_on, first).body, "{\"goes_on\":true}\n");
+  ASSERT_EQ(given_.size(), 2U);
+  EXPECT_EQ(given_[0].code, trial_begins);
+  EXPECT_DOUBLE_EQ(given_[0].trial_m, 1e-5);
+  EXPECT_EQ(given_[1].code, trial_goes_on);
+  for (int minute = 0; minute < 15; ++minute) {
+    order(go_on, first);
+    clock_.now += 60 * ns_per_s;
+  }
+  EXPECT_EQ(order(go_on, first).status, 401);
+  const std::string third = cookie_of(log_in("correct horse"));
+  EXPECT_EQ(order(R"({"command":"trial","um":5})", third).status, 202);
+  EXPECT_EQ(order(R"({"command":"trial","value":"end"})", third).status, 202);
+  EXPECT_EQ(given_.back().code, trial_ends);
+  EXPECT_EQ(order(go_on, third).status, 409);
+}
+
+TEST_F(PageOrders, a_logout_ends_the_trial_of_its_session_and_of_no_other) {
+  const std::string first = cookie_of(log_in("correct horse")), second = cookie_of(log_in("correct horse"));
+  order(R"({"command":"trial","um":10})", first);
+  EXPECT_EQ(made(commands_->log_out(post("", second))).status, 200);
+  EXPECT_EQ(given_.size(), 1U);
+  const Page out = made(commands_->log_out(post("", first)));
+  EXPECT_EQ(out.status, 200);
+  EXPECT_NE(out.cookie.find("Max-Age=0"), std::string::npos);
+  ASSERT_EQ(given_.size(), 2U);
+  EXPECT_EQ(given_[1].kind, OrderKind::trial);
+  EXPECT_EQ(given_[1].code, trial_ends);
+}
+
 }  // namespace show_page_commands_test
 }  // namespace spindle_twin::firmware

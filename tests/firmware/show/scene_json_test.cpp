@@ -13,7 +13,8 @@ TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice_and
   rom::Network network = tests::small_network();
   network.outlines = {{"rotor", (Eigen::MatrixXd(2, 3) << 0.01, 0.03, 0.03, 0.0, 0.0, 0.125).finished()},
                       {"sleeve \"rear\"", Eigen::MatrixXd::Zero(2, 0)}};
-  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, "a <b>simulated</b> \"spindle\"", true));
+  const nlohmann::json scene =
+      nlohmann::json::parse(scene_json(network, {"a <b>simulated</b> \"spindle\"", true, "", {}}));
   EXPECT_EQ(scene.at("notice"), "a <b>simulated</b> \"spindle\"");
   EXPECT_EQ(scene.at("has_history"), true);
   ASSERT_EQ(scene.at("outlines").size(), 2U);
@@ -30,7 +31,7 @@ TEST(SceneJson, holds_outlines_and_key_points_at_their_places_and_the_notice_and
 
 TEST(SceneJson, names_the_heat_flows_and_the_bodies_between_which_they_go) {
   const rom::Network network = tests::small_network();
-  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, "", false));
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(network, {}));
   ASSERT_EQ(scene.at("bodies").size(), 3U);
   EXPECT_EQ(scene["bodies"][2].at("name"), "sleeve");
   EXPECT_NEAR(scene["bodies"][2].at("centre_m")[0].get<double>(), 0.044, 1e-12);
@@ -49,10 +50,26 @@ TEST(SceneJson, names_the_heat_flows_and_the_bodies_between_which_they_go) {
 }
 
 TEST(SceneJson, of_a_network_without_outlines_is_whole_too) {
-  const nlohmann::json scene = nlohmann::json::parse(scene_json(tests::small_network(), "", false));
+  const nlohmann::json scene = nlohmann::json::parse(scene_json(tests::small_network(), {}));
   EXPECT_EQ(scene.at("notice"), "");
   EXPECT_EQ(scene.at("has_history"), false);
   EXPECT_TRUE(scene.at("outlines").is_array());
+}
+
+TEST(SceneJson, says_which_network_and_how_the_compensation_is_configured) {
+  CompensationPlan plan;
+  plan.sign = -1.0;
+  const rom::Network network = tests::small_network();
+  nlohmann::json scene = nlohmann::json::parse(scene_json(network, {"", false, "abc", plan}));
+  EXPECT_EQ(scene["network"]["sha256"], "abc");
+  EXPECT_EQ(scene["network"]["cases"], 20);
+  EXPECT_EQ(scene["network"]["worst_nose_um"], network.certificate.worst.nose_um);
+  EXPECT_EQ(scene["compensation"]["sign"], -1);
+  EXPECT_TRUE(scene["compensation"]["limit_um"].is_null());
+  EXPECT_DOUBLE_EQ(scene["compensation"]["slew_um_per_s"], 0.5);
+  plan.limit_m = 5e-6;
+  scene = nlohmann::json::parse(scene_json(network, {"", false, "", plan}));
+  EXPECT_DOUBLE_EQ(scene["compensation"]["limit_um"], 5.0);
 }
 
 }  // namespace show_scene_json_test
