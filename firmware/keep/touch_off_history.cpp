@@ -16,8 +16,8 @@
 namespace spindle_twin::firmware {
 namespace {
 
-constexpr std::int64_t rows_between_rests = 16;
-constexpr int columns_before = 6;  ///< those of the outputs
+constexpr std::int64_t touch_offs_between_rests = 16;
+constexpr int columns_before_outputs = 6;  ///< those of the outputs
 
 }  // namespace
 
@@ -71,7 +71,7 @@ class TouchOffHistory::Search {
   }
 
   std::optional<Row> row(std::int64_t id) {
-    if (++rows_ % rows_between_rests == 0 && !go_on_()) return std::nullopt;
+    if (++rows_ % touch_offs_between_rests == 0 && !go_on_()) return std::nullopt;
     Statement found = database_.prepare(owner_.select_);
     found.bind(0, id);
     if (!found.step()) return std::nullopt;  // the daemon has just let it go
@@ -84,7 +84,7 @@ class TouchOffHistory::Search {
             found.number(5) * rom::m_per_um,
             {}};
     for (std::size_t d = 0; d < owner_.outputs_.size(); ++d) {
-      row.published_m.push_back(found.number(columns_before + static_cast<int>(d)) * rom::m_per_um);
+      row.published_m.push_back(found.number(columns_before_outputs + static_cast<int>(d)) * rom::m_per_um);
     }
     return row;
   }

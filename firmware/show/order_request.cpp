@@ -16,16 +16,16 @@
 namespace spindle_twin::firmware {
 namespace {
 
-using nlohmann::json;
+using JsonBody = nlohmann::json;
 
 /// An object whose keys are taken out one by one; who is left over is unknown.
 class Body {
  public:
-  explicit Body(std::string_view text) : object_(json::parse(text, nullptr, false)) {
+  explicit Body(std::string_view text) : object_(JsonBody::parse(text, nullptr, false)) {
     if (!object_.is_object()) throw std::invalid_argument("the body must be a JSON object");
   }
   std::string text(const std::string& key, const std::string& allowed) {
-    const json value = take(key);
+    const JsonBody value = take(key);
     if (!value.is_string()) throw std::invalid_argument(key + ": must be " + allowed);
     return value.get<std::string>();
   }
@@ -33,7 +33,7 @@ class Body {
     return object_.contains(key) ? std::optional(text(key, allowed)) : std::nullopt;
   }
   double number(const std::string& key, double least, double most) {
-    const json value = take(key);
+    const JsonBody value = take(key);
     const double number = value.is_number() ? value.get<double>() : not_a_value;
     if (number >= least && number <= most) return number;
     throw std::invalid_argument(fmt::format("{}: must be a number from {} to {}", key, least, most));
@@ -44,15 +44,15 @@ class Body {
   }
 
  private:
-  json take(const std::string& key) {
+  JsonBody take(const std::string& key) {
     const auto found = object_.find(key);
     if (found == object_.end()) return {};
-    json value = std::move(*found);
+    JsonBody value = std::move(*found);
     object_.erase(found);
     return value;
   }
 
-  json object_;
+  JsonBody object_;
 };
 
 /// What may be ordered by one word; the numbers are those of the registers.

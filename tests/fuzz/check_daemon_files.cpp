@@ -18,14 +18,11 @@
 #include "rom/read/csv_table.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/read/sha256.hpp"
+#include "tests/fuzz/require.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
-
-void require(bool condition, const std::string& law) {
-  if (!condition) throw std::logic_error(law);
-}
 
 /// A file without a place on a disk.
 class MemoryFile {

@@ -14,13 +14,10 @@
 #include "firmware/serve/device_identification.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/register_map.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
-
-void require(bool condition, const char* law) {
-  if (!condition) throw std::logic_error(law);
-}
 
 /// libmodbus as the server has it, on a pair of sockets in the place of a connection.
 class Modbus {

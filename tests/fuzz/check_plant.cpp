@@ -9,15 +9,12 @@
 #include <vector>
 
 #include "firmware/plant/edge_node.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-
-void require(bool condition, const char* law) {
-  if (!condition) throw std::logic_error(law);
-}
 
 /// One field as it stands on the wire.
 struct Field {

@@ -191,21 +191,27 @@ class Section(LivePage):
         wait_until(lambda: can_connect(self.http_port), "the HTTP port")
         self.open()
         self.run_well()
-        before, cycle = self.read(402, 3), self.read(8, 2)
-        wait_until(lambda: self.number(self.text("moment")) >= cycle[0] << 16 | cycle[1], "a later cycle on the page")
-        tips = "[...document.querySelectorAll('#section path[data-tip]')].map(part => [part.dataset.tip, part.getAttribute('fill')])"
+        (shown, told) = wait_until(self.parts_and_registers_of_one_cycle, "page and registers of one cycle", 30)
+        self.assertEqual(sorted(shown), ["bearing", "rotor", "sleeve"])
+        for slot, name in enumerate(("rotor", "bearing", "sleeve")):
+            self.assertAlmostEqual(shown[name], told[slot] / 100, delta=0.06, msg=name)
+        self.assertFalse(self.tell(evaluate="document.getElementById('section-place').hidden"))
+        self.assertEqual((self.tell(judge=True), self.tell(seen=True)), ([], {"elsewhere": [], "complaints": []}))
+
+    def parts_and_registers_of_one_cycle(self):
+        """What the page says of its parts, and the words of the same; None where a cycle has come between."""
+        tips = ("[document.getElementById('moment').textContent, [...document.querySelectorAll('#section path[data-tip]')]"
+                ".map(part => [part.dataset.tip, part.getAttribute('fill')])]")
+        moment, parts = self.tell(evaluate=tips)
+        before, words, after = self.read(8, 2), self.read(402, 3), self.read(8, 2)
+        if before != after or self.number(moment) != after[0] << 16 | after[1]:
+            return None
         shown = {}
-        for tip, colour in self.tell(evaluate=tips):
+        for tip, colour in parts:
             name, degC = re.match(r"(\w+): highest ([\d.]+) °C", tip).groups()
             self.assertRegex(colour, r"^rgb\(\d+,\d+,\d+\)$")
             shown[name] = float(degC)
-        after = self.read(402, 3)
-        self.assertEqual(sorted(shown), ["bearing", "rotor", "sleeve"])
-        for slot, name in enumerate(("rotor", "bearing", "sleeve")):
-            low, high = sorted((before[slot] / 100, after[slot] / 100))
-            self.assertTrue(low - 0.06 <= shown[name] <= high + 0.06, f"{name}: {low} {shown[name]} {high}")
-        self.assertFalse(self.tell(evaluate="document.getElementById('section-place').hidden"))
-        self.assertEqual((self.tell(judge=True), self.tell(seen=True)), ([], {"elsewhere": [], "complaints": []}))
+        return shown, words
 
     def test_parts_without_outlines_stand_in_their_list(self):
         self.open()
