@@ -78,7 +78,7 @@ OrderRequest by_word(const std::string& command, const WordOrder& known, Body& b
   for (const auto& [word, code] : known.words) allowed += (allowed.empty() ? "" : ", ") + std::string(word);
   const std::string value = body.text("value", "one of " + allowed);
   for (const auto& [word, code] : known.words) {
-    if (value == word) return {{known.kind, 0, code, {}}, command + " " + value};
+    if (value == word) return {{known.kind, 0, code, {}}, fmt::format("{} {}", command, value)};
   }
   throw std::invalid_argument("value: must be one of " + allowed);
 }
