@@ -102,6 +102,7 @@ function optionsOf(place, { lines, bands }, look, hooks) {
 export function makePlot(legendPlace, place, look) {
   let chart = null, drawn = "", first = 0, legend = null, shown = [];
   place.setAttribute("role", "img");
+  place.setAttribute("aria-label", look.label);  // until there are curves to name
   const whole = () => [chart.data[0][0], chart.data[0].at(-1)];
   function write() {
     const row = chart.cursor.idx ?? (look.restsAtEnd ? chart.data[0].length - 1 : -1);
