@@ -1,4 +1,5 @@
 """Ports of this machine, and waiting for what another program does."""
+import itertools
 import os
 import socket
 import time
@@ -6,10 +7,23 @@ import time
 PATIENCE = float(os.environ.get("SPINDLE_TWIN_PATIENCE", "1"))  # for programs that run slowly, as under a sanitizer
 
 
+# Below those that the system gives to clients: one of those may be taken by any connection before a server has it. Each
+# process begins elsewhere and asks for none twice.
+FIRST, COUNT = 16000, 16000
+offers = itertools.count(61 * os.getpid())
+
+
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    for offer in itertools.islice(offers, COUNT):
+        port = FIRST + offer % COUNT
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+        return port
+    raise AssertionError(f"no port from {FIRST} on is free")
 
 
 def can_connect(port):
