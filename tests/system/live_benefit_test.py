@@ -150,8 +150,7 @@ class Benefit(LivePage):
         (self.folder / "history.sqlite").unlink()
         self.open()
         wait_until(lambda: "The history cannot be read: " in self.text("benefit-said"), "the reason", 20)
-        cycle = self.number(self.text("moment"))
-        wait_until(lambda: self.number(self.text("moment")) > cycle, "the next state", 20)
+        self.wait_for_next_state()
 
 
 if __name__ == "__main__":

@@ -70,6 +70,14 @@ class LivePage(RunningDaemon):
         except AssertionError as error:
             raise AssertionError(f"{error}: {self.tell(seen=True)}") from error
 
+    def wait_for_next_state(self):
+        """The page shows one cycle, and then a later one."""
+        def shown():
+            text = self.text("moment")
+            return self.number(text) if re.search(r"\d", text) else None
+        cycle = wait_until(shown, "a state", 20)
+        wait_until(lambda: (shown() or 0) > cycle, "the next state", 20)
+
     def write_sensor(self, first, words):
         client = ModbusTcpClient("127.0.0.1", port=self.device_port)
         self.assertTrue(client.connect())
@@ -263,8 +271,7 @@ class Days(LivePage):
         (self.folder / "history.sqlite").unlink()
         self.press("24 h")
         wait_until(lambda: "The history cannot be read: " in self.text("days-said"), "the reason", 20)
-        cycle = self.number(self.text("moment"))
-        wait_until(lambda: self.number(self.text("moment")) > cycle, "the next state", 20)
+        self.wait_for_next_state()
         self.assertEqual(self.tell(judge=True), [])
 
     def test_without_a_history_in_sqlite_there_is_no_such_card(self):
