@@ -7,6 +7,7 @@
 
 #include "rom/laws/evaluate.hpp"
 #include "rom/laws/speed_law.hpp"
+#include "rom/range.hpp"
 
 namespace spindle_twin::rom {
 
@@ -100,6 +101,16 @@ struct OperatingState {
   Eigen::VectorXd heat_W = {};
 };
 
+/// What a description says is believed of an input or a result, in place of the default (plausible_inputs.hpp).
+/// `of`: speed_rpm, load, film_W_per_m2K, contact_W_per_m2K, heat_W (of all sources together), result_K (all
+/// temperatures that come out), or an environment [K] or circuit [kg/s] by its name behind these prefixes.
+struct PlausibleRange {
+  std::string of;
+  Range range;
+};
+inline constexpr const char* plausible_temperature_prefix = "temperature_K.";
+inline constexpr const char* plausible_flow_prefix = "flow_kg_per_s.";
+
 /// Everything at the border of the spindle that FE model and network share, in the same order.
 struct Boundaries {
   double reference_speed_rpm = 0.0;
@@ -109,6 +120,7 @@ struct Boundaries {
   OperatingState operating;              ///< the description's operating state
   double reference_temperature_K = 0.0;  ///< deformation is zero when everything has this temperature
   std::vector<CoolantCircuit> circuits = {};
+  std::vector<PlausibleRange> plausible = {};  ///< of what the description says itself; each `of` once
 };
 
 /// Factors on the nominal values that a correction (or a virtual spindle's hidden truth) sets; all 1 by default.

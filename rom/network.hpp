@@ -100,6 +100,8 @@ struct Certificate {  // NOLINT(public-members): columns of one table, as in the
   std::vector<OutputError> part_maxima_K;
   std::vector<OutputError> deformations_m;
   std::vector<OutputError> contact_pressures_Pa;
+  std::uint32_t searched = 0;     ///< jumps that a search for the worst has tried; 0: none was made
+  CertificateErrors worst_found;  ///< largest errors that it found, in corners that no drawn case need have come near
 };
 
 /// The nodal RC network:

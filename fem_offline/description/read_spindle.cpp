@@ -4,6 +4,7 @@
 #include "fem_offline/description/face_conditions.hpp"
 #include "fem_offline/description/read_tables.hpp"
 #include "rom/read/sha256.hpp"
+#include "rom/read_laws/read_plausible.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -49,6 +50,16 @@ void read_outputs(const TomlTable& root, Reading& into) {
   read_mechanics(root, into.parts, spindle);
 }
 
+/// [plausible]: of ambients and coolants, and of circuits.
+std::vector<rom::PlausibleRange> read_plausible(const TomlTable& root, const Spindle& spindle) {
+  std::vector<std::string> environments, circuits;
+  for (const Surrounding& surrounding : spindle.surroundings) {
+    if (surrounding.kind != SurroundingKind::air) environments.push_back(surrounding.name);
+  }
+  for (const CoolantCircuit& circuit : spindle.circuits) circuits.push_back(circuit.name);
+  return rom::read_plausible(root, environments, circuits);
+}
+
 }  // namespace
 
 void keep_law(const TomlTable& table, LawOwner owner, std::size_t index, const rom::LawDefaults& defaults,
@@ -72,6 +83,7 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
   read_conditions(root, into);
   read_outputs(root, into);
   spindle.operating = read_operating(root.table("operating"), spindle.surroundings, into.surroundings);
+  spindle.plausible = read_plausible(root, spindle);
   set_prescribed_coefficients(spindle);
   read_laws(into.laws, spindle);
   read_verification(root, spindle);

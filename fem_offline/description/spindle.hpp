@@ -285,6 +285,7 @@ struct Spindle {  // NOLINT(public-members): the description as read, a member f
   std::vector<StressProbe> stress_probes;
   std::optional<ImposedTemperature> imposed_temperature;
   Operating operating;
+  std::vector<rom::PlausibleRange> plausible;
   MeshSettings mesh;
   std::optional<Verification> verification;
 };

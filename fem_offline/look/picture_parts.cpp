@@ -107,8 +107,8 @@ void draw_parts_picture(const SectionPicture& picture, const std::string& path) 
   const double legend_top = view.frame.y1 + 75.0;
   Canvas canvas(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, columns));
   draw_title(canvas, spindle.name + ": parts, contacts, films and heat sources",
-             section_words(spindle) + "; nominal values of the description at " +
-                 fixed(spindle.operating.speed_rpm, 0) + " rpm, load " + fixed(spindle.operating.load, 2));
+             section_words(spindle) + "; nominal values of the description: " + fixed(spindle.operating.speed_rpm, 0) +
+                 " rpm, full load");
   fill_parts(canvas, view, picture.section);
   draw_heats(canvas, view, picture);
   stroke_edges(canvas, view, picture.lattice.nodes, rim_of(picture.lattice), 1.0, ink);

@@ -51,6 +51,7 @@ void fill_surroundings(const Spindle& spindle, rom::Boundaries& boundaries) {
                                                              : rom::EnvironmentKind::ambient});
   }
   boundaries.operating = operating_state(spindle);
+  boundaries.plausible = spindle.plausible;
   boundaries.reference_speed_rpm = spindle.operating.speed_rpm;
   boundaries.reference_temperature_K = spindle.operating.reference_temperature_K;
 }

@@ -22,21 +22,6 @@ constexpr double standing_s = 900.0;
 /// Times after a change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
-DenseModel dense_model(const rom::Network& network) {
-  DenseModel model;
-  model.capacity = network.capacity_J_per_K;
-  model.conduction = network.conduction_W_per_K;
-  model.walls_m2.resize(model.capacity.rows(), static_cast<Eigen::Index>(network.factors_m.size()));
-  for (const Eigen::MatrixXd& factor : network.factors_m) {
-    model.walls_m2.col(static_cast<Eigen::Index>(model.conductance_terms.size())) =
-        factor * factor.colwise().sum().transpose();
-    model.conductance_terms.emplace_back(factor * factor.transpose());
-  }
-  model.source_distribution = network.source_distribution;
-  model.uniform.setOnes(model.capacity.rows());
-  return model;
-}
-
 /// Node temperatures, one column per field: steady ones, and one step of the implicit Euler rule
 /// (K + C/t) T = Bq + Σ gKⱼ1 T_env + C/t T_before of length t from the steady state of another operating state.
 Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions& options) {
@@ -44,7 +29,7 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
   const Eigen::Index per_set = 2 + static_cast<Eigen::Index>(times_s.size());
   Eigen::MatrixXd fields(count, sets * per_set);
   const rom::Boundaries& boundaries = network.boundaries;
-  const DenseModel model = dense_model(network);
+  const DenseModel model = dense_model_of(network);
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));

@@ -1,13 +1,15 @@
 #include "fem_offline/reduce/choose_size.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "fem_offline/reduce/history_errors.hpp"
+#include "fem_offline/reduce/stage_clock.hpp"
+#include "fem_offline/reduce/trajectory.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -86,22 +88,11 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
   const auto show = [&](const std::string& stage, double fraction) {
     if (progress) progress(stage, fraction);
   };
-  using Clock = std::chrono::steady_clock;
-  auto started = Clock::now();
-  const auto finish = [&](const std::string& stage) {
-    const auto now = Clock::now();
-    if (report) report->stages.push_back({stage, std::chrono::duration<double>(now - started).count()});
-    started = now;
-  };
-  VerifyOptions drives;
-  drives.cases = search.cases;
-  drives.seed = options.seed;
-  drives.threads = options.threads;
-  drives.drive.box = options.box;
-  drives.drive.purpose = StreamPurpose::size_choice;
-  const std::vector<FeTrajectory> trajectories =
-      run_fe_cases(model, drives, [&](const std::string&, double fraction) { show("size: FE cases", fraction); });
-  finish("size: FE cases");
+  StageClock clock(report);
+  const std::vector<FeHistory> histories =
+      run_fe_histories(model, options, search.histories,
+                       [&](const std::string&, double fraction) { show("size: FE histories", fraction); });
+  clock.finish("size: FE histories");
 
   const OutputLayout layout = output_layout(model);
   const int most = std::min(largest_size, reduction.most_nodes());
@@ -120,7 +111,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     show(stage, 0.0);
     const rom::Network network = reduction.network(nodes, nullptr, {}, &extremes);
     show(stage, 0.5);
-    const Eigen::MatrixXd errors = case_errors(network, trajectories, options.threads);
+    const Eigen::MatrixXd errors = history_errors(network, histories, options.threads);
     const Tolerance reached = worst_of(errors, layout);
     show(stage, 1.0);
     choice.tried.push_back({nodes, reached});
@@ -129,7 +120,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     if (last->logarithm < nearest.tried.logarithm) nearest = {*last, missed_outputs(model, errors, search.tolerance)};
   }
   choice.reached = enough <= last_step;
-  finish("size: " + std::to_string(choice.tried.size()) + " tried");
+  clock.finish("size: " + std::to_string(choice.tried.size()) + " tried");
   const int chosen = nodes_of(choice.reached ? enough : nearest.tried.step);
   if (!choice.reached) {
     choice.missed = std::move(nearest.missed);

@@ -19,7 +19,7 @@ struct Tolerance {
 
 struct TriedSize {
   int nodes = 0;
-  Tolerance reached;  ///< worst over the cases of the search
+  Tolerance reached;  ///< worst over the histories of the search
 };
 
 /// An output that keeps a network from the tolerance.
@@ -27,7 +27,7 @@ struct MissedOutput {
   enum class Kind { key_point, deformation, part_maximum };
   Kind kind = Kind::key_point;
   std::string name;
-  double worst = 0.0;   ///< over the cases of the search, K or um
+  double worst = 0.0;   ///< over the histories of the search, K or um
   double wanted = 0.0;  ///< the tolerance times share_of_tolerance, K or um
 };
 
@@ -40,8 +40,8 @@ struct SizeChoice {
   std::vector<TriedSize> tried;
 };
 
-/// Cases of the search: drawn for it alone, neither those of the snapshots nor those of the certificate.
-inline constexpr std::uint32_t size_choice_cases = 16;
+/// Histories of the search: drawn for it alone, neither those of the snapshots nor the cases of the certificate.
+inline constexpr int size_choice_histories = 64;
 /// Share of the tolerance that the search asks for, since other cases may be somewhat worse than its own.
 inline constexpr double share_of_tolerance = 0.6;
 inline constexpr int size_step = 10;
@@ -49,12 +49,12 @@ inline constexpr int largest_size = 320;
 
 struct SizeSearch {
   Tolerance tolerance{};
-  std::uint32_t cases = size_choice_cases;
+  int histories = size_choice_histories;
 };
 
-/// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of the tolerance in the FE cases of the
-/// search: up at the usual rate of errors over the nested basis until one is enough, then by halves. While it searches,
-/// all sizes have the points of part extremes of the first; the chosen one gets its own. Where no size up to
+/// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of the tolerance along the histories of
+/// the search: up at the usual rate of errors over the nested basis until one is enough, then by halves. While it
+/// searches, all sizes have the points of part extremes of the first; the chosen one gets its own. Where no size up to
 /// largest_size keeps it, the network is the tried one with the smallest excess, and `missed` names its outputs.
 /// `report` gets the stages of search and network.
 SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const SizeSearch& search,

@@ -26,9 +26,28 @@ void couple(const DenseModel& model, const rom::CoolantSegments& segments, const
 
 }  // namespace
 
+DenseModel dense_model_of(const rom::Network& network) {
+  DenseModel model;
+  model.capacity = network.capacity_J_per_K;
+  model.conduction = network.conduction_W_per_K;
+  model.walls_m2.resize(model.capacity.rows(), static_cast<Eigen::Index>(network.factors_m.size()));
+  for (const Eigen::MatrixXd& factor : network.factors_m) {
+    model.walls_m2.col(static_cast<Eigen::Index>(model.conductance_terms.size())) =
+        factor * factor.colwise().sum().transpose();
+    model.conductance_terms.emplace_back(factor * factor.transpose());
+  }
+  model.source_distribution = network.source_distribution;
+  model.uniform.setOnes(model.capacity.rows());
+  return model;
+}
+
 void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
                  const rom::BoundaryValues& values, double zero_K, HeldModel& held) {
-  held.conduction = model.conduction;
+  const auto count = static_cast<Eigen::Index>(model.conductance_terms.size());
+  if (held.contained_W_per_m2K.size() != count) {
+    held.conduction = model.conduction;
+    held.contained_W_per_m2K.setZero(count);
+  }
   held.carried.resize(model.conduction.rows(), 0);
   held.walls.resize(model.conduction.rows(), 0);
   held.drive = model.source_distribution * values.heat_W;
@@ -36,7 +55,9 @@ void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, con
     const auto column = static_cast<Eigen::Index>(j);
     const double g = values.conductance_W_per_m2K[column];
     const int environment = boundaries.conductances[j].environment;
-    held.conduction += g * model.conductance_terms[j];
+    const double more_W_per_m2K = g - held.contained_W_per_m2K[column];
+    if (more_W_per_m2K != 0.0) held.conduction += more_W_per_m2K * model.conductance_terms[j];
+    held.contained_W_per_m2K[column] = g;
     if (environment >= 0) held.drive += g * (values.environment_K[environment] - zero_K) * model.walls_m2.col(column);
   }
   if (segments.count() > 0) couple(model, segments, values, zero_K, held);

@@ -7,6 +7,7 @@
 #include "fem_offline/reduce/parameter_box.hpp"
 #include "rom/boundaries.hpp"
 #include "rom/integrate/coolant.hpp"
+#include "rom/network.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -21,6 +22,9 @@ struct DenseModel {
   Eigen::VectorXd uniform;              ///< n; the field that is 1 everywhere
 };
 
+/// Of a network: its own matrices.
+DenseModel dense_model_of(const rom::Network& network);
+
 /// Conduction and drive of a model under held inputs: C dT/dt = drive − (K − H Wᵀ) T, with T the rise above `zero_K`.
 /// H Wᵀ is what a circuit's liquid carries from segment to segment: M columns each, none without circuits.
 struct HeldModel {
@@ -28,8 +32,11 @@ struct HeldModel {
   Eigen::MatrixXd carried;     ///< H
   Eigen::MatrixXd walls;       ///< W
   Eigen::VectorXd drive;
+  Eigen::VectorXd contained_W_per_m2K;  ///< of every conductance, what K has of it; empty before the first inputs
 };
 
+/// Gives `held` these inputs. One that held others of the same model changes only by the conductances that differ: of
+/// the terms of a K most follow neither speed nor flow.
 void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
                  const rom::BoundaryValues& values, double zero_K, HeldModel& held);
 

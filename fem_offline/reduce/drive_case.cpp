@@ -13,6 +13,7 @@ constexpr double drive_rest_share = 0.25;
 constexpr double coolant_step_share = 1.0 / 3.0;
 constexpr double drive_spread_K = 5.0;
 constexpr double drift_high_K_per_s = 6.0 / 3600.0;
+constexpr double segment_grid_s = 32.0;  ///< segments are multiples of it, so that few step lengths serve them
 
 /// Logarithms of the conductances' factors, which run at constant rates and turn round at the walls of the box.
 class DriftingFactors {
@@ -78,6 +79,7 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
   }
 
   const double end_s = random.uniform(3600.0, 7200.0);
+  const double longest_s = options.drift ? longest_drift_interval_s : longest_interval_s;
   double time_s = 0.0;
   while (time_s < end_s) {
     rom::OperatingState state = boundaries.operating;
@@ -92,13 +94,13 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
       if (coolant && coolant_step) start_K[i] = base_K[i] + step_K;
     }
     state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
-    // Powers of two throughout, so that few step lengths (and factors of the FE matrix) serve a segment.
+    // Powers of two as far as possible, so that few step lengths (and factors of the FE matrix) serve a segment.
     const double drawn_s = random.uniform(60.0, 900.0);
-    const double segment_end_s = time_s + longest_interval_s * std::max(2.0, std::round(drawn_s / longest_interval_s));
+    const double segment_end_s = time_s + segment_grid_s * std::max(2.0, std::round(drawn_s / segment_grid_s));
     double since_start_s = 0.0;
     drifting.new_rates();
     while (time_s < std::min(segment_end_s, end_s)) {
-      const double duration_s = std::clamp(since_start_s, 1.0, longest_interval_s);
+      const double duration_s = std::min(std::clamp(since_start_s, 1.0, longest_s), segment_end_s - time_s);
       state.environment_K = start_K + (time_s + 0.5 * duration_s) * drift_K_per_s;
       // The middle of the interval, as for the environments.
       drifting.move(0.5 * duration_s);

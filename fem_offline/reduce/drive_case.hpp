@@ -24,7 +24,10 @@ struct DriveCase {
   std::vector<HeldInterval> intervals;
 };
 
-inline constexpr double longest_interval_s = 32.0;
+/// Intervals double from 1 s after a change to this: what follows a change slowly also errs slowly.
+inline constexpr double longest_interval_s = 128.0;
+/// The same where contacts and films drift: they are held over an interval.
+inline constexpr double longest_drift_interval_s = 32.0;
 /// A contact or film that drifts changes by no more than a factor of two in this time.
 inline constexpr double drift_doubling_s = 600.0;
 
@@ -38,7 +41,7 @@ struct CaseOptions {
 /// Case `index` of `seed`, a function of these and the options alone: contacts log-uniform 0.1 to 10, films 0.2 to 5; 1
 /// to 2 h in segments of 60 to 900 s, each with a new speed (a quarter of them at rest), load and coolant flow; coolant
 /// steps of up to ±5 K at every third segment; ambient that drifts by up to ±6 K/h. Intervals are 1, 1, 2, 4, 8, 16 s
-/// long after every segment's start, then longest_interval_s.
+/// and so on long after every segment's start, then longest_interval_s.
 /// With drift every conductance's logarithm goes up and down within the box, at a new rate of up to ±ln 2 per
 /// drift_doubling_s from every segment on.
 DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std::uint32_t index,

@@ -41,17 +41,13 @@ struct Worker {
   ThermalSystem system;
   CholeskyFactor analysed;
 
-  /// (K + sC)⁻¹ F, column by column; with s > 0 as s⁻¹ (C + K/s)⁻¹ F.
+  /// (K + sC)⁻¹ F; with s > 0 as s⁻¹ (C + K/s)⁻¹ F.
   Eigen::MatrixXd solve(const Eigen::VectorXd& conductances, double shift_per_s, const Eigen::MatrixXd& loads) {
     system.set_conductances(conductances);
     const bool steady = shift_per_s == 0.0;
     CholeskyFactor factor(analysed, steady ? system.conduction_lower() : system.combined_lower(1.0 / shift_per_s));
-    Eigen::MatrixXd solutions(loads.rows(), loads.cols());
-    Eigen::VectorXd column;
-    for (Eigen::Index i = 0; i < loads.cols(); ++i) {
-      factor.solve(loads.col(i), column);
-      solutions.col(i) = steady ? column : Eigen::VectorXd(column / shift_per_s);
-    }
+    Eigen::MatrixXd solutions = factor.solve(loads);
+    if (!steady) solutions /= shift_per_s;
     return solutions;
   }
 
@@ -172,8 +168,9 @@ Eigen::MatrixXd full_snapshots(const AffineModel& model, const Loads& loads, con
     if (!worker) worker = std::make_unique<Worker>(model);
     Eigen::MatrixXd& own = of_items[static_cast<std::size_t>(item)];
     own = item < response_sets ? worker->responses(model, loads, options, static_cast<std::uint32_t>(item))
-                               : full_history(model, worker->system, worker->analysed, options,
-                                              static_cast<std::uint32_t>(item - response_sets));
+                               : full_history(model, worker->system, worker->analysed,
+                                              random_history(model.boundaries, options, StreamPurpose::full_histories,
+                                                             static_cast<std::uint32_t>(item - response_sets)));
     remove_constant(own);
     const int done = ++finished;
     if (index == 0 && progress) progress("FE snapshots", static_cast<double>(done) / items);

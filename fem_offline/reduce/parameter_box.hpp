@@ -29,7 +29,8 @@ enum class StreamPurpose : std::uint32_t {
   verification = 4,
   size_choice = 5,
   drift = 6,
-  full_histories = 7
+  full_histories = 7,
+  worst_search = 8
 };
 
 /// Random numbers that depend on (seed, purpose, index) alone, so that item k is the same whatever runs beside it.

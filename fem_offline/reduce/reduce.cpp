@@ -1,7 +1,6 @@
 #include "fem_offline/reduce/reduce.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "fem_offline/reduce/loads.hpp"
 #include "fem_offline/reduce/nodal.hpp"
 #include "fem_offline/reduce/parallel.hpp"
+#include "fem_offline/reduce/stage_clock.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -49,27 +49,6 @@ struct Reduction::Impl {
   RichModel rich;
   Eigen::MatrixXd coordinates;  ///< of the nested basis, in the rich one
 };
-
-namespace {
-
-/// Adds stage after stage with its time to a report.
-class StageClock {
- public:
-  StageClock(ReduceReport* report, const Progress& progress) : report_(report), progress_(progress) {}
-  void finish(const std::string& stage) {
-    const auto now = std::chrono::steady_clock::now();
-    if (report_) report_->stages.push_back({stage, std::chrono::duration<double>(now - started_).count()});
-    started_ = now;
-    if (progress_) progress_(stage, 1.0);
-  }
-
- private:
-  ReduceReport* report_;
-  const Progress& progress_;
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
 
 Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
                      ReduceReport* report)

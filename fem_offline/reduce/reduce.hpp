@@ -29,7 +29,8 @@ struct ReduceOptions {
 
 struct StageTime {
   std::string stage;
-  double seconds = 0.0;
+  double seconds = 0.0;      ///< by the clock on the wall
+  double processor_s = 0.0;  ///< of all threads
 };
 
 struct ReduceReport {

@@ -15,7 +15,7 @@ namespace {
 /// Longest FE step, for an error in time well below that of the network (README.md has the command that shows it):
 /// short behind a jump, where the balls and the air follow within seconds.
 double fe_step_for_s(const HeldInterval& interval, double longest_s) {
-  constexpr double first_s = 0.25, share_of_time_since_jump = 1.0 / 4.0;
+  constexpr double first_s = 0.5, share_of_time_since_jump = 1.0 / 2.0;
   return std::clamp(share_of_time_since_jump * interval.since_jump_s, std::min(first_s, longest_s), longest_s);
 }
 

@@ -88,41 +88,50 @@ VerifyReport summarise(const Eigen::MatrixXd& errors, const AffineModel& model, 
 
 }  // namespace
 
-std::vector<FeTrajectory> run_fe_cases(const AffineModel& model, const VerifyOptions& options,
-                                       const Progress& progress) {
-  check_options(options);
-  std::vector<FeTrajectory> trajectories(options.cases);
-  std::atomic<int> finished{0};
-  for_each_index(static_cast<int>(options.cases), options.threads, [&](int index, int worker) {
-    trajectories[static_cast<std::size_t>(index)] = run_fe_case(model, options, index);
-    const int done = ++finished;
-    if (worker == 0 && progress) progress("FE cases", static_cast<double>(done) / options.cases);
-  });
-  return trajectories;
-}
+namespace {
 
-Eigen::MatrixXd case_errors(const rom::Network& network, const std::vector<FeTrajectory>& trajectories, int threads) {
+/// Errors in the cases from `first` on, a column each.
+Eigen::MatrixXd errors_from(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
+                            std::uint32_t first, const Progress& progress) {
   const auto network_operator = std::make_shared<const rom::NetworkOperator>(network);
-  Eigen::MatrixXd errors(trajectories.front().outputs.rows(), static_cast<Eigen::Index>(trajectories.size()));
-  for_each_index(static_cast<int>(trajectories.size()), threads, [&](int index, int) {
-    errors.col(index) = largest_errors(network, network_operator, trajectories[static_cast<std::size_t>(index)]);
+  const auto count = static_cast<int>(options.cases - first);
+  Eigen::MatrixXd errors(output_layout(model).total(), count);
+  std::atomic<int> finished{0};
+  for_each_index(count, options.threads, [&](int index, int worker) {
+    errors.col(index) =
+        largest_errors(network, network_operator, run_fe_case(model, options, static_cast<int>(first) + index));
+    const int done = ++finished;
+    if (worker == 0 && progress) progress("verification", static_cast<double>(done) / count);
   });
   return errors;
 }
+
+bool within(const rom::CertificateErrors& limit, const rom::CertificateErrors& wanted) {
+  return limit.key_points_K <= wanted.key_points_K && limit.nose_um <= wanted.nose_um &&
+         limit.part_max_K <= wanted.part_max_K;
+}
+
+}  // namespace
 
 VerifyReport verify_network(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
                             const Progress& progress) {
   check_options(options);
   check_same_model(network, model);
-  const auto network_operator = std::make_shared<const rom::NetworkOperator>(network);
-  Eigen::MatrixXd errors(output_layout(model).total(), static_cast<Eigen::Index>(options.cases));
-  std::atomic<int> finished{0};
-  for_each_index(static_cast<int>(options.cases), options.threads, [&](int index, int worker) {
-    errors.col(index) = largest_errors(network, network_operator, run_fe_case(model, options, index));
-    const int done = ++finished;
-    if (worker == 0 && progress) progress("verification", static_cast<double>(done) / options.cases);
-  });
-  return summarise(errors, model, options);
+  return summarise(errors_from(network, model, options, 0, progress), model, options);
+}
+
+VerifyReport verify_until(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
+                          const rom::CertificateErrors& wanted, const Progress& progress) {
+  VerifyReport report = verify_network(network, model, options, progress);
+  VerifyOptions more = options;
+  while (more.cases < cases_of_any_distribution && !within(report.certificate.limit, wanted)) {
+    const std::uint32_t known = more.cases;
+    more.cases = std::min(known + cases_more, cases_of_any_distribution);
+    Eigen::MatrixXd errors(report.errors.rows(), more.cases);
+    errors << report.errors, errors_from(network, model, more, known, progress);
+    report = summarise(errors, model, more);
+  }
+  return report;
 }
 
 }  // namespace spindle_twin::fem_offline

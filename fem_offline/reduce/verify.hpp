@@ -16,7 +16,7 @@ struct VerifyOptions {
   int threads = 2;
   /// Longest time step of the FE solution, of order 4; after a jump its steps are shorter anyway. README.md names the
   /// command that shows what it contributes.
-  double fe_step_s = 32.0;
+  double fe_step_s = 64.0;
   CaseOptions drive;
 };
 
@@ -27,17 +27,19 @@ struct VerifyReport {
   Eigen::MatrixXd errors;                     ///< SI; a row per output (OutputLayout), a column per case
 };
 
-/// The FE model through `options.cases` random cases.
-std::vector<FeTrajectory> run_fe_cases(const AffineModel& model, const VerifyOptions& options,
-                                       const Progress& progress = {});
-
-/// Largest error of every output in every case, one column per case.
-Eigen::MatrixXd case_errors(const rom::Network& network, const std::vector<FeTrajectory>& trajectories, int threads);
-
 /// Runs network (CVODE with the runtime's own settings) and FE model beside each other through random cases.
 /// The network must come from `model`: same boundaries, key points, parts, deformations and contact pressures in the
 /// same order, else std::invalid_argument. std::runtime_error if the network's integrator fails.
 VerifyReport verify_network(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
                             const Progress& progress = {});
+
+/// As many cases as give a limit whatever their distribution (limiting_rank), and how many are added at a time.
+inline constexpr std::uint32_t cases_of_any_distribution = 59;
+inline constexpr std::uint32_t cases_more = 13;
+
+/// The same with cases_more cases again and again, as long as a limit exceeds `wanted` and there are fewer than
+/// cases_of_any_distribution: few cases give a limit that is wide, not one that is wrong.
+VerifyReport verify_until(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
+                          const rom::CertificateErrors& wanted, const Progress& progress = {});
 
 }  // namespace spindle_twin::fem_offline

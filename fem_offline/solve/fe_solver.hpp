@@ -53,6 +53,10 @@ class FeStepper {
   /// Advances by period_s in steps no longer than max_step_s. After a jump of heats or conductances the first steps are
   /// shorter.
   void advance(double period_s, double max_step_s, const rom::BoundaryValues& values);
+  /// The same in steps that each err by no more than `tolerance_K` anywhere, by the embedded rule of order 3: short
+  /// where much happens, period_s at most and a 4096th of it at least. Only with FeScheme::order_4, else
+  /// std::logic_error.
+  void advance_within(double period_s, double tolerance_K, const rom::BoundaryValues& values);
   const Eigen::VectorXd& temperatures_K() const;
 
  private:

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <list>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "fem_offline/solve/coolant_coupling.hpp"
@@ -16,6 +17,7 @@ namespace {
 struct Tableau {
   double gamma;
   Eigen::MatrixXd below;
+  Eigen::VectorXd error;  ///< weights less those of the embedded rule of one order less; empty where there is none
 };
 
 /// γ = 1 − 1/√2.
@@ -23,7 +25,7 @@ Tableau order_2() {
   constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
   Eigen::MatrixXd below = Eigen::MatrixXd::Zero(2, 2);
   below(1, 0) = 1.0 - gamma;
-  return {gamma, below};
+  return {gamma, below, {}};
 }
 
 /// Hairer, Wanner: Solving Ordinary Differential Equations II, table IV.6.5.
@@ -33,12 +35,19 @@ Tableau order_4() {
   below.row(2).head(2) << 17.0 / 50.0, -1.0 / 25.0;
   below.row(3).head(3) << 371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0;
   below.row(4).head(4) << 25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0;
-  return {0.25, below};
+  Eigen::VectorXd error(5);
+  error << 25.0 / 24.0 - 59.0 / 48.0, -49.0 / 48.0 + 17.0 / 96.0, 125.0 / 16.0 - 225.0 / 32.0, 0.0, 0.25;
+  return {0.25, below, error};
 }
 
 // After a jump the steps start at about this length and then follow the time since the jump, doubling.
 constexpr double first_step_s = 0.7;
 constexpr double share_of_time_since_jump = 1.0 / 3.0;
+// Steps that follow a tolerance: after a jump the first is at most this long; one that errs by less than this share of
+// the tolerance is followed by one twice as long, for the error of a step of twice the length is 16 times as large.
+constexpr double first_controlled_step_s = 0.05;
+constexpr double share_for_longer = 1.0 / 32.0;
+constexpr int most_halvings = 12;
 // Slower drifts of an environment or a conductance are no jump.
 constexpr double environment_jump_K = 0.5;
 constexpr double conductance_jump_share = 0.05;
@@ -79,6 +88,7 @@ struct FeStepper::Impl {
   CoolantCoupling coupling;
   rom::BoundaryValues held;
   double since_jump_s = 0.0;
+  double controlled_step_s = first_controlled_step_s;
   Eigen::VectorXd temperatures_K;
   std::list<KeptFactor> factors;  // the most recent first
   Tableau tableau;
@@ -92,7 +102,7 @@ struct FeStepper::Impl {
                       held.coolant_W_per_K != values.coolant_W_per_K || held.heat_W != values.heat_W ||
                       (held.environment_K - values.environment_K).lpNorm<Eigen::Infinity>() > environment_jump_K;
     if (new_conductances) system.set_conductances(values.conductance_W_per_m2K);
-    if (jump) since_jump_s = 0.0;
+    if (jump) since_jump_s = 0.0, controlled_step_s = first_controlled_step_s;
     held = values;
     load_W = system.load_W(values, 0.0);
     coupling.hold(values);
@@ -132,6 +142,18 @@ struct FeStepper::Impl {
     }
     temperatures_K = stage_K + tableau.gamma * step_s * slopes_K_per_s.back();
   }
+
+  /// Largest difference from the embedded rule, of the step just made, through (C + γhK)⁻¹C (L. F. Shampine): the
+  /// embedded rule does not damp what decays within the step, and would take it for an error.
+  double step_error_K(double step_s) {
+    stage_K.setZero();
+    for (std::size_t i = 0; i < slopes_K_per_s.size(); ++i) {
+      stage_K += step_s * tableau.error[static_cast<Eigen::Index>(i)] * slopes_K_per_s[i];
+    }
+    residual_W.noalias() = system.capacity_lower().selfadjointView<Eigen::Lower>() * stage_K;
+    factor_for(step_s).solve(residual_W, coupling, stage_K);
+    return stage_K.lpNorm<Eigen::Infinity>();
+  }
 };
 
 FeStepper::FeStepper(const AffineModel& model, FeScheme scheme) : impl_(std::make_unique<Impl>(model, scheme)) {
@@ -144,6 +166,7 @@ FeStepper& FeStepper::operator=(FeStepper&&) noexcept = default;
 void FeStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
   impl_->temperatures_K = temperatures_K;
   impl_->since_jump_s = 0.0;
+  impl_->controlled_step_s = first_controlled_step_s;
 }
 
 void FeStepper::set_uniform_temperature(double temperature_K) {
@@ -166,6 +189,37 @@ void FeStepper::advance(double period_s, double max_step_s, const rom::BoundaryV
     while (ticks > 1 && (at % ticks != 0 || static_cast<double>(ticks) * tick_s > wanted_s)) ticks /= 2;
     const double step_s = static_cast<double>(ticks) * tick_s;
     impl_->step(step_s);
+    impl_->since_jump_s += step_s;
+    at += ticks;
+  }
+}
+
+void FeStepper::advance_within(double period_s, double tolerance_K, const rom::BoundaryValues& values) {
+  if (impl_->tableau.error.size() == 0) throw std::logic_error("only the rule of order 4 knows its error");
+  if (period_s <= 0.0) return;
+  impl_->take(values);
+  // All steps are period / 2^k on one grid of ticks, so that few factors serve them all.
+  const long end = 1L << most_halvings;
+  const double tick_s = period_s / static_cast<double>(end);
+  Eigen::VectorXd before_K;
+  for (long at = 0; at < end;) {
+    long ticks = end;
+    while (ticks > 1 &&
+           (at % ticks != 0 || static_cast<double>(ticks) * tick_s > impl_->controlled_step_s * (1.0 + 1e-9))) {
+      ticks /= 2;
+    }
+    const double step_s = static_cast<double>(ticks) * tick_s;
+    before_K = impl_->temperatures_K;
+    impl_->step(step_s);
+    const double error_K = impl_->step_error_K(step_s);
+    if (error_K > tolerance_K && ticks > 1) {
+      impl_->temperatures_K = before_K;
+      impl_->controlled_step_s = 0.5 * step_s;
+      continue;
+    }
+    // The grid may have asked for a shorter step than the tolerance: that is no reason to forget the longer one.
+    if (error_K < share_for_longer * tolerance_K)
+      impl_->controlled_step_s = std::max(impl_->controlled_step_s, 2.0 * step_s);
     impl_->since_jump_s += step_s;
     at += ticks;
   }

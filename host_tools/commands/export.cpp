@@ -24,6 +24,7 @@ namespace {
 struct ExportOptions {
   std::string input;
   std::string netlist;
+  std::string spice_states;
   std::string schedule;
   std::string matrices;
   std::string fmu;
@@ -41,9 +42,13 @@ void export_network(const ExportOptions& options) {
                                        ? rom::constant_schedule(network.boundaries, rom::seconds_per_hour)
                                        : rom::read_schedule(options.schedule, network.boundaries);
     const std::string data_file = std::filesystem::path(options.netlist).stem().string() + ".data";
-    rom::write_whole_file(options.netlist, spice_netlist(network, schedule, data_file, options.schedule));
-    std::printf("ngspice netlist in %s: %zu nodes, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(),
-                network.nodes.size(), schedule.end_s, options.netlist.c_str(), data_file.c_str());
+    const SpiceStates states = options.spice_states.empty()      ? usual_states(network)
+                               : options.spice_states == "modes" ? SpiceStates::modes
+                                                                 : SpiceStates::nodes;
+    rom::write_whole_file(options.netlist, spice_netlist(network, schedule, {data_file, options.schedule, states}));
+    std::printf("ngspice netlist in %s: %zu nodes as %s, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(),
+                network.nodes.size(), states == SpiceStates::modes ? "modes" : "nodes", schedule.end_s,
+                options.netlist.c_str(), data_file.c_str());
   }
   if (!options.matrices.empty()) {
     write_matrix_files(network, options.matrices);
@@ -102,6 +107,12 @@ void add_export(CLI::App& app) {
   command
       ->add_option("--schedule", options->schedule,
                    "what the netlist runs: CSV as for simulate; without it an hour of the operating state")
+      ->needs(spice);
+  command
+      ->add_option(
+          "--spice-states", options->spice_states,
+          "what the netlist's capacitors stand for; nodes up to 60 of them, beyond modes, which run much faster")
+      ->check(CLI::IsMember({"nodes", "modes"}))
       ->needs(spice);
   command->add_option("--matrices", options->matrices, "new folder for Matrix Market files");
   command->add_option("--fmu", options->fmu, "FMU to write: FMI 2.0, co-simulation");

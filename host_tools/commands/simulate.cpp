@@ -98,7 +98,8 @@ void simulate(const SimulateOptions& options) {
   std::string table = header(network);
   const auto add_row_at = [&](double time_s) {
     const Eigen::VectorXd& nodes_K = stepper->temperatures_K();
-    plausibility.note({options.network, 0}, rom::implausible_temperatures(nodes_K.minCoeff(), nodes_K.maxCoeff()));
+    plausibility.note({options.network, 0},
+                      rom::implausible_temperatures(network.boundaries, nodes_K.minCoeff(), nodes_K.maxCoeff()));
     rom::evaluate_outputs(network, nodes_K, outputs);
     channels.laws().at_temperatures(nodes_K, values);
     add_row(table, time_s, outputs, values.heat_W, rom::coolant_outlets(channels, values, nodes_K));

@@ -46,6 +46,10 @@ nlohmann::ordered_json certificate_to_json(const rom::Network& network) {
                             {"confidence", rule.confidence},
                             {"distribution", rule.fitted ? "log-normal" : "any"}});
   }
+  if (certificate.searched > 0) {
+    result["worst_found"] = errors_json(certificate.worst_found);
+    result["worst_found"]["searched"] = certificate.searched;
+  }
   result["box"] = {{"contacts", {certificate.box.contact_low, certificate.box.contact_high}},
                    {"films", {certificate.box.film_low, certificate.box.film_high}},
                    {"speed_high_rpm", certificate.box.speed_high_rpm}};

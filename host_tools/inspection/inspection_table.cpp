@@ -95,6 +95,11 @@ void print_certificate(const rom::Network& network) {
               certificate.worst.part_max_K);
   std::printf("%-10s %14.4f %10.4f %16.4f\n", "median", certificate.median.key_points_K, certificate.median.nose_um,
               certificate.median.part_max_K);
+  if (certificate.searched > 0) {
+    std::printf("%-10s %14.4f %10.4f %16.4f  the worst of %u jumps searched through\n", "found",
+                certificate.worst_found.key_points_K, certificate.worst_found.nose_um,
+                certificate.worst_found.part_max_K, certificate.searched);
+  }
   const bool limits = certificate.limit_rule.content > 0.0;
   if (limits) {
     std::printf("%-10s %14.4f %10.4f %16.4f\n", "limit", certificate.limit.key_points_K, certificate.limit.nose_um,

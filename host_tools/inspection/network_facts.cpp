@@ -188,6 +188,10 @@ void add_certificate(const rom::Network& network, Facts& facts) {
   facts.add("limit_content", certificate.limit_rule.content);
   facts.add("limit_confidence", certificate.limit_rule.confidence);
   facts.add("limit_fitted", certificate.limit_rule.fitted ? 1.0 : 0.0);
+  facts.add("searched", certificate.searched);
+  facts.add("found_key_points_K", certificate.worst_found.key_points_K);
+  facts.add("found_nose_um", certificate.worst_found.nose_um);
+  facts.add("found_part_max_K", certificate.worst_found.part_max_K);
   for (const CertifiedOutput& output : certified_outputs(network)) {
     facts.start("certificate", output.kind + " " + output.name);
     facts.add("worst_" + output.unit, output.error.worst);

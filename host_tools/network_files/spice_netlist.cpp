@@ -6,8 +6,11 @@
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <utility>
 #include <vector>
 
+#include "host_tools/network_files/modal_form.hpp"
+#include "host_tools/network_files/schedule_course.hpp"
 #include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/held_law.hpp"
@@ -21,6 +24,8 @@ using Index = Eigen::Index;
 
 constexpr double step_s = 1e-3;                  // what a jump of the schedule takes
 constexpr double smallest_column_share = 1e-10;  // of the largest, of a term that follows the schedule
+constexpr double smallest_weight_share = 1e-9;   // of the largest in its row or column
+constexpr double fastest_rate_per_s = 20.0;      // a mode above it is in balance with its inputs at every instant
 
 std::string number(double value) {
   char text[40];
@@ -37,33 +42,14 @@ std::string joined(const Texts&... texts) {
 
 std::string node(Index i) { return joined("n", std::to_string(i + 1)); }
 
-/// What happens along the schedule: values at every row, all but the environments held until the next.
-struct Course {
-  std::vector<double> time_s;
-  std::vector<rom::BoundaryValues> values;
-  std::vector<rom::OperatingState> states;
-};
-
-Course course_of(const rom::Boundaries& boundaries, const rom::Schedule& schedule) {
-  Course course;
-  const rom::CorrectionFactors factors = rom::no_correction(boundaries);
-  for (const rom::ScheduleRow& row : schedule.rows) {
-    course.time_s.push_back(row.time_s);
-    course.states.push_back(row.state);
-    course.values.push_back(rom::make_boundary_values(boundaries));
-    rom::evaluate_boundaries(boundaries, row.state, factors, course.values.back());
-  }
-  // The last row is the end: nothing begins there.
-  course.values.back().heat_W = (course.values.end() - 2)->heat_W;
-  course.values.back().conductance_W_per_m2K = (course.values.end() - 2)->conductance_W_per_m2K;
-  course.values.back().coolant_W_per_K = (course.values.end() - 2)->coolant_W_per_K;
-  return course;
-}
-
 class Netlist {
  public:
-  Netlist(const rom::Network& network, const rom::Schedule& schedule)
-      : network_(network), course_(course_of(network.boundaries, schedule)) {}
+  Netlist(const rom::Network& network, const rom::Schedule& schedule, SpiceStates states)
+      : network_(network), course_(course_of(network.boundaries, schedule)) {
+    uniform_.setOnes(network.capacity_J_per_K.rows());
+    contained_W_per_m2K_.setZero(static_cast<Index>(network.factors_m.size()));
+    if (states == SpiceStates::modes) take_modes();
+  }
 
   std::string write(const std::string& data_file, const std::string& file);
 
@@ -77,11 +63,16 @@ class Netlist {
   void source(const std::string& name, const std::vector<double>& at_rows, bool linear);
   /// A node whose voltage is row . V(n1..nN).
   void weighted(const std::string& name, const Eigen::VectorXd& row);
+  void take_modes();
+  bool is_modal() const { return rates_per_s_.size() > 0; }
+  /// Follows its inputs at once, without a capacity.
+  bool is_instant(Index state) const { return is_modal() && rates_per_s_[state] > fastest_rate_per_s; }
   void pair(char kind, Index i, Index j, double value);
   bool follows_schedule(std::size_t conductance) const;
   void capacities();
   void inputs();
   void held_conductances();
+  void modes_in_themselves();
   void driven_conductance(std::size_t conductance, const std::string& environment_node);
   void circuits(const std::string& file);
   void outputs();
@@ -94,8 +85,11 @@ class Netlist {
     return at_rows;
   }
 
-  const rom::Network& network_;
-  Course course_;
+  rom::Network network_;
+  ScheduleCourse course_;
+  Eigen::VectorXd rates_per_s_;          // of modes; empty where states are nodes
+  Eigen::VectorXd uniform_;              // the states when everything is 1 K warmer
+  Eigen::VectorXd contained_W_per_m2K_;  // of every conductance, what the conduction matrix has of it
   std::string text_;
   std::vector<std::string> output_nodes_;
   std::set<std::string> used_names_;
@@ -122,8 +116,9 @@ void Netlist::source(const std::string& name, const std::vector<double>& at_rows
 
 void Netlist::weighted(const std::string& name, const Eigen::VectorXd& row) {
   add("R", name, " ", name, " 0 1");
+  const double smallest = smallest_weight_share * row.lpNorm<Eigen::Infinity>();
   for (Index i = 0; i < row.size(); ++i) {
-    if (row[i] != 0.0) add("G", name, "_", node(i), " 0 ", name, " ", node(i), " 0 ", number(row[i]));
+    if (std::abs(row[i]) > smallest) add("G", name, "_", node(i), " 0 ", name, " ", node(i), " 0 ", number(row[i]));
   }
 }
 
@@ -138,6 +133,7 @@ void Netlist::capacities() {
   add("\n* Capacities, J/K: to the reference, and between nodes");
   const Eigen::MatrixXd& capacity = network_.capacity_J_per_K;
   for (Index i = 0; i < capacity.rows(); ++i) {
+    if (is_instant(i)) continue;
     add("C", node(i), " ", node(i), " 0 ", number(capacity.row(i).sum()));
     for (Index j = i + 1; j < capacity.cols(); ++j) pair('C', i, j, -capacity(i, j));
   }
@@ -176,6 +172,43 @@ bool Netlist::follows_schedule(std::size_t conductance) const {
   });
 }
 
+/// States in which only the conductances that follow the schedule couple, by as much as they differ from their means.
+/// Of a circuit's segments the matrix has nothing: their liquid's temperature is not an environment's.
+void Netlist::take_modes() {
+  contained_W_per_m2K_ = course_.mean_conductances();
+  for (const rom::CoolantCircuit& circuit : network_.boundaries.circuits) {
+    for (const int segment : circuit.segments) contained_W_per_m2K_[segment] = 0.0;
+  }
+  ModalForm form = modal_form(network_, contained_W_per_m2K_);
+  network_ = std::move(form.network);
+  rates_per_s_ = std::move(form.rates_per_s);
+  uniform_ = std::move(form.uniform);
+}
+
+void Netlist::modes_in_themselves() {
+  add("\n* What every mode loses by itself, and what environments give through the mean of their films");
+  for (Index i = 0; i < rates_per_s_.size(); ++i) {
+    if (rates_per_s_[i] > 0.0) add("R", node(i), " ", node(i), " 0 ", number(1.0 / rates_per_s_[i]));
+  }
+  const rom::Boundaries& boundaries = network_.boundaries;
+  Eigen::MatrixXd from_environment =
+      Eigen::MatrixXd::Zero(rates_per_s_.size(), static_cast<Index>(boundaries.environments.size()));
+  for (std::size_t j = 0; j < network_.factors_m.size(); ++j) {
+    const int environment = boundaries.conductances[j].environment;
+    if (environment < 0) continue;
+    const Eigen::MatrixXd& factor = network_.factors_m[j];
+    from_environment.col(environment) +=
+        contained_W_per_m2K_[static_cast<Index>(j)] * factor * (factor.transpose() * uniform_);
+  }
+  for (Index e = 0; e < from_environment.cols(); ++e) {
+    const std::string environment = joined("env", std::to_string(e + 1));
+    for (Index i = 0; i < rates_per_s_.size(); ++i) {
+      if (from_environment(i, e) == 0.0) continue;
+      add("G", environment, "_", node(i), " 0 ", node(i), " ", environment, " 0 ", number(from_environment(i, e)));
+    }
+  }
+}
+
 void Netlist::held_conductances() {
   const rom::Boundaries& boundaries = network_.boundaries;
   const Index nodes = network_.conduction_W_per_K.rows();
@@ -189,7 +222,7 @@ void Netlist::held_conductances() {
     conduction += held_W_per_m2K * factor * factor.transpose();
     const int environment = boundaries.conductances[j].environment;
     if (environment < 0) continue;
-    to_environment.col(environment) += held_W_per_m2K * factor * factor.colwise().sum().transpose();
+    to_environment.col(environment) += held_W_per_m2K * factor * (factor.transpose() * uniform_);
   }
   add("\n* Conduction, contacts and films that stay constant along the schedule");
   for (Index i = 0; i < nodes; ++i) {
@@ -208,7 +241,10 @@ void Netlist::driven_conductance(std::size_t conductance, const std::string& env
   const auto j = static_cast<Index>(conductance);
   const std::string g = joined("g", std::to_string(conductance + 1));
   add("\n* ", g, ": ", network_.boundaries.conductances[conductance].name, ", W/m2K");
-  source(g, along([&](const rom::BoundaryValues& values) { return values.conductance_W_per_m2K[j]; }), false);
+  source(g, along([&](const rom::BoundaryValues& values) {
+           return values.conductance_W_per_m2K[j] - contained_W_per_m2K_[j];
+         }),
+         false);
   // Fewest columns that give the same F Fᵀ.
   const Eigen::JacobiSVD<Eigen::MatrixXd> modes(network_.factors_m[conductance], Eigen::ComputeThinU);
   const Eigen::VectorXd& strength = modes.singularValues();
@@ -219,11 +255,14 @@ void Netlist::driven_conductance(std::size_t conductance, const std::string& env
     const std::string flow = joined("p", std::to_string(conductance + 1), "_", std::to_string(k + 1));
     weighted(mean, column);
     std::string difference = joined("V(", mean, ")");
-    if (!environment_node.empty()) difference += joined("-(", number(column.sum()), ")*V(", environment_node, ")");
+    if (!environment_node.empty())
+      difference += joined("-(", number(column.dot(uniform_)), ")*V(", environment_node, ")");
     add("R", flow, " ", flow, " 0 1");
     add("B", flow, " 0 ", flow, " I=V(", g, ")*(", difference, ")");
+    const double smallest = smallest_weight_share * column.lpNorm<Eigen::Infinity>();
     for (Index i = 0; i < column.size(); ++i) {
-      if (column[i] != 0.0) add("G", flow, "_", node(i), " ", node(i), " 0 ", flow, " 0 ", number(column[i]));
+      if (std::abs(column[i]) > smallest)
+        add("G", flow, "_", node(i), " ", node(i), " 0 ", flow, " 0 ", number(column[i]));
     }
   }
 }
@@ -252,8 +291,8 @@ void Netlist::circuits(const std::string& file) {
       driven_conductance(conductance, liquid);
       const std::string k = joined(std::to_string(conductance + 1));
       const Eigen::MatrixXd& factor = network_.factors_m[conductance];
-      const Eigen::VectorXd wall = factor * factor.colwise().sum().transpose();
-      const double area_m2 = wall.sum();
+      const Eigen::VectorXd wall = factor * (factor.transpose() * uniform_);
+      const double area_m2 = wall.dot(uniform_);
       weighted(joined("u", k), wall / area_m2);
       source(joined("e", k), along([&](const rom::BoundaryValues& values) {
                const double flow_W_per_K = std::abs(values.coolant_W_per_K[index]);
@@ -296,6 +335,9 @@ void Netlist::outputs() {
 std::string Netlist::write(const std::string& data_file, const std::string& file) {
   const rom::Boundaries& boundaries = network_.boundaries;
   add("* Thermal network of spindle '", network_.spindle, "', ", std::to_string(network_.nodes.size()), " nodes");
+  if (is_modal()) {
+    add("* States are modes of the mean conductances, not nodes: voltages of outputs are what they are called");
+  }
   add("* Voltage: rise over ", number(boundaries.reference_temperature_K), " K; current: W. Run: ngspice -b FILE");
   add("* Description SHA-256 ", network_.description_hash);
   if (rom::has_physics(boundaries)) add("* Physical laws are held at their nominal temperatures");
@@ -304,7 +346,7 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
   }
   inputs();
   capacities();
-  held_conductances();
+  is_modal() ? modes_in_themselves() : held_conductances();
   std::set<std::size_t> in_circuits;
   for (const rom::CoolantCircuit& circuit : boundaries.circuits) {
     for (const int segment : circuit.segments) in_circuits.insert(static_cast<std::size_t>(segment));
@@ -321,7 +363,7 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
       rom::rest_temperature_K(boundaries, course_.states.front()) - boundaries.reference_temperature_K;
   add("");
   for (Index i = 0; i < network_.capacity_J_per_K.rows(); ++i) {
-    add(".ic v(", node(i), ")=", number(start_rise_K));
+    if (!is_instant(i)) add(".ic v(", node(i), ")=", number(start_rise_K * uniform_[i]));
   }
   add(".options method=gear maxord=2 reltol=1e-5 vntol=1e-6 abstol=1e-6 chgtol=1e-6");
   const double longest_step_s = std::min(10.0, course_.time_s.back() / 50.0);
@@ -335,9 +377,13 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
 
 }  // namespace
 
-std::string spice_netlist(const rom::Network& network, const rom::Schedule& schedule, const std::string& data_file,
-                          const std::string& file) {
-  return Netlist(network, schedule).write(data_file, file);
+SpiceStates usual_states(const rom::Network& network) {
+  constexpr std::size_t most_nodes = 60;
+  return network.nodes.size() > most_nodes ? SpiceStates::modes : SpiceStates::nodes;
+}
+
+std::string spice_netlist(const rom::Network& network, const rom::Schedule& schedule, const SpiceTarget& target) {
+  return Netlist(network, schedule, target.states).write(target.data_file, target.file);
 }
 
 }  // namespace spindle_twin::host_tools

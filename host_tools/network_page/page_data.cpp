@@ -1,6 +1,8 @@
 #include "host_tools/network_page/page_data.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -51,6 +53,11 @@ Json certificate_json(const rom::Network& network) {
   const rom::Certificate& certificate = network.certificate;
   Json json{{"cases", certificate.cases}, {"seed", certificate.seed}, {"outputs", Json::array()}};
   if (certificate.limit_rule.content > 0.0) json["limit"] = limit_text(certificate.limit_rule);
+  if (certificate.searched > 0) {
+    const rom::CertificateErrors& found = certificate.worst_found;
+    json["found"] = fmt::format("{:.4f} K at a key point, {:.4f} um, {:.4f} K of a part's maximum, of {} jumps",
+                                found.key_points_K, found.nose_um, found.part_max_K, certificate.searched);
+  }
   const auto add = [&](const std::string& name, const char* unit, const rom::OutputError& error, double scale) {
     json["outputs"].push_back({{"name", name},
                                {"unit", unit},

@@ -109,7 +109,8 @@ function showCertificate() {
   const { cases, seed, outputs } = data.certificate;
   byId("certificate-text").textContent = cases === 0 ? "No certificate: this network was not compared with an FE model." :
     `Certificate: largest difference over ${cases} random cases that the network was not built from, seed ${seed}. ` +
-    "Bars: worst case, and darker the median." + (data.certificate.limit ? ` Limit: ${data.certificate.limit}.` : "");
+    "Bars: worst case, and darker the median." + (data.certificate.limit ? ` Limit: ${data.certificate.limit}.` : "") +
+    (data.certificate.found ? ` Worst found by a search: ${data.certificate.found}.` : "");
   if (cases === 0) return;
   const shown = outputs.slice(0, 40);
   const meshed = shown.some(o => o.mesh > 0);

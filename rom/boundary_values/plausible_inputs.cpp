@@ -19,6 +19,14 @@ constexpr Range contact_W_per_m2K = between(1.0, 1e6);
 constexpr double fastest_warming_K_per_s = 1.0;
 constexpr Range result_degC = between(-40.0, 300.0);
 
+/// What the description says of it, or the default.
+Range said(const Boundaries& boundaries, const std::string& of, Range otherwise) {
+  for (const PlausibleRange& own : boundaries.plausible) {
+    if (own.of == of) return own.range;
+  }
+  return otherwise;
+}
+
 Range either_way(double most) { return most > 0.0 ? between(-most, most) : any_number; }
 
 /// Round to what a message needs.
@@ -38,15 +46,21 @@ Range shifted(Range range, double by) { return between(range.min + by, range.max
 PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_rpm) {
   const double fastest_rpm =
       std::max({std::abs(boundaries.operating.speed_rpm), boundaries.reference_speed_rpm, certified_rpm});
-  PlausibleInputs believed{either_way(speed_reserve * fastest_rpm), either_way(most_load), {}, {}};
+  PlausibleInputs believed{said(boundaries, "speed_rpm", either_way(speed_reserve * fastest_rpm)),
+                           said(boundaries, "load", either_way(most_load)),
+                           {},
+                           {}};
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     const double middle_K = boundaries.operating.environment_K[static_cast<Eigen::Index>(e)];
     const double reach_K =
         boundaries.environments[e].kind == EnvironmentKind::coolant ? coolant_within_K : ambient_within_K;
-    believed.environment_K.push_back(between(middle_K - reach_K, middle_K + reach_K));
+    believed.environment_K.push_back(said(boundaries, plausible_temperature_prefix + boundaries.environments[e].name,
+                                          between(middle_K - reach_K, middle_K + reach_K)));
   }
-  for (const double flow_kg_per_s : boundaries.operating.flow_kg_per_s) {
-    believed.flow_kg_per_s.push_back(either_way(flow_reserve * std::abs(flow_kg_per_s)));
+  for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
+    const double described_kg_per_s = std::abs(boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(c)]);
+    believed.flow_kg_per_s.push_back(said(boundaries, plausible_flow_prefix + boundaries.circuits[c].name,
+                                          either_way(flow_reserve * described_kg_per_s)));
   }
   return believed;
 }
@@ -70,16 +84,18 @@ std::vector<Implausible> implausible_inputs(const Boundaries& boundaries, const 
 
 std::vector<Implausible> implausible_description(const Boundaries& boundaries, double capacity_J_per_K) {
   std::vector<Implausible> found;
+  const Range film = said(boundaries, "film_W_per_m2K", film_W_per_m2K);
+  const Range touching = said(boundaries, "contact_W_per_m2K", contact_W_per_m2K);
   for (const Conductance& conductance : boundaries.conductances) {
     const bool contact = conductance.kind == ConductanceKind::contact;
     if (conductance.nominal_W_per_m2K == 0.0) continue;  // switched off on purpose
-    judge(conductance.nominal_W_per_m2K, contact ? contact_W_per_m2K : film_W_per_m2K,
-          (contact ? "contact " : "film ") + conductance.name, "W/m2K", found);
+    judge(conductance.nominal_W_per_m2K, contact ? touching : film, (contact ? "contact " : "film ") + conductance.name,
+          "W/m2K", found);
   }
   BoundaryValues values = make_boundary_values(boundaries);
   evaluate_boundaries(boundaries, boundaries.operating, no_correction(boundaries), values);
   const double heat_W = values.heat_W.sum();
-  const double most_W = fastest_warming_K_per_s * capacity_J_per_K;
+  const double most_W = said(boundaries, "heat_W", between(0.0, fastest_warming_K_per_s * capacity_J_per_K)).max;
   if (heat_W > most_W) {
     found.push_back({"source", rounded(heat_W) + " W in all are not plausible; they would warm the whole spindle (" +
                                    rounded(capacity_J_per_K) + " J/K) by " + rounded(heat_W / capacity_J_per_K) +
@@ -88,10 +104,11 @@ std::vector<Implausible> implausible_description(const Boundaries& boundaries, d
   return found;
 }
 
-std::vector<Implausible> implausible_temperatures(double coldest_K, double hottest_K) {
+std::vector<Implausible> implausible_temperatures(const Boundaries& boundaries, double coldest_K, double hottest_K) {
   std::vector<Implausible> found;
-  judge(coldest_K - zero_degC_K, result_degC, "coldest temperature", "degC", found);
-  judge(hottest_K - zero_degC_K, result_degC, "hottest temperature", "degC", found);
+  const Range believed_degC = shifted(said(boundaries, "result_K", shifted(result_degC, zero_degC_K)), -zero_degC_K);
+  judge(coldest_K - zero_degC_K, believed_degC, "coldest temperature", "degC", found);
+  judge(hottest_K - zero_degC_K, believed_degC, "hottest temperature", "degC", found);
   if (found.size() == 2) found.erase(found.begin());  // of two the hottest says more
   return found;
 }

@@ -21,7 +21,8 @@ struct PlausibleInputs {
 /// load      up to 3 times the rated one, either way
 /// coolant   within 25 K of the description's, ambient within 30 K
 /// flow      up to 5 times the description's, either way
-/// A limit is any number where the description's own value is 0.
+/// A limit is any number where the description's own value is 0. Ranges of Boundaries::plausible take the place of
+/// these, here and below.
 PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_rpm = 0.0);
 
 /// A value that is not believed.
@@ -40,6 +41,6 @@ std::vector<Implausible> implausible_inputs(const Boundaries& boundaries, const 
 std::vector<Implausible> implausible_description(const Boundaries& boundaries, double capacity_J_per_K);
 
 /// Of the temperatures that came out: beyond -40 to 300 degC, where neither grease nor windings live.
-std::vector<Implausible> implausible_temperatures(double coldest_K, double hottest_K);
+std::vector<Implausible> implausible_temperatures(const Boundaries& boundaries, double coldest_K, double hottest_K);
 
 }  // namespace spindle_twin::rom

@@ -7,6 +7,7 @@
 #include "rom/by_hand/draft.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/read/sha256.hpp"
+#include "rom/read_laws/read_plausible.hpp"
 #include "rom/read_laws/read_speed_law.hpp"
 #include "rom/units.hpp"
 
@@ -28,6 +29,13 @@ double read_capacity(const TomlTable& table) {
   if (table.has("capacity_J_per_K")) return table.number("capacity_J_per_K", {1e-6, 1e9, false, false});
   return table.number("mass_kg", {1e-9, 1e6, false, false}) *
          table.number("heat_capacity_J_per_kgK", {1.0, 1e5, false, false});
+}
+
+template <typename Items>
+std::vector<std::string> names_of(const Items& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  return names;
 }
 
 }  // namespace
@@ -140,6 +148,8 @@ Network parse_by_hand(const std::string& text, const std::string& file) {
   read_exchanges(root, draft);
   read_inputs_and_outputs(root, draft);
   read_laws(draft);
+  draft.network.boundaries.plausible = read_plausible(root, names_of(draft.network.boundaries.environments),
+                                                      names_of(draft.network.boundaries.circuits));
   root.finish();
   check_connected(root, draft);
   check_network(draft.network, file);

@@ -183,6 +183,9 @@ void check_inputs(const Network& network, Eigen::Index nodes, const Checker& che
     check.above_absolute_zero(boundaries.operating.environment_K[static_cast<Eigen::Index>(i)],
                               "environment " + boundaries.environments[i].name + " operating_K");
   }
+  for (const PlausibleRange& own : boundaries.plausible) {
+    check.require(own.range.min <= own.range.max, "plausible " + own.of, "has no lowest <= highest");
+  }
   check.names(boundaries.sources, "source");
   check.shape(network.source_distribution, nodes, static_cast<Eigen::Index>(boundaries.sources.size()),
               "source distribution");
@@ -276,7 +279,8 @@ void check_outputs(const Network& network, Eigen::Index nodes, const Checker& ch
 
 void check_certificate(const Network& network, const Checker& check) {
   const Certificate& certificate = network.certificate;
-  for (const CertificateErrors& errors : {certificate.worst, certificate.median, certificate.limit}) {
+  for (const CertificateErrors& errors :
+       {certificate.worst, certificate.median, certificate.limit, certificate.worst_found}) {
     check.not_negative(errors.key_points_K, "certificate key_points_K");
     check.not_negative(errors.nose_um, "certificate nose_um");
     check.not_negative(errors.part_max_K, "certificate part_max_K");

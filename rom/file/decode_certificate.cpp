@@ -49,6 +49,8 @@ Certificate decode_certificate(const spindle_twin_rom_Certificate& message, cons
     certificate.limit = decode_errors(message.limit);
     certificate.limit_rule = {message.limit_content, message.limit_confidence, message.limit_fitted};
   }
+  certificate.searched = message.searched;
+  certificate.worst_found = decode_errors(message.worst_found);
   certificate.box = {message.box.contact_low, message.box.contact_high, message.box.film_low, message.box.film_high,
                      message.box.speed_high_rpm};
   certificate.mesh_size_m = message.mesh_size_m;

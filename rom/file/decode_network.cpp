@@ -184,6 +184,14 @@ bool decode_contact_pressure(pb_istream_t* stream, ContactPressureOutput& item) 
   return true;
 }
 
+bool decode_plausible(pb_istream_t* stream, PlausibleRange& item) {
+  spindle_twin_rom_PlausibleRange message = spindle_twin_rom_PlausibleRange_init_zero;
+  message.of = attach(item.of);
+  if (!pb_decode(stream, spindle_twin_rom_PlausibleRange_fields, &message)) return false;
+  item.range = between(message.lowest, message.highest);
+  return true;
+}
+
 bool decode_outline(pb_istream_t* stream, OutlineRing& item) {
   spindle_twin_rom_OutlineRing message = spindle_twin_rom_OutlineRing_init_zero;
   message.part = attach(item.part);
@@ -335,6 +343,7 @@ DecodedPayload decode_payload(std::span<const std::uint8_t> payload, const std::
   message.deformations = attach_list<DeformationOutput, decode_deformation>(network.deformations);
   message.contact_pressures = attach_list<ContactPressureOutput, decode_contact_pressure>(network.contact_pressures);
   message.outlines = attach_list<OutlineRing, decode_outline>(network.outlines);
+  message.plausible = attach_list<PlausibleRange, decode_plausible>(network.boundaries.plausible);
 
   attach_certificate(message.certificate, errors);
 

@@ -233,6 +233,14 @@ bool encode_contact_pressure(pb_ostream_t* stream, const Pressures& list, std::s
   return pb_encode_submessage(stream, spindle_twin_rom_ContactPressureOutput_fields, &message);
 }
 
+bool encode_plausible(pb_ostream_t* stream, const std::vector<PlausibleRange>& list, std::size_t i) {
+  spindle_twin_rom_PlausibleRange message = spindle_twin_rom_PlausibleRange_init_zero;
+  message.of = attach(list[i].of);
+  message.lowest = list[i].range.min;
+  message.highest = list[i].range.max;
+  return pb_encode_submessage(stream, spindle_twin_rom_PlausibleRange_fields, &message);
+}
+
 bool encode_outline(pb_ostream_t* stream, const std::vector<OutlineRing>& list, std::size_t i) {
   spindle_twin_rom_OutlineRing message = spindle_twin_rom_OutlineRing_init_zero;
   message.part = attach(list[i].part);
@@ -272,6 +280,9 @@ spindle_twin_rom_Certificate certificate_message(const Certificate& certificate,
   message.limit_content = certificate.limit_rule.content;
   message.limit_confidence = certificate.limit_rule.confidence;
   message.limit_fitted = certificate.limit_rule.fitted;
+  message.searched = certificate.searched;
+  message.has_worst_found = certificate.searched > 0;
+  message.worst_found = errors_message(certificate.worst_found);
   message.has_box = true;
   message.box = {certificate.box.contact_low, certificate.box.contact_high, certificate.box.film_low,
                  certificate.box.film_high, certificate.box.speed_high_rpm};
@@ -323,6 +334,7 @@ std::vector<std::uint8_t> encode_payload(const Network& network) {
   message.deformations = attach_list<std::vector<DeformationOutput>, encode_deformation>(network.deformations);
   message.contact_pressures = attach_list<Pressures, encode_contact_pressure>(network.contact_pressures);
   message.outlines = attach_list<std::vector<OutlineRing>, encode_outline>(network.outlines);
+  message.plausible = attach_list<std::vector<PlausibleRange>, encode_plausible>(boundaries.plausible);
   message.has_certificate = true;
   const FlatErrors errors = flat(network.certificate);
   message.certificate = certificate_message(network.certificate, errors);

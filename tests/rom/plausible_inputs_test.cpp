@@ -2,7 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+#include <tuple>
+
 #include "rom/by_hand/read_by_hand.hpp"
+#include "rom/file/rom_file.hpp"
+#include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::rom::tests {
@@ -83,11 +89,73 @@ TEST(PlausibleDescription, a_film_and_a_contact_in_another_unit_are_named) {
   }
 }
 
-TEST(PlausibleTemperatures, are_those_that_grease_and_windings_live_at) {
-  EXPECT_TRUE(implausible_temperatures(zero_degC_K - 10.0, zero_degC_K + 180.0).empty());
-  EXPECT_EQ(fields(implausible_temperatures(zero_degC_K, zero_degC_K + 255225.0)),
+TEST(PlausibleRanges, what_the_description_says_takes_the_place_of_every_default) {
+  Boundaries own = motor_spindle().boundaries;
+  const Environment& first = own.environments.front();
+  own.plausible = {{"speed_rpm", between(0.0, 7.0)},
+                   {"load", between(0.0, 100.0)},
+                   {plausible_temperature_prefix + first.name, between(1.0, 600.0)},
+                   {"film_W_per_m2K", between(1.0, 2.0)},
+                   {"heat_W", between(0.0, 1.0)},
+                   {"result_K", between(1.0, 1e6)}};
+  OperatingState state = own.operating;
+  state.load = 70.0;
+  state.environment_K[0] = 295.0 + zero_degC_K;
+  EXPECT_EQ(fields_of(own, state), std::vector<std::string>{"speed_rpm"});
+  EXPECT_TRUE(implausible_temperatures(own, 2.0, zero_degC_K + 255225.0).empty());
+  const std::vector<std::string> described = fields(implausible_description(own, 1e9));
+  EXPECT_EQ(described.back(), "source");
+  EXPECT_TRUE(described.front().starts_with("film ")) << described.front();
+}
+
+constexpr const char* own_ranges =
+    "\n[plausible]\nspeed_rpm = [0, 9000]\nresult_degC = [-5, 90]\ntemperatures_degC = { ROOM = [10, 35] }\n";
+
+/// The text of the motor spindle with own_ranges, `from` in them replaced.
+std::string described(const std::string& from = {}, const std::string& to = {}) {
+  std::ifstream stream(SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_spindle.toml");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  std::string ranges = own_ranges;
+  ranges.replace(ranges.find("ROOM"), 4, motor_spindle().boundaries.environments.front().name);
+  if (!from.empty()) ranges.replace(ranges.find(from), from.size(), to);
+  return text.str() + ranges;
+}
+
+TEST(PlausibleRanges, go_from_the_description_into_the_network_file_and_back) {
+  const std::string path = testing::TempDir() + "/plausible_ranges.rom";
+  write_network(parse_by_hand(described(), "own.toml"), path);
+  const Boundaries read = read_network(path).boundaries;
+  ASSERT_EQ(read.plausible.size(), 3U);
+  const PlausibleInputs believed = plausible_inputs(read);
+  EXPECT_EQ(believed.speed_rpm.max, 9000.0);
+  EXPECT_EQ(believed.environment_K.front().min, 10.0 + zero_degC_K);
+  EXPECT_EQ(fields(implausible_temperatures(read, zero_degC_K, zero_degC_K + 91.0)),
             std::vector<std::string>{"hottest temperature"});
-  EXPECT_EQ(fields(implausible_temperatures(1.0, zero_degC_K)), std::vector<std::string>{"coldest temperature"});
+}
+
+TEST(PlausibleRanges, a_range_upside_down_and_an_unknown_name_are_refused_with_their_line) {
+  for (const auto& [from, to, names] : {std::tuple{"[0, 9000]", "[9000, 0]", "plausible.speed_rpm"},
+                                        std::tuple{"result_degC", "results", "plausible.results"},
+                                        std::tuple{"temperatures_degC = { ", "temperatures_degC = { attic = [0, 1], ",
+                                                   "plausible.temperatures_degC.attic"}}) {
+    try {
+      parse_by_hand(described(from, to), "own.toml");
+      FAIL() << names << " was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(names), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("own.toml:"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(PlausibleTemperatures, are_those_that_grease_and_windings_live_at) {
+  const Boundaries boundaries;
+  EXPECT_TRUE(implausible_temperatures(boundaries, zero_degC_K - 10.0, zero_degC_K + 180.0).empty());
+  EXPECT_EQ(fields(implausible_temperatures(boundaries, zero_degC_K, zero_degC_K + 255225.0)),
+            std::vector<std::string>{"hottest temperature"});
+  EXPECT_EQ(fields(implausible_temperatures(boundaries, 1.0, zero_degC_K)),
+            std::vector<std::string>{"coldest temperature"});
 }
 
 }  // namespace plausible_inputs_test

@@ -59,6 +59,22 @@ class Solve(Case):
                                    .stdout.splitlines()))
         self.assertEqual([float(row["time_s"]) for row in rows], series["time_s"])
         self.assertAlmostEqual(float(rows[-1]["nose_um"]), state["deformation_um"]["nose"], delta=1e-4)
+        # The default's steps leave less than 1e-5 of the span at 60 s, beside steps a thousand times finer.
+        fine = self.json_of("solve", REFERENCE, "--schedule", schedule, "--output-period", 60, "--step-tolerance-K", 1e-7)
+        span = max(max(values) for values in fine["series"]["part_max_K"].values())
+        for part, values in fine["series"]["part_max_K"].items():
+            self.assertAlmostEqual(series["part_max_K"][part][1], values[1], delta=1e-5 * span, msg=part)
+        # One form per quantity: the columns of `simulate`, and degC where the JSON has rises.
+        network = self.folder / "columns.rom"
+        self.good("build", REFERENCE, "-o", network, "--nodes", 40, "--certificate-cases", 0)
+        simulated = self.folder / "columns.csv"
+        self.good("simulate", network, "--schedule", schedule, "-o", simulated)
+        with simulated.open() as file:
+            names = next(csv.reader(file))
+        self.assertEqual([name for name in rows[0] if not name.endswith("_W")],
+                         [name for name in names if not name.endswith("_W")])
+        first = next(name for name in names if name.endswith("_degC"))
+        self.assertAlmostEqual(float(rows[-1][first]) - float(rows[0][first]), series["key_points_K"][-1][0], delta=2e-4)
 
 
 class Tolerance(Case):

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -11,9 +10,12 @@
 #include "fem_offline/look/section_outlines.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/choose_size.hpp"
+#include "fem_offline/reduce/error_limit.hpp"
 #include "fem_offline/reduce/mesh_error.hpp"
 #include "fem_offline/reduce/reduce.hpp"
+#include "fem_offline/reduce/stage_clock.hpp"
 #include "fem_offline/reduce/verify.hpp"
+#include "fem_offline/reduce/worst_search.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/offline/accuracy_options.hpp"
 #include "host_tools/commands/offline/certificate_report.hpp"
@@ -37,6 +39,7 @@ struct BuildArguments {
   std::string box = "whole";
   bool fixed_size = false;
   std::uint32_t certificate_cases = 20;
+  int search_cases = 0;
   bool json = false;
   Plausibility plausibility;
 };
@@ -56,7 +59,10 @@ void print_json(const BuildArguments& arguments, const Reduced& reduced, const f
   result["rich_states"] = report.rich_states;
   result["condition"] = report.condition;
   result["seed"] = arguments.reduce.seed;
-  for (const fem_offline::StageTime& stage : report.stages) result["stages_s"][stage.stage] = stage.seconds;
+  for (const fem_offline::StageTime& stage : report.stages) {
+    result["stages_s"][stage.stage] = stage.seconds;
+    result["stages_processor_s"][stage.stage] = stage.processor_s;
+  }
   if (reduced.choice) result["tolerance"] = missed_tolerance_json(*reduced.choice);
   result["certificate"] = certificate_to_json(network);
   std::printf("%s\n", result.dump(2).c_str());
@@ -66,9 +72,14 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
                  const fem_offline::ReduceReport& report) {
   std::printf("%s: %zu nodes from %d FE unknowns, condition %.1f\n", arguments.output_path.c_str(),
               network.nodes.size(), report.full_unknowns, report.condition);
+  std::printf("  %-24s %8s %16s\n", "", "s", "s of processors");
+  double seconds = 0.0, processor_s = 0.0;
   for (const fem_offline::StageTime& stage : report.stages) {
-    std::printf("  %-18s %6.1f s\n", stage.stage.c_str(), stage.seconds);
+    std::printf("  %-24s %8.1f %16.1f\n", stage.stage.c_str(), stage.seconds, stage.processor_s);
+    seconds += stage.seconds;
+    processor_s += stage.processor_s;
   }
+  std::printf("  %-24s %8.1f %16.1f\n", "all", seconds, processor_s);
   const rom::Certificate& certificate = network.certificate;
   if (certificate.cases == 0) {
     std::printf("  no certificate measured\n");
@@ -94,11 +105,10 @@ Reduced reduce(const BuildArguments& arguments, const fem_offline::AffineModel& 
 void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
              const fem_offline::ReduceOptions& reduce_options, const fem_offline::Progress& progress,
              rom::Network& network, fem_offline::ReduceReport& report) {
+  fem_offline::StageClock clock(&report, progress);
   const auto timed = [&](const std::string& stage, const auto& work) {
-    const auto started = std::chrono::steady_clock::now();
     work();
-    report.stages.push_back({stage, std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count()});
-    progress(stage, 1.0);
+    clock.finish(stage);
   };
   timed("verification", [&] {
     fem_offline::VerifyOptions options;
@@ -106,9 +116,24 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
     options.seed = reduce_options.seed;
     options.threads = reduce_options.threads;
     options.drive.box = reduce_options.box;
-    network.certificate = fem_offline::verify_network(network, model.affine(), options, progress).certificate;
+    const fem_offline::Tolerance wanted = parse_tolerance(arguments.tolerance);
+    network.certificate =
+        arguments.fixed_size || static_cast<int>(arguments.certificate_cases) < fem_offline::fewest_limiting_cases
+            ? fem_offline::verify_network(network, model.affine(), options, progress).certificate
+            : fem_offline::verify_until(network, model.affine(), options,
+                                        {wanted.key_points_K, wanted.deformations_um, wanted.part_max_K}, progress)
+                  .certificate;
     network.certificate.mesh_size_m = model.description().mesh.element_size_m;
   });
+  if (arguments.search_cases > 0) {
+    timed("search for the worst", [&] {
+      fem_offline::WorstSearchOptions search{arguments.search_cases, reduce_options.seed, reduce_options.threads,
+                                             reduce_options.box};
+      const fem_offline::WorstFound found = fem_offline::search_worst(network, model.affine(), search, progress);
+      network.certificate.searched = static_cast<std::uint32_t>(found.cases);
+      network.certificate.worst_found = found.errors();
+    });
+  }
   timed("mesh error", [&] {
     const fem_offline::Spindle finer = fem_offline::with_half_elements(model.description());
     const fem_offline::FeModel fine(finer, fem_offline::build_section(finer));
@@ -124,20 +149,20 @@ void run(BuildArguments& arguments) {
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };
 
   progress("FE model", 0.0);
-  const auto started = std::chrono::steady_clock::now();
+  fem_offline::ReduceReport report;
+  fem_offline::StageClock clock(&report, progress);
   const fem_offline::FeModel model = read_model(arguments.spindle_path, arguments.plausibility);
-  const double model_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  progress("FE model", 1.0);
+  clock.finish("FE model");
   if (model.affine().deformations.empty()) {
     throw rom::InputError({arguments.spindle_path, 0}, "deformation",
                           "a network needs at least one deformation output, the nose first");
   }
   fem_offline::ReduceOptions options = arguments.reduce;
   options.box = named_box(arguments.box, model.affine().boundaries.reference_speed_rpm);
-  fem_offline::ReduceReport report;
+  const fem_offline::StageTime model_time = report.stages.front();
   Reduced reduced = reduce(arguments, model.affine(), options, progress, report);
   rom::Network& network = reduced.network;
-  report.stages.insert(report.stages.begin(), {"FE model", model_s});
+  if (report.stages.front().stage != model_time.stage) report.stages.insert(report.stages.begin(), model_time);
   if (arguments.certificate_cases > 0) certify(arguments, model, options, progress, network, report);
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);
@@ -178,9 +203,16 @@ void add_build(CLI::App& app) {
   command->add_option("--seed", arguments->reduce.seed, "seed of the random parameter sets and certificate cases")
       ->capture_default_str();
   command
-      ->add_option("--certificate-cases", arguments->certificate_cases,
-                   "random cases behind the certificate in the file; 0 for none")
+      ->add_option(
+          "--certificate-cases", arguments->certificate_cases,
+          "random cases behind the certificate in the file; 0 for none. With --tolerance up to 59 as long as a "
+          "limit exceeds it")
       ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--search", arguments->search_cases,
+                   "jumps to look through for the worst error in the box, for the certificate; 0 for none")
+      ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   command->add_option("--threads", arguments->reduce.threads, "threads")
       ->check(CLI::Range(1, 256))

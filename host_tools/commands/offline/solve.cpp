@@ -36,6 +36,8 @@ struct SolveOptions {
   std::string schedule_path;
   std::optional<double> uniform_rise_K;
   double max_step_s = 10.0;
+  double tolerance_K = 1e-4;
+  bool fixed_steps = false;
   double output_period_s = 10.0;
   bool json = false;
   bool mesh = false;
@@ -85,9 +87,10 @@ void print_json(const FeModel& model, const SolvedField& field, const SolvedSeri
   std::printf("%s\n", json.dump(2).c_str());
 }
 
-void note_temperatures(const Eigen::VectorXd& temperatures_K, SolveOptions& options) {
-  options.plausibility.note({options.spindle_path, 0},
-                            rom::implausible_temperatures(temperatures_K.minCoeff(), temperatures_K.maxCoeff()));
+void note_temperatures(const FeModel& model, const Eigen::VectorXd& temperatures_K, SolveOptions& options) {
+  options.plausibility.note(
+      {options.spindle_path, 0},
+      rom::implausible_temperatures(model.affine().boundaries, temperatures_K.minCoeff(), temperatures_K.maxCoeff()));
 }
 
 /// Starts at the schedule's first ambient temperature, except parts with an initial temperature of their own, and
@@ -106,7 +109,8 @@ void run_schedule(const FeModel& model, SolveOptions& options) {
   rom::evaluate_boundaries(affine.boundaries, state, rom::no_correction(affine.boundaries), values);
   const double start_K = rom::rest_temperature_K(affine.boundaries, state);
 
-  fem_offline::FeStepper stepper(affine);
+  fem_offline::FeStepper stepper(affine,
+                                 options.fixed_steps ? fem_offline::FeScheme::order_2 : fem_offline::FeScheme::order_4);
   stepper.set_temperatures(fem_offline::initial_temperatures(affine, start_K));
   const auto field = [&] { return solved_field(affine, values, stepper.temperatures_K(), start_K); };
   SolvedSeries series(affine, options.json);
@@ -114,9 +118,11 @@ void run_schedule(const FeModel& model, SolveOptions& options) {
   double time_s = 0.0;
   for (long next_output = 1; time_s < schedule.end_s; ++next_output) {
     const double until_s = std::min(schedule.end_s, static_cast<double>(next_output) * options.output_period_s);
-    fem_offline::follow_schedule(affine.boundaries, schedule, {time_s, until_s, options.max_step_s}, stepper, values);
+    fem_offline::follow_schedule(affine.boundaries, schedule,
+                                 {time_s, until_s, options.max_step_s, options.fixed_steps ? 0.0 : options.tolerance_K},
+                                 stepper, values);
     time_s = until_s;
-    note_temperatures(stepper.temperatures_K(), options);
+    note_temperatures(model, stepper.temperatures_K(), options);
     series.add(time_s, field());
   }
   if (options.json) {
@@ -164,7 +170,7 @@ void run_field(const FeModel& model, SolveOptions& options) {
     values.conductance_W_per_m2K.setZero();
   }
   SolvedField field = solved_field(affine, values, still.temperatures_K, still.datum_K);
-  if (still.is_solved) note_temperatures(still.temperatures_K, options);
+  if (still.is_solved) note_temperatures(model, still.temperatures_K, options);
   if (still.is_solved) field.heat = fem_offline::steady_heat_balance(affine, values, still.temperatures_K);
   field.stresses = model.probed_stresses(still.temperatures_K);
   if (options.json) {
@@ -191,10 +197,18 @@ void add_solve(CLI::App& app) {
                                    "deformation of a uniform rise above the reference temperature")
                       ->check(finite_range(-1e3, 1e3, "-1000 to 1000 K"));
   const CLI::Validator duration = finite_range(1e-3, 1e6, "1e-3 to 1e6 s");
-  command->add_option("--max-step", options->max_step_s, "longest time step along a schedule, s")
-      ->check(duration)
-      ->needs(schedule)
-      ->capture_default_str();
+  auto* tolerance = command
+                        ->add_option("--step-tolerance-K", options->tolerance_K,
+                                     "what a time step along a schedule may err; steps follow it")
+                        ->check(finite_range(1e-8, 1.0, "1e-8 to 1 K"))
+                        ->needs(schedule)
+                        ->capture_default_str();
+  auto* max_step =
+      command
+          ->add_option("--max-step", options->max_step_s, "steps of order 2 up to this long in place of a tolerance, s")
+          ->check(duration)
+          ->needs(schedule)
+          ->excludes(tolerance);
   command->add_option("--output-period", options->output_period_s, "period of the time series, s")
       ->check(duration)
       ->needs(schedule)
@@ -207,7 +221,8 @@ void add_solve(CLI::App& app) {
   options->plausibility.add_to(*command);
   steady->excludes(schedule);
   uniform->excludes(steady)->excludes(schedule);
-  command->callback([options] {
+  command->callback([options, max_step] {
+    options->fixed_steps = max_step->count() > 0;
     const FeModel model = read_model(options->spindle_path, options->plausibility);
     // Before the solution, so that a folder that cannot be made costs no time.
     if (!options->vtu_directory.empty()) make_folder(options->vtu_directory, "--vtu");

@@ -13,9 +13,10 @@ namespace {
 
 void print_header(const AffineModel& model) {
   std::printf("time_s");
-  for (const auto& point : model.key_points) std::printf(",%s_K", point.name.c_str());
-  for (const auto& part : model.parts) std::printf(",%s_max_K", part.name.c_str());
+  for (const auto& point : model.key_points) std::printf(",%s_degC", point.name.c_str());
+  for (const auto& part : model.parts) std::printf(",%s_max_degC", part.name.c_str());
   for (const auto& output : model.deformations) std::printf(",%s_um", output.name.c_str());
+  for (const auto& output : model.contact_pressures) std::printf(",%s_MPa", output.name.c_str());
   for (const auto& circuit : model.boundaries.circuits) {
     std::printf(",%s_outlet_degC,%s_heat_W", circuit.name.c_str(), circuit.name.c_str());
   }
@@ -23,10 +24,12 @@ void print_header(const AffineModel& model) {
 }
 
 void print_row(double time_s, const SolvedField& field) {
+  const double datum_degC = field.datum_K - rom::zero_degC_K;
   std::printf("%.3f", time_s);
-  for (const double rise_K : field.key_points_K) std::printf(",%.4f", rise_K);
-  for (const PartRise& rise : field.parts) std::printf(",%.4f", rise.max_K);
+  for (const double rise_K : field.key_points_K) std::printf(",%.4f", datum_degC + rise_K);
+  for (const PartRise& rise : field.parts) std::printf(",%.4f", datum_degC + rise.max_K);
   for (const double moved_um : field.deformation_um) std::printf(",%.4f", moved_um);
+  for (const double pressure_MPa : field.contact_pressure_MPa) std::printf(",%.4f", pressure_MPa);
   for (Eigen::Index c = 0; c < field.coolant.heat_W.size(); ++c) {
     std::printf(",%.4f,%.4f", field.coolant.outlet_K[c] - rom::zero_degC_K, field.coolant.heat_W[c]);
   }

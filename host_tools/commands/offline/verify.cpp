@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -11,12 +12,14 @@
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/error_limit.hpp"
 #include "fem_offline/reduce/network_checks.hpp"
+#include "fem_offline/reduce/worst_search.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/offline/accuracy_options.hpp"
 #include "host_tools/commands/offline/certificate_report.hpp"
 #include "host_tools/commands/offline/progress.hpp"
 #include "host_tools/commands/offline/read_model.hpp"
+#include "host_tools/commands/offline/worst_report.hpp"
 #include "host_tools/commands/plausibility.hpp"
 #include "host_tools/inspection/certificate_json.hpp"
 #include "rom/file/rom_file.hpp"
@@ -33,6 +36,7 @@ struct VerifyArguments {
   std::string spindle_path;
   fem_offline::VerifyOptions options;
   std::string box = "whole";
+  int search_cases = 0;
   bool json = false;
   Plausibility plausibility;
 };
@@ -78,12 +82,22 @@ void print_limits(const fem_offline::LimitCheck& limits) {
 }
 
 void print_json(const rom::Network& network, const fem_offline::LimitCheck& limits,
-                const fem_offline::NetworkChecks& checks) {
+                const fem_offline::NetworkChecks& checks, const std::optional<fem_offline::WorstFound>& found) {
   nlohmann::ordered_json result = {{"nodes", network.nodes.size()}};
   result.update(certificate_to_json(network));
   if (!limits.outputs.empty()) result["limits_of_file"] = limits_json(limits);
+  if (found) result["worst_found"] = worst_found_json(*found, network.boundaries);
   result["checks"] = checks_json(checks);
   std::printf("%s\n", result.dump(2).c_str());
+}
+
+fem_offline::WorstFound search(const VerifyArguments& arguments, const rom::Network& network,
+                               const fem_offline::FeModel& model, const fem_offline::VerifyOptions& options,
+                               ProgressDisplay& display) {
+  const fem_offline::WorstSearchOptions search{arguments.search_cases, options.seed, options.threads,
+                                               options.drive.box};
+  return fem_offline::search_worst(network, model.affine(), search,
+                                   [&](const std::string& stage, double fraction) { display.show(stage, fraction); });
 }
 
 void run(VerifyArguments& arguments) {
@@ -113,14 +127,17 @@ void run(VerifyArguments& arguments) {
   rom::Network measured = network;
   measured.certificate = report.certificate;
   measured.certificate.mesh_size_m = model.description().mesh.element_size_m;
+  std::optional<fem_offline::WorstFound> found;
+  if (arguments.search_cases > 0) found = search(arguments, network, model, options, display);
   if (arguments.json) {
-    print_json(measured, limits, checks);
+    print_json(measured, limits, checks, found);
   } else {
     std::printf("%zu nodes against the FE model of %u unknowns, %s box%s\n", network.nodes.size(),
                 measured.certificate.fe_unknowns, arguments.box.c_str(),
                 options.drive.drift ? ", contacts and films drifting by up to 2x per 10 min" : "");
     print_certificate(measured);
     print_limits(limits);
+    if (found) print_worst_found(*found, network.boundaries);
     print_checks(checks);
   }
   if (!checks.passed()) throw std::runtime_error(arguments.network_path + ": the network breaks a law of its kind");
@@ -144,12 +161,17 @@ void add_verify(CLI::App& app) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_option("--fe-step", arguments->options.fe_step_s, "longest time step of the FE solution, s")
-      ->check(finite_range(0.01, 32.0, "0.01 to 32 s"))
+      ->check(finite_range(0.01, 128.0, "0.01 to 128 s"))
       ->capture_default_str();
   command->add_flag("--drift", arguments->options.drive.drift,
                     "contacts and films move during the run, by up to a factor of two in ten minutes");
   command->add_option("--box", arguments->box, "factors on contacts and films that cases are drawn from")
       ->check(CLI::IsMember({"whole", "small"}))
+      ->capture_default_str();
+  command
+      ->add_option("--search", arguments->search_cases,
+                   "jumps to look through for the worst error in the box, besides the random cases; 0 for none")
+      ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   arguments->plausibility.add_to(*command);
   command->add_flag("--json", arguments->json, "as JSON");

@@ -36,7 +36,8 @@ double left_over_K(int sets, int histories) {
   const CholeskyFactor analysed(system.capacity_lower());
   double worst_K = 0.0;
   for (std::uint32_t set = 0; set < 12; ++set) {
-    Eigen::MatrixXd fields = full_history(milling(), system, analysed, options, set);
+    Eigen::MatrixXd fields = full_history(
+        milling(), system, analysed, random_history(milling().boundaries, options, StreamPurpose::full_histories, set));
     fields -= basis * (basis.transpose() * fields).eval();
     worst_K = std::max(worst_K, fields.cwiseAbs().maxCoeff());
   }

@@ -162,5 +162,20 @@ TEST(Verify, refuses_a_network_of_another_model) {
   EXPECT_THROW(verify_network(other, make_grid_model(), {}), std::invalid_argument);
 }
 
+TEST(Verify, cases_are_added_as_long_as_a_limit_is_wider_than_wanted) {
+  VerifyOptions options;
+  options.cases = 12;
+  options.seed = 77;
+  const AffineModel model = make_grid_model();
+  const rom::Certificate few = verify_until(verified_network(), model, options, {1e3, 1e3, 1e3}).certificate;
+  EXPECT_EQ(few.cases, 12U);
+  const VerifyReport all = verify_until(verified_network(), model, options, {0.0, 0.0, 0.0});
+  EXPECT_EQ(all.certificate.cases, 59U);
+  EXPECT_FALSE(all.certificate.limit_rule.fitted);
+  // The same cases as in one go.
+  options.cases = 59;
+  EXPECT_EQ(verify_network(verified_network(), model, options).errors, all.errors);
+}
+
 }  // namespace reduce_verify_test
 }  // namespace spindle_twin::fem_offline

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace spindle_twin::fem_offline {
 namespace solve_fe_solver_test {
@@ -152,6 +154,31 @@ TEST(FeStepper, steps_after_a_jump_are_shorter) {
   const Eigen::Vector2d expected_K = exact_K(after, Eigen::Vector2d(290.0, 290.0), 40.0);
   const double rise_K = expected_K[0] - 290.0;
   EXPECT_LT((stepper.temperatures_K() - expected_K).lpNorm<Eigen::Infinity>(), 1e-3 * rise_K);
+}
+
+TEST(FeStepper, steps_within_a_tolerance_err_by_about_that_and_are_many_only_where_much_happens) {
+  const AffineModel model = two_lumps();
+  const rom::BoundaryValues values = values_of(5.0, 3.0, 30.0, 290.0);
+  const Eigen::Vector2d start_K(310.0, 295.0);
+  double looser_K = 1.0;
+  for (const double tolerance_K : {1e-2, 1e-4, 1e-6}) {
+    FeStepper stepper(model, FeScheme::order_4);
+    stepper.set_temperatures(start_K);
+    double worst_K = 0.0;
+    for (const double until_s : {1.0, 10.0, 60.0, 200.0}) {
+      const double from_s = until_s == 1.0 ? 0.0 : until_s == 10.0 ? 1.0 : until_s == 60.0 ? 10.0 : 60.0;
+      stepper.advance_within(until_s - from_s, tolerance_K, values);
+      worst_K = std::max(worst_K, (stepper.temperatures_K() - exact_K(values, start_K, until_s)).cwiseAbs().maxCoeff());
+    }
+    EXPECT_LT(worst_K, 5.0 * tolerance_K);
+    EXPECT_LT(worst_K, looser_K);
+    looser_K = worst_K;
+  }
+}
+
+TEST(FeStepper, only_the_rule_of_order_four_follows_a_tolerance) {
+  FeStepper stepper(two_lumps());
+  EXPECT_THROW(stepper.advance_within(1.0, 1e-4, values_of(5.0, 3.0, 30.0, 290.0)), std::logic_error);
 }
 
 }  // namespace solve_fe_solver_test

@@ -1,0 +1,94 @@
+#include "fem_offline/reduce/history_errors.hpp"
+
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "fem_offline/reduce/dense_model.hpp"
+#include "fem_offline/reduce/full_histories.hpp"
+#include "fem_offline/reduce/parallel.hpp"
+#include "fem_offline/reduce/trajectory.hpp"
+#include "rom/integrate/coolant.hpp"
+#include "rom/integrate/outputs.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+/// One worker's matrices and the analysis that all its factors share.
+struct Worker {
+  explicit Worker(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
+  ThermalSystem system;
+  CholeskyFactor analysed;
+};
+
+/// The network along a history; gives every field's node temperatures to `visit(column, temperatures_K)`.
+template <typename Visit>
+void follow(const DenseModel& model, const rom::Boundaries& boundaries, const History& history, const Visit& visit) {
+  const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
+  HeldModel held;
+  const auto hold = [&](const rom::BoundaryValues& values) {
+    hold_inputs(model, boundaries, segments, values, 0.0, held);
+  };
+  std::size_t state = 0;
+  hold(history.states[state]);
+  Eigen::VectorXd temperatures_K;
+  if (history.uniform_rise_K) {
+    temperatures_K = (boundaries.reference_temperature_K + *history.uniform_rise_K) * model.uniform;
+  } else {
+    temperatures_K = ShiftedModel(model, held, 0.0).solve(held.drive);
+  }
+  Eigen::Index column = 0;
+  visit(column++, temperatures_K);
+  for (const HistoryStep& step : history.steps) {
+    if (step.state != state) hold(history.states[state = step.state]);
+    const double rate_per_s = 1.0 / step.step_s;
+    const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * temperatures_K);
+    temperatures_K = ShiftedModel(model, held, rate_per_s).solve(heat_W);
+    visit(column++, temperatures_K);
+  }
+}
+
+}  // namespace
+
+std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOptions& options, int count,
+                                        const Progress& progress) {
+  const double datum_K = model.boundaries.reference_temperature_K;
+  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
+  std::vector<FeHistory> histories(static_cast<std::size_t>(count));
+  std::atomic<int> finished{0};
+  for_each_index(count, options.threads, [&](int index, int worker) {
+    auto& own = workers[static_cast<std::size_t>(worker)];
+    if (!own) own = std::make_unique<Worker>(model);
+    FeHistory& item = histories[static_cast<std::size_t>(index)];
+    item.history =
+        random_history(model.boundaries, options, StreamPurpose::size_choice, static_cast<std::uint32_t>(index));
+    const Eigen::MatrixXd fields = full_history(model, own->system, own->analysed, item.history);
+    item.outputs.resize(output_layout(model).total(), fields.cols());
+    for (Eigen::Index i = 0; i < fields.cols(); ++i) {
+      item.outputs.col(i) = fe_outputs(model, fields.col(i).array() + datum_K);
+    }
+    const int done = ++finished;
+    if (worker == 0 && progress) progress("FE histories", static_cast<double>(done) / count);
+  });
+  return histories;
+}
+
+Eigen::MatrixXd history_errors(const rom::Network& network, const std::vector<FeHistory>& histories, int threads) {
+  const DenseModel model = dense_model_of(network);
+  Eigen::MatrixXd errors(histories.front().outputs.rows(), static_cast<Eigen::Index>(histories.size()));
+  for_each_index(static_cast<int>(histories.size()), threads, [&](int index, int) {
+    const FeHistory& item = histories[static_cast<std::size_t>(index)];
+    rom::NetworkOutputs now = rom::make_network_outputs(network);
+    Eigen::VectorXd outputs(errors.rows());
+    Eigen::VectorXd largest = Eigen::VectorXd::Zero(errors.rows());
+    follow(model, network.boundaries, item.history, [&](Eigen::Index column, const Eigen::VectorXd& temperatures_K) {
+      rom::evaluate_outputs(network, temperatures_K, now);
+      outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m, now.contact_pressures_Pa;
+      largest = largest.cwiseMax((outputs - item.outputs.col(column)).cwiseAbs());
+    });
+    errors.col(index) = largest;
+  });
+  return errors;
+}
+
+}  // namespace spindle_twin::fem_offline
