@@ -1,10 +1,23 @@
 #include "fem_offline/exchange_files/calculix_run.hpp"
 
+#include <cmath>
 #include <filesystem>
 
 #include "fem_offline/exchange_files/deck_files.hpp"
 
 namespace spindle_twin::fem_offline {
+
+std::vector<TimeStage> time_stages(const DeckPlan& plan) {
+  std::vector<TimeStage> stages;
+  double from_s = 0.0;
+  for (const double until_s : plan.output_times_s) {
+    const double wanted_s = from_s < 60.0 ? 2.0 : from_s < 300.0 ? 6.0 : from_s < 900.0 ? 20.0 : 45.0;
+    const double pairs = std::ceil(0.5 * (until_s - from_s) / wanted_s);
+    stages.push_back({until_s, 0.5 * (until_s - from_s) / pairs});
+    from_s = until_s;
+  }
+  return stages;
+}
 
 void write_calculix_run(std::size_t nodes, bool with_growth, const std::string& directory) {
   DeckFile file(directory, "run");

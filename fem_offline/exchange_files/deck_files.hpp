@@ -12,6 +12,11 @@ namespace spindle_twin::fem_offline {
 /// Decks are written in degC.
 inline double degC(double temperature_K) { return temperature_K - rom::zero_degC_K; }
 
+/// Names of CalculiX' sets: P part, M material, A and B the sides of a pair, G gap, I contact, V fluid.
+inline std::string set_name(char letter, std::size_t number) {
+  return std::string(1, letter).append(std::to_string(number));
+}
+
 /// Makes the folder. Throws rom::InputError if that is not possible.
 void make_deck_folder(const std::string& directory);
 

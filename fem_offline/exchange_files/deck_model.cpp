@@ -9,6 +9,7 @@
 #include <set>
 
 #include "fem_offline/description/model_places.hpp"
+#include "fem_offline/exchange_files/deck_rows.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -37,7 +38,7 @@ void refuse_what_decks_cannot_carry(const Spindle& spindle) {
 }
 
 /// Why the decks carry no growth; empty: they do, or none is asked for.
-std::string growth_left_out(const Spindle& spindle, const DeckModel& deck) {
+std::string growth_left_out(const Spindle& spindle) {
   const auto reason = [](const rom::SourceLine& where, const std::string& field, const std::string& text) {
     return std::string(rom::InputError(where, field, text).what());
   };
@@ -45,21 +46,11 @@ std::string growth_left_out(const Spindle& spindle, const DeckModel& deck) {
   for (const Support& support : spindle.supports) {
     if (support.is_point() || support.hold_r != Hold::free || support.hold_z != Hold::fixed) {
       return reason(support.where, "support",
-                    "decks know only a face held along z, no point, spring or plane, nothing "
-                    "along r");
+                    "decks know only a face held along z, no point, spring or plane, nothing along r");
     }
   }
   for (const DeformationOutput& output : spindle.deformations) {
-    if (output.at || output.minus) {
-      return reason(output.where, output.name, "decks know only the mean over a face, no point and no difference");
-    }
-  }
-  for (const DeckPair& pair : deck.pairs) {
-    if (pair.kind != PieceKind::contact || pair.matching) continue;
-    const Contact& contact = spindle.contacts[pair.index];
-    return reason(contact.where, "contact",
-                  "the meshes of '" + spindle.parts[contact.part_a].name + "' and '" +
-                      spindle.parts[contact.part_b].name + "' do not match, so that their nodes cannot be bonded");
+    if (output.at) return reason(output.where, output.name, "decks know only means over a face, no point");
   }
   return {};
 }
@@ -118,6 +109,22 @@ void sort_sides(DeckModel& deck) {
   }
 }
 
+/// 10⁴ E / h, h the shortest side of an element on the two faces: that of the model's own surface spring.
+double tie_N_per_m3(const Spindle& spindle, const DeckModel& deck, const DeckPair& pair) {
+  constexpr double over_element = 1e4;
+  double least_m = std::numeric_limits<double>::max(), modulus_Pa = 0.0;
+  for (const std::size_t piece : {pair.piece_a, pair.piece_b}) {
+    for (const DeckSide& side : deck.sides_of_piece[piece]) {
+      const auto [a, b, middle] = nodes_of(deck, side);
+      least_m =
+          std::min(least_m, std::hypot(deck.nodes[b].r_m - deck.nodes[a].r_m, deck.nodes[b].z_m - deck.nodes[a].z_m));
+    }
+    const Part& part = spindle.parts[deck.section.pieces[piece].part];
+    modulus_Pa = std::max(modulus_Pa, spindle.materials[part.material].youngs_modulus_Pa);
+  }
+  return over_element * modulus_Pa / least_m;
+}
+
 void add_pairs(const Spindle& spindle, const rom::BoundaryValues& values, DeckModel& deck) {
   const auto& pieces = deck.section.pieces;
   for (std::size_t a = 0; a < pieces.size(); ++a) {
@@ -130,14 +137,9 @@ void add_pairs(const Spindle& spindle, const rom::BoundaryValues& values, DeckMo
                                           : conductance_of_gap_film(spindle, pieces[a].index);
       DeckPair pair{pieces[a].kind, pieces[a].index, a, b,
                     values.conductance_W_per_m2K[static_cast<Eigen::Index>(conductance)]};
-      std::set<std::size_t> nodes_a, nodes_b;
-      for (const DeckSide& side : deck.sides_of_piece[a]) {
-        for (const std::size_t node : nodes_of(deck, side)) nodes_a.insert(node);
-      }
-      for (const DeckSide& side : deck.sides_of_piece[b]) {
-        for (const std::size_t node : nodes_of(deck, side)) nodes_b.insert(node);
-      }
-      pair.matching = nodes_a.size() == nodes_b.size() && opposite_nodes(deck, pair).size() == nodes_a.size();
+      const std::size_t on_a = nodes_on(deck, a).size(), on_b = nodes_on(deck, b).size();
+      pair.matching = on_a == on_b && opposite_nodes(deck, pair).size() == on_a;
+      if (pair.kind == PieceKind::contact && !pair.matching) pair.tie_N_per_m3 = tie_N_per_m3(spindle, deck, pair);
       deck.pairs.push_back(pair);
     }
   }
@@ -148,8 +150,35 @@ void add_films(const Spindle& spindle, const rom::BoundaryValues& values, DeckMo
     const BoundaryPiece& piece = deck.section.pieces[p];
     if (piece.kind != PieceKind::film) continue;
     const std::size_t conductance = conductance_of_film(spindle, piece.index);
-    deck.films.push_back({p, values.conductance_W_per_m2K[static_cast<Eigen::Index>(conductance)],
-                          spindle.films[piece.index].surrounding});
+    const Film& film = spindle.films[piece.index];
+    const auto fluid = std::find_if(deck.fluids.begin(), deck.fluids.end(), [&](const DeckFluid& known) {
+      return known.circuit ? known.name == film.name : known.surrounding == film.surrounding;
+    });
+    std::optional<std::size_t> sees;
+    if (fluid != deck.fluids.end()) sees = static_cast<std::size_t>(fluid - deck.fluids.begin());
+    deck.films.push_back(
+        {p, values.conductance_W_per_m2K[static_cast<Eigen::Index>(conductance)], film.surrounding, sees});
+  }
+}
+
+/// Volumes of air, then the segments of the circuits in the description's order; the liquid comes from the segment that
+/// the flow passes before.
+void add_fluids(const Spindle& spindle, const rom::BoundaryValues& values, DeckModel& deck) {
+  for (std::size_t s = 0; s < spindle.surroundings.size(); ++s) {
+    if (spindle.surroundings[s].kind != SurroundingKind::air) continue;
+    deck.fluids.push_back({spindle.surroundings[s].name, s, std::nullopt, 0.0, std::nullopt});
+  }
+  for (std::size_t c = 0; c < spindle.circuits.size(); ++c) {
+    const CoolantCircuit& circuit = spindle.circuits[c];
+    const double flow_W_per_K = values.coolant_W_per_K[static_cast<Eigen::Index>(c)];
+    const std::size_t first = deck.fluids.size(), count = circuit.segments.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      std::optional<std::size_t> upstream;
+      if (flow_W_per_K > 0.0 && i > 0) upstream = first + i - 1;
+      if (flow_W_per_K < 0.0 && i + 1 < count) upstream = first + i + 1;
+      deck.fluids.push_back(
+          {spindle.films[circuit.segments[i]].name, circuit.inlet, c, std::abs(flow_W_per_K), upstream});
+    }
   }
 }
 
@@ -196,92 +225,12 @@ void add_heats(const Spindle& spindle, const rom::BoundaryValues& values, DeckMo
   }
 }
 
-/// Serendipity functions of the eight-node square at (x, y) in [-1, 1]², corners counter-clockwise from (-1, -1).
-std::array<double, 8> eight_functions(double x, double y) {
-  constexpr std::array<double, 4> corner_x{-1.0, 1.0, 1.0, -1.0}, corner_y{-1.0, -1.0, 1.0, 1.0};
-  std::array<double, 8> n{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double u = x * corner_x[k], v = y * corner_y[k];
-    n[k] = 0.25 * (1.0 + u) * (1.0 + v) * (u + v - 1.0);
-  }
-  n[4] = 0.5 * (1.0 - x * x) * (1.0 - y);
-  n[5] = 0.5 * (1.0 + x) * (1.0 - y * y);
-  n[6] = 0.5 * (1.0 - x * x) * (1.0 + y);
-  n[7] = 0.5 * (1.0 - x) * (1.0 - y * y);
-  return n;
-}
-
-/// Where the point lies in the straight-sided quadrilateral, Newton on the bilinear map.
-std::pair<double, double> place_in(const DeckModel& deck, const std::array<std::size_t, 8>& element, const Point& at) {
-  const Point& a = deck.nodes[element[0]];
-  const Point& b = deck.nodes[element[1]];
-  const Point& c = deck.nodes[element[2]];
-  const Point& d = deck.nodes[element[3]];
-  double x = 0.0, y = 0.0;
-  for (int turn = 0; turn < 20; ++turn) {
-    const double na = 0.25 * (1 - x) * (1 - y), nb = 0.25 * (1 + x) * (1 - y);
-    const double nc = 0.25 * (1 + x) * (1 + y), nd = 0.25 * (1 - x) * (1 + y);
-    const double off_r = na * a.r_m + nb * b.r_m + nc * c.r_m + nd * d.r_m - at.r_m;
-    const double off_z = na * a.z_m + nb * b.z_m + nc * c.z_m + nd * d.z_m - at.z_m;
-    const double rx = 0.25 * ((1 - y) * (b.r_m - a.r_m) + (1 + y) * (c.r_m - d.r_m));
-    const double ry = 0.25 * ((1 - x) * (d.r_m - a.r_m) + (1 + x) * (c.r_m - b.r_m));
-    const double zx = 0.25 * ((1 - y) * (b.z_m - a.z_m) + (1 + y) * (c.z_m - d.z_m));
-    const double zy = 0.25 * ((1 - x) * (d.z_m - a.z_m) + (1 + x) * (c.z_m - b.z_m));
-    const double determinant = rx * zy - ry * zx;
-    x -= (off_r * zy - off_z * ry) / determinant;
-    y -= (off_z * rx - off_r * zx) / determinant;
-  }
-  return {x, y};
-}
-
-DeckRow row_at(const DeckModel& deck, std::size_t part, const Point& at) {
-  double least_excess = std::numeric_limits<double>::max();
-  DeckRow row;
-  for (std::size_t e = 0; e < deck.elements.size(); ++e) {
-    if (deck.part_of_element[e] != part) continue;
-    const auto [x, y] = place_in(deck, deck.elements[e], at);
-    const double excess = std::max(std::abs(x), std::abs(y)) - 1.0;
-    if (!(excess < least_excess)) continue;
-    least_excess = excess;
-    row.clear();
-    const std::array<double, 8> n = eight_functions(std::clamp(x, -1.0, 1.0), std::clamp(y, -1.0, 1.0));
-    for (std::size_t k = 0; k < 8; ++k) {
-      if (std::abs(n[k]) > 1e-12) row.emplace_back(deck.elements[e][k], n[k]);
-    }
-  }
-  return row;
-}
-
-/// Mean over the face with weight r: on a side of three nodes Simpson's rule integrates r times a parabola exactly.
-DeckRow mean_over(const DeckModel& deck, const DeformationOutput& output) {
-  std::map<std::size_t, double> weights;
-  double total = 0.0;
-  for (std::size_t p = 0; p < deck.section.pieces.size(); ++p) {
-    if (deck.section.pieces[p].part != output.part || !lies_in(deck.section.pieces[p], output.face)) continue;
-    for (const DeckSide& side : deck.sides_of_piece[p]) {
-      const auto [a, b, middle] = nodes_of(deck, side);
-      const double length_m = std::hypot(deck.nodes[b].r_m - deck.nodes[a].r_m, deck.nodes[b].z_m - deck.nodes[a].z_m);
-      const std::array<std::pair<std::size_t, double>, 3> parts{
-          {{a, length_m / 6.0}, {b, length_m / 6.0}, {middle, 4.0 * length_m / 6.0}}};
-      for (const auto& [node, weight_m] : parts) {
-        weights[node] += weight_m * deck.nodes[node].r_m;
-        total += weight_m * deck.nodes[node].r_m;
-      }
-    }
-  }
-  DeckRow row;
-  for (const auto& [node, weight] : weights) row.emplace_back(node, output.sign * weight / total);
-  return row;
-}
-
 std::vector<std::size_t> supported(const Spindle& spindle, const DeckModel& deck) {
   std::set<std::size_t> held;
   for (const Support& support : spindle.supports) {
     for (std::size_t p = 0; p < deck.section.pieces.size(); ++p) {
       if (deck.section.pieces[p].part != support.part || !lies_in(deck.section.pieces[p], support.face)) continue;
-      for (const DeckSide& side : deck.sides_of_piece[p]) {
-        for (const std::size_t node : nodes_of(deck, side)) held.insert(node);
-      }
+      held.merge(nodes_on(deck, p));
     }
   }
   return {held.begin(), held.end()};
@@ -292,6 +241,14 @@ std::vector<std::size_t> supported(const Spindle& spindle, const DeckModel& deck
 std::array<std::size_t, 3> nodes_of(const DeckModel& deck, const DeckSide& side) {
   const auto& element = deck.elements[side.element];
   return {element[side.side], element[(side.side + 1) % 4], element[side.side + 4]};
+}
+
+std::set<std::size_t> nodes_on(const DeckModel& deck, std::size_t piece) {
+  std::set<std::size_t> nodes;
+  for (const DeckSide& side : deck.sides_of_piece[piece]) {
+    for (const std::size_t node : nodes_of(deck, side)) nodes.insert(node);
+  }
+  return nodes;
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> opposite_nodes(const DeckModel& deck, const DeckPair& pair) {
@@ -326,10 +283,11 @@ DeckModel make_deck_model(const Spindle& described, const rom::BoundaryValues& v
   add_elements(mesh_section(spindle, deck.section), deck);
   sort_sides(deck);
   add_pairs(spindle, values, deck);
+  add_fluids(spindle, values, deck);
   add_films(spindle, values, deck);
   add_heats(spindle, values, deck);
   for (const KeyPoint& point : spindle.key_points) deck.key_points.push_back(row_at(deck, point.part, point.at));
-  deck.growth_left_out = growth_left_out(spindle, deck);
+  deck.growth_left_out = growth_left_out(spindle);
   if (!deck.growth_left_out.empty()) return deck;
   for (const DeformationOutput& output : spindle.deformations) deck.deformations.push_back(mean_over(deck, output));
   deck.supported_nodes = supported(spindle, deck);
@@ -344,7 +302,7 @@ std::vector<std::size_t> bonded_leaders(const DeckModel& deck) {
     return node;
   };
   for (const DeckPair& pair : deck.pairs) {
-    if (pair.kind != PieceKind::contact) continue;
+    if (pair.kind != PieceKind::contact || !pair.matching) continue;
     for (const auto& [a, b] : opposite_nodes(deck, pair)) {
       const std::size_t of_a = root(a), of_b = root(b);
       leader[std::max(of_a, of_b)] = std::min(of_a, of_b);

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,13 +35,27 @@ struct DeckPair {
   std::size_t piece_a = 0;
   std::size_t piece_b = 0;
   double conductance_W_per_m2K = 0.0;
-  bool matching = true;  ///< every node of one side faces a node of the other
+  bool matching = true;       ///< every node of one side faces a node of the other
+  double tie_N_per_m3 = 0.0;  ///< of a contact that does not match: as stiff a spring bonds its faces
 };
 
+/// A volume of air, or the liquid on its way into a segment of a coolant circuit: its temperature follows from walls.
+///   air      Σ g A (T_wall − T) = C dT/dt
+///   liquid   ṁ c (T − T_upstream) = Σ g A (T_wall − T_upstream) over the segment upstream; into the first the inlet's
+struct DeckFluid {
+  std::string name;                     ///< of the air volume, or of the segment's film
+  std::size_t surrounding = 0;          ///< the air itself, or the circuit's inlet
+  std::optional<std::size_t> circuit;   ///< of liquid
+  double flow_W_per_K = 0.0;            ///< of liquid, |ṁ| c; 0: it stands still, and carries and takes no heat
+  std::optional<std::size_t> upstream;  ///< of liquid: the fluid that it was before; none at the inlet
+};
+
+/// A circuit's segment has the conductance over the liquid that enters it, |ṁ| c (1 − exp(−NTU)) / A, as the model.
 struct DeckFilm {
   std::size_t piece = 0;
   double coefficient_W_per_m2K = 0.0;
   std::size_t surrounding = 0;
+  std::optional<std::size_t> fluid;  ///< into DeckModel::fluids; none: the surrounding's temperature is given
 };
 
 /// Value of an output as a weighted sum over nodes.
@@ -56,11 +72,12 @@ struct DeckModel {  // NOLINT(public-members): plain data, a member for each blo
   std::vector<std::size_t> part_of_node;
   std::vector<std::vector<DeckSide>> sides_of_piece;  ///< one list per Section::pieces
   std::vector<DeckPair> pairs;
+  std::vector<DeckFluid> fluids;  ///< volumes of air, then the segments of all circuits, in the description's order
   std::vector<DeckFilm> films;
   std::vector<DeckVolumeHeat> volume_heats;
   std::vector<DeckSurfaceHeat> surface_heats;
   std::vector<DeckRow> key_points;           ///< in the description's order
-  std::vector<DeckRow> deformations;         ///< mean over the face, weighted by r, times the output's sign
+  std::vector<DeckRow> deformations;         ///< mean over the face, weighted by r, times the sign; `minus` not off
   std::vector<std::size_t> supported_nodes;  ///< u_z = 0
   std::string growth_left_out;  ///< why the two above are empty though growth is asked for: file, line, field
 };
@@ -68,24 +85,27 @@ struct DeckModel {  // NOLINT(public-members): plain data, a member for each blo
 /// Loads are those of `values` (conductances in the order of description/model_places; heats in the description's
 /// order). Throws rom::InputError for a model that the decks cannot carry: planar, not of degree 2, with
 /// radiation, imposed temperatures or start temperatures of single parts. The thermal part goes alone, and
-/// `growth_left_out` says why, with supports other than faces held along z, with outputs at points or of differences,
-/// and where the meshes of two parts in contact do not match.
+/// `growth_left_out` says why, with supports other than faces held along z and with outputs at points.
 DeckModel make_deck_model(const Spindle& spindle, const rom::BoundaryValues& values);
 
 /// End nodes and midside of a side.
 std::array<std::size_t, 3> nodes_of(const DeckModel& deck, const DeckSide& side);
 
+/// Nodes of the sides on a piece.
+std::set<std::size_t> nodes_on(const DeckModel& deck, std::size_t piece);
+
 /// Nodes of `piece_b` that lie opposite to each node of `piece_a`, as pairs (a, b); only for matching pairs.
 std::vector<std::pair<std::size_t, std::size_t>> opposite_nodes(const DeckModel& deck, const DeckPair& pair);
 
-/// Bonded nodes at one place move together: for every node the lowest one of its group, itself if it has none.
+/// Bonded nodes at one place move together, where the meshes of a contact match: for every node the lowest one of its
+/// group, itself if it has none.
 std::vector<std::size_t> bonded_leaders(const DeckModel& deck);
 
-/// Temperatures of the air volumes along time, from our own solution: a program without a node for a volume of
-/// well-mixed air gets them prescribed.
-struct AirHistory {
+/// Temperatures of DeckModel::fluids along time, from our own solution: a program without unknowns for them gets them
+/// prescribed.
+struct FluidHistory {
   std::vector<double> time_s;
-  std::vector<std::vector<double>> air_K;  ///< per time, one per air surrounding in the description's order
+  std::vector<std::vector<double>> fluid_K;  ///< per time, one per fluid
   std::vector<double> steady_K;
 };
 

@@ -32,6 +32,9 @@ struct Wanted {
   std::vector<bool> is_contact;  // of a line
 };
 
+/// Size of a stretch that no part of the grid covers: no cell lies in it.
+constexpr double of_no_part_m = std::numeric_limits<double>::max();
+
 /// Size at a distance from the nearer contact at the ends of the stretch.
 double graded_m(double at, double length_m, double size_m, double contact_m, bool from_start, bool from_end) {
   double graded = size_m;
@@ -73,7 +76,8 @@ double count_of(const std::vector<double>& lines, const Wanted& wanted, std::opt
   double cells = 0.0;
   for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
     cells += std::ceil((lines[i + 1] - lines[i]) / wanted.size_m[i]);
-    const bool graded = contact_m && (wanted.is_contact[i] || wanted.is_contact[i + 1]);
+    const bool graded =
+        contact_m && wanted.size_m[i] < of_no_part_m && (wanted.is_contact[i] || wanted.is_contact[i + 1]);
     if (graded) cells += 2.0 * std::log(1.0 + wanted.size_m[i] / *contact_m) / size_growth + 1.0;
   }
   return cells;
@@ -83,8 +87,8 @@ GridLines divided(std::vector<double> lines, const Wanted& wanted, std::optional
   GridLines result{std::move(lines), {}};
   for (std::size_t i = 0; i + 1 < result.coarse_m.size(); ++i) {
     const double start_m = result.coarse_m[i], length_m = result.coarse_m[i + 1] - start_m;
-    const bool graded =
-        contact_m && *contact_m < wanted.size_m[i] && (wanted.is_contact[i] || wanted.is_contact[i + 1]);
+    const bool graded = contact_m && *contact_m < wanted.size_m[i] && wanted.size_m[i] < of_no_part_m &&
+                        (wanted.is_contact[i] || wanted.is_contact[i + 1]);
     result.fine_m.push_back(graded ? graded_stretch(start_m, length_m, wanted.size_m[i], *contact_m,
                                                     wanted.is_contact[i], wanted.is_contact[i + 1])
                                    : even_stretch(start_m, length_m, wanted.size_m[i]));
@@ -204,9 +208,8 @@ TensorGrid make_tensor_grid(const Spindle& spindle, const Section& section, doub
   }
   r_m = without_doubles(r_m);
   z_m = without_doubles(z_m);
-  const double largest_m = std::numeric_limits<double>::max();
-  Wanted along_r{std::vector<double>(r_m.size() - 1, largest_m), contact_lines(r_m, section, aligned, &Point::r_m)};
-  Wanted along_z{std::vector<double>(z_m.size() - 1, largest_m), contact_lines(z_m, section, aligned, &Point::z_m)};
+  Wanted along_r{std::vector<double>(r_m.size() - 1, of_no_part_m), contact_lines(r_m, section, aligned, &Point::r_m)};
+  Wanted along_z{std::vector<double>(z_m.size() - 1, of_no_part_m), contact_lines(z_m, section, aligned, &Point::z_m)};
   for (std::size_t part = 0; part < section.outlines.size(); ++part) {
     if (!aligned[part]) continue;
     const CoarseCells inside = coarse_cells(r_m, z_m, section.outlines[part]);

@@ -34,6 +34,10 @@ Eigen::VectorXd CoolantCoupling::walls_K(const Eigen::VectorXd& temperatures_K) 
   return (wetted_m2_.transpose() * temperatures_K).cwiseQuotient(segments_.area_m2);
 }
 
+Eigen::VectorXd CoolantCoupling::entering_K(const Eigen::VectorXd& temperatures_K) const {
+  return inlet_K_ + upstream_ * (walls_K(temperatures_K) - inlet_K_);
+}
+
 Eigen::MatrixXd CoolantCoupling::heat_per_inlet_W_per_K() const {
   return Eigen::MatrixXd(wetted_m2_) * film_W_per_m2K_.asDiagonal();
 }

@@ -22,6 +22,8 @@ class CoolantCoupling {
 
   /// Area means of the wetted walls, one per segment.
   Eigen::VectorXd walls_K(const Eigen::VectorXd& temperatures_K) const;
+  /// Temperature of the liquid that enters each segment, T_inlet + U (R T − T_inlet); one per segment.
+  Eigen::VectorXd entering_K(const Eigen::VectorXd& temperatures_K) const;
   /// S Γ: heat that each segment's wall gets per kelvin of its own inlet. [W/K]
   Eigen::MatrixXd heat_per_inlet_W_per_K() const;
   /// U R T. [K]

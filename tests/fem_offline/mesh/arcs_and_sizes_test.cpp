@@ -169,6 +169,14 @@ TEST(Sizes, cells_grow_away_from_a_contact) {
   EXPECT_LE(at_axis_m, spindle.mesh.element_size_m);
 }
 
+/// The pulley is meshed by gmsh, and beyond the cover no part of the grid is left beside it.
+TEST(Sizes, a_contact_beside_a_stretch_without_cells_is_no_reason_to_refuse) {
+  Spindle spindle = read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/belt_driven.toml");
+  const std::size_t without = meshed(spindle).quads.size();
+  spindle.mesh.contact_size_m = 1e-3;
+  EXPECT_GT(meshed(spindle).quads.size(), without);
+}
+
 TEST(Sizes, a_part_may_have_its_own) {
   Spindle spindle = parse_spindle(disc_in_ring("axisymmetric"), "s.toml");
   const auto coarse = mesh_quality(spindle, meshed(spindle));
