@@ -109,13 +109,7 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
     network.certificate = fem_offline::verify_network(network, model.affine(), options, progress).certificate;
     network.certificate.mesh_size_m = model.description().mesh.element_size_m;
   });
-  timed("mesh error", [&] {
-    const fem_offline::Spindle finer = fem_offline::with_half_elements(model.description());
-    const fem_offline::FeModel fine(finer, fem_offline::build_section(finer));
-    progress("mesh error", 0.3);
-    fem_offline::measure_mesh_error(model.affine(), fine.affine(), reduce_options.threads, progress,
-                                    network.certificate);
-  });
+  timed("mesh error", [&] { fem_offline::measure_mesh_error(model, progress, network.certificate); });
 }
 
 void run(BuildArguments& arguments) {
