@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   app.failure_message(usage_message);
 #ifdef SPINDLE_TWIN_OFFLINE
   add_solve(app);
+  add_mesh(app);
   add_build(app);
   add_verify(app);
   add_verify_fem(app);

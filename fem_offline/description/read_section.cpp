@@ -55,13 +55,14 @@ double default_size_mm(const TomlTable& root, Geometry geometry) {
 MeshSettings read_mesh(const TomlTable& root, Geometry geometry, double mesh_factor) {
   MeshSettings mesh;
   const auto table = root.optional_table("mesh");
-  std::optional<double> size_mm, contact_mm, sagitta_mm;
+  std::optional<double> size_mm, contact_mm, corner_mm, sagitta_mm;
   if (table) {
     size_mm = table->optional_number("element_size_mm", element_size_mm);
     mesh.degree = static_cast<int>(table->integer_or("degree", 2, 1, 4));
     mesh.cells_across = static_cast<int>(table->integer_or("cells_across", 1, 1, 20));
     mesh.part_time_limit_s = static_cast<int>(table->integer_or("part_time_limit_s", mesh.part_time_limit_s, 1, 3600));
     contact_mm = table->optional_number("contact_element_size_mm", element_size_mm);
+    corner_mm = table->optional_number("corner_element_size_mm", element_size_mm);
     mesh.curved_arcs = table->boolean_or("curved_arcs", true);
     sagitta_mm = table->optional_number("arc_sagitta_mm", between(1e-5, 100.0));
   }
@@ -70,6 +71,7 @@ MeshSettings read_mesh(const TomlTable& root, Geometry geometry, double mesh_fac
   if (!sagitta_mm) sagitta_mm = *size_mm / 200.0;
   mesh.element_size_m = mesh_factor * *size_mm * metre_per_mm;
   if (contact_mm) mesh.contact_size_m = mesh_factor * *contact_mm * metre_per_mm;
+  if (corner_mm) mesh.corner_size_m = mesh_factor * *corner_mm * metre_per_mm;
   mesh.arc_sagitta_m = mesh_factor * mesh_factor * *sagitta_mm * metre_per_mm;
   return mesh;
 }

@@ -260,6 +260,8 @@ struct MeshSettings {
   int part_time_limit_s = 10;            ///< computing that gmsh may take for one part
   int cells_across = 1;                  ///< least number of elements across the thickness of any part
   std::optional<double> contact_size_m;  ///< element size where parts touch
+  std::optional<double> corner_size_m;   ///< element size at corners that go into the material (mesh/sharp_places)
+  int halvings = 0;                      ///< times that every element is cut in four after all else; in no file
   double arc_sagitta_m = 2e-5;           ///< furthest distance of an arc from its chord
   bool curved_arcs = true;               ///< sides of elements follow the arcs; else the chords
 };

@@ -22,10 +22,10 @@ std::optional<double> share_on(const ArcChord& chord, const Point& at) {
 
 }  // namespace
 
-void bend_sides(const PartOutline& outline, std::size_t first_quad, SectionMesh& mesh) {
+void bend_sides(const PartOutline& outline, std::size_t first_quad, std::size_t last_quad, SectionMesh& mesh) {
   if (outline.arcs.empty()) return;
   std::map<std::pair<std::size_t, std::size_t>, int> uses;
-  for (std::size_t q = first_quad; q < mesh.quads.size(); ++q) {
+  for (std::size_t q = first_quad; q < last_quad; ++q) {
     for (std::size_t k = 0; k < 4; ++k) ++uses[std::minmax(mesh.quads[q][k], mesh.quads[q][(k + 1) % 4])];
   }
   std::map<std::size_t, Point> moved;

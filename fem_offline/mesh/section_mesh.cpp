@@ -7,6 +7,8 @@
 #include "fem_offline/mesh/bend_sides.hpp"
 #include "fem_offline/mesh/gmsh_quads.hpp"
 #include "fem_offline/mesh/mesh_quality.hpp"
+#include "fem_offline/mesh/refine_quads.hpp"
+#include "fem_offline/mesh/sharp_places.hpp"
 #include "fem_offline/mesh/tensor_grid.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -16,8 +18,8 @@ namespace {
 constexpr double least_corner_sine = 0.05;
 constexpr double largest_aspect = 5000.0;
 
-void check_shapes(const Part& named, const SectionMesh& mesh, std::size_t first_quad) {
-  for (std::size_t q = first_quad; q < mesh.quads.size(); ++q) {
+void check_shapes(const Part& named, const SectionMesh& mesh, std::size_t first_quad, std::size_t last_quad) {
+  for (std::size_t q = first_quad; q < last_quad; ++q) {
     const ElementShape shape = shape_of(mesh, mesh.quads[q]);
     if (shape.scaled_jacobian < least_corner_sine || shape.aspect > largest_aspect) {
       const Point& at = mesh.points[mesh.quads[q][0]];
@@ -59,10 +61,19 @@ SectionMesh mesh_section(const Spindle& spindle, const Section& section, double 
     } else {
       add_gmsh_quads(spindle, section, part, element_limit, mesh);
     }
-    check_shapes(spindle.parts[part], mesh, first_quad);
+    check_shapes(spindle.parts[part], mesh, first_quad, mesh.quads.size());
     check_volume(spindle, section, part, mesh, first_quad);
-    bend_sides(section.outlines[part], first_quad, mesh);
-    check_shapes(spindle.parts[part], mesh, first_quad);
+  }
+  if (spindle.mesh.corner_size_m) {
+    grade_towards(sharp_places(spindle, section, mesh), *spindle.mesh.corner_size_m, mesh);
+  }
+  for (int i = 0; i < spindle.mesh.halvings; ++i) halve_quads(mesh);
+  for (std::size_t part = 0; part < section.outlines.size(); ++part) {
+    const auto [first, last] = std::equal_range(mesh.part_of_quad.begin(), mesh.part_of_quad.end(), part);
+    const auto first_quad = static_cast<std::size_t>(first - mesh.part_of_quad.begin());
+    const auto last_quad = static_cast<std::size_t>(last - mesh.part_of_quad.begin());
+    bend_sides(section.outlines[part], first_quad, last_quad, mesh);
+    check_shapes(spindle.parts[part], mesh, first_quad, last_quad);
   }
   return mesh;
 }

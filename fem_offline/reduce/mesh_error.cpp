@@ -1,10 +1,8 @@
 #include "fem_offline/reduce/mesh_error.hpp"
 
 #include <algorithm>
-#include <array>
-#include <stdexcept>
 
-#include "fem_offline/reduce/parallel.hpp"
+#include "fem_offline/mesh/error_left.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
@@ -13,6 +11,17 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr double longest_warm_up_interval_s = 64.0;
+/// Two cuts make sixteen times as many, which take 10 kB each while the growth is assembled. A certificate asks for it
+/// with every network; there the largest models go with one cut and order 1.
+constexpr std::size_t most_unknowns_for_two_cuts = 30000;
+constexpr std::size_t most_unknowns_in_a_certificate = 4000;
+
+Eigen::VectorXd steady_outputs(const AffineModel& model) {
+  const rom::Boundaries& boundaries = model.boundaries;
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
+  return fe_outputs(model, solve_steady(model, values));
+}
 
 /// Outputs through the warm-up, and in the last column at its steady end.
 Eigen::MatrixXd warm_up(const AffineModel& model) {
@@ -25,43 +34,58 @@ Eigen::MatrixXd warm_up(const AffineModel& model) {
     at_s += drive.intervals.back().duration_s;
   }
   Eigen::MatrixXd outputs = run_fe_model(model, drive, longest_warm_up_interval_s).outputs;
-  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
-  rom::evaluate_boundaries(boundaries, boundaries.operating, drive.factors, values);
   outputs.conservativeResize(Eigen::NoChange, outputs.cols() + 1);
-  outputs.rightCols(1) = fe_outputs(model, solve_steady(model, values));
+  outputs.rightCols(1) = steady_outputs(model);
   return outputs;
+}
+
+/// `answer` of the model and of those on its mesh cut once and, as far as unknowns allow, twice. One finer model at a
+/// time: the finest fills gigabytes.
+template <typename Answer>
+std::vector<Eigen::MatrixXd> answers_of_cuts(const FeModel& model, std::size_t most_unknowns, const Answer& answer) {
+  const int cuts = model.affine().places.size() > most_unknowns ? 1 : 2;
+  std::vector<Eigen::MatrixXd> answers = {answer(model.affine())};
+  for (int times = 1; times <= cuts; ++times) {
+    answers.push_back(answer(FeModel(with_halved_elements(model.description(), times), model.section()).affine()));
+  }
+  return answers;
+}
+
+/// Errors of the first of two or three answers of the same size.
+Eigen::MatrixXd errors_of_first(const std::vector<Eigen::MatrixXd>& answers, int degree) {
+  const Eigen::MatrixXd first = answers[1] - answers[0];
+  if (answers.size() == 2) return first.unaryExpr([](double change) { return error_left(change); });
+  const Eigen::MatrixXd second = answers[2] - answers[1];
+  return first.binaryExpr(second, [degree](double a, double b) { return error_left(a, b, degree); });
 }
 
 }  // namespace
 
-Spindle with_half_elements(Spindle spindle) {
-  MeshSettings& mesh = spindle.mesh;
-  mesh.element_size_m *= 0.5;
-  mesh.cells_across *= 2;
-  if (mesh.contact_size_m) *mesh.contact_size_m *= 0.5;
-  for (Part& part : spindle.parts) {
-    if (part.element_size_m) *part.element_size_m *= 0.5;
-  }
+Spindle with_halved_elements(Spindle spindle, int times) {
+  spindle.mesh.halvings += times;
   return spindle;
 }
 
-void measure_mesh_error(const AffineModel& model, const AffineModel& finer, int threads, const Progress& progress,
-                        rom::Certificate& certificate) {
-  const OutputLayout layout = output_layout(model);
-  if (output_layout(finer).total() != layout.total()) {
-    throw std::invalid_argument("the finer FE model has other outputs");
-  }
-  std::array<Eigen::MatrixXd, 2> outputs;
-  for_each_index(2, threads, [&](int index, int worker) {
-    outputs[static_cast<std::size_t>(index)] = warm_up(index == 0 ? finer : model);
-    if (worker == 0 && progress) progress("mesh error", 0.5);
-  });
-  const Eigen::VectorXd change = (outputs[1] - outputs[0]).cwiseAbs().rowwise().maxCoeff();
+void measure_mesh_error(const FeModel& model, const Progress& progress, rom::Certificate& certificate) {
+  double done = 0.0;
+  const auto followed = [&](const AffineModel& affine) -> Eigen::MatrixXd {
+    Eigen::MatrixXd outputs = warm_up(affine);
+    if (progress) progress("mesh error", done += 0.2);
+    return outputs;
+  };
+  const Eigen::MatrixXd errors = errors_of_first(answers_of_cuts(model, most_unknowns_in_a_certificate, followed),
+                                                 model.description().mesh.degree);
+  const Eigen::VectorXd largest = errors.cwiseAbs().rowwise().maxCoeff();
   Eigen::Index at = 0;
-  for (auto* errors : {&certificate.key_points_K, &certificate.part_means_K, &certificate.part_maxima_K,
-                       &certificate.deformations_m, &certificate.contact_pressures_Pa}) {
-    for (rom::OutputError& error : *errors) error.mesh = change[at++];
+  for (auto* errors_of_kind : {&certificate.key_points_K, &certificate.part_means_K, &certificate.part_maxima_K,
+                               &certificate.deformations_m, &certificate.contact_pressures_Pa}) {
+    for (rom::OutputError& error : *errors_of_kind) error.mesh = largest[at++];
   }
+}
+
+Eigen::VectorXd steady_mesh_error(const FeModel& model) {
+  const auto steady = [](const AffineModel& affine) -> Eigen::MatrixXd { return steady_outputs(affine); };
+  return errors_of_first(answers_of_cuts(model, most_unknowns_for_two_cuts, steady), model.description().mesh.degree);
 }
 
 }  // namespace spindle_twin::fem_offline

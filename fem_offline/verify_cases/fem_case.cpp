@@ -159,8 +159,9 @@ std::vector<std::string> case_files(const std::string& directory) {
   return files;
 }
 
-CaseResult run_case(const std::string& path, double mesh_factor) {
-  const Spindle spindle = read_spindle(path, mesh_factor);
+CaseResult run_case(const std::string& path, double mesh_factor, int halvings) {
+  Spindle spindle = read_spindle(path, mesh_factor);
+  spindle.mesh.halvings = halvings;
   if (!spindle.verification || spindle.verification->expectations.empty()) {
     throw rom::InputError({path, 0}, "verification", "a case needs [verification] and at least one [[expect]]");
   }

@@ -29,6 +29,7 @@ void add_registers(CLI::App& app);
 
 #ifdef SPINDLE_TWIN_OFFLINE
 void add_solve(CLI::App& app);
+void add_mesh(CLI::App& app);
 void add_build(CLI::App& app);
 void add_verify(CLI::App& app);
 void add_verify_fem(CLI::App& app);

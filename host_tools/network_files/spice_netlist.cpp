@@ -22,10 +22,11 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double step_s = 1e-3;                  // what a jump of the schedule takes
-constexpr double smallest_column_share = 1e-10;  // of the largest, of a term that follows the schedule
-constexpr double smallest_weight_share = 1e-9;   // of the largest in its row or column
-constexpr double fastest_rate_per_s = 20.0;      // a mode above it is in balance with its inputs at every instant
+constexpr double step_s = 1e-3;                       // what a jump of the schedule takes
+constexpr double smallest_column_share = 1e-10;       // of the largest, of a term that follows the schedule
+constexpr double smallest_modal_column_share = 1e-4;  // the same in modes: most of the columns carry next to nothing
+constexpr double smallest_weight_share = 1e-9;        // of the largest in its row or column
+constexpr double fastest_rate_per_s = 20.0;           // a mode above it is in balance with its inputs at every instant
 
 std::string number(double value) {
   char text[40];
@@ -249,7 +250,8 @@ void Netlist::driven_conductance(std::size_t conductance, const std::string& env
   const Eigen::JacobiSVD<Eigen::MatrixXd> modes(network_.factors_m[conductance], Eigen::ComputeThinU);
   const Eigen::VectorXd& strength = modes.singularValues();
   for (Index k = 0; k < strength.size(); ++k) {
-    if (strength[k] * strength[k] < smallest_column_share * strength[0] * strength[0]) break;
+    const double share = is_modal() ? smallest_modal_column_share : smallest_column_share;
+    if (strength[k] * strength[k] < share * strength[0] * strength[0]) break;
     const Eigen::VectorXd column = strength[k] * modes.matrixU().col(k);
     const std::string mean = joined("w", std::to_string(conductance + 1), "_", std::to_string(k + 1));
     const std::string flow = joined("p", std::to_string(conductance + 1), "_", std::to_string(k + 1));

@@ -134,13 +134,7 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
       network.certificate.worst_found = found.errors();
     });
   }
-  timed("mesh error", [&] {
-    const fem_offline::Spindle finer = fem_offline::with_half_elements(model.description());
-    const fem_offline::FeModel fine(finer, fem_offline::build_section(finer));
-    progress("mesh error", 0.3);
-    fem_offline::measure_mesh_error(model.affine(), fine.affine(), reduce_options.threads, progress,
-                                    network.certificate);
-  });
+  timed("mesh error", [&] { fem_offline::measure_mesh_error(model, progress, network.certificate); });
 }
 
 void run(BuildArguments& arguments) {

@@ -27,12 +27,13 @@ struct VerifyFemArguments {
 };
 
 constexpr const char* orders_name = "orders";
+constexpr const char* estimates_name = "mesh_estimates";
 
 std::vector<CaseResult> run_cases(const VerifyFemArguments& arguments) {
   const std::vector<std::string> files = fem_offline::case_files(arguments.directory);
   std::vector<std::string> known;
   for (const std::string& file : files) known.push_back(std::filesystem::path(file).stem().string());
-  known.push_back(orders_name);
+  known.insert(known.end(), {orders_name, estimates_name});
   std::vector<std::string> wanted = arguments.cases.empty() ? known : arguments.cases;
   for (const std::string& id : wanted) {
     if (std::find(known.begin(), known.end(), id) != known.end()) continue;
@@ -44,8 +45,9 @@ std::vector<CaseResult> run_cases(const VerifyFemArguments& arguments) {
   std::vector<CaseResult> results;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     display.show("cases", static_cast<double>(i) / static_cast<double>(wanted.size()));
-    if (wanted[i] == orders_name) {
-      for (CaseResult& result : fem_offline::run_orders(arguments.directory)) results.push_back(std::move(result));
+    if (wanted[i] == orders_name || wanted[i] == estimates_name) {
+      const auto run_all = wanted[i] == orders_name ? fem_offline::run_orders : fem_offline::run_mesh_estimates;
+      for (CaseResult& result : run_all(arguments.directory)) results.push_back(std::move(result));
       continue;
     }
     const auto at = std::find(known.begin(), known.end(), wanted[i]) - known.begin();
@@ -114,8 +116,10 @@ void run(const VerifyFemArguments& arguments) {
 void add_verify_fem(CLI::App& app) {
   auto arguments = std::make_shared<VerifyFemArguments>();
   CLI::App* command = app.add_subcommand("verify-fem", "Check the FE model against cases with known answers");
-  command->add_option("--case", arguments->cases,
-                      "only these cases, by the name of their file; 'orders' for the orders");
+  command->add_option(
+      "--case", arguments->cases,
+      "only these cases, by the name of their file; 'orders' for the orders of convergence, 'mesh_estimates' "
+      "for what the estimate of the mesh error is worth");
   command->add_option("--cases", arguments->directory, "folder with the cases")->capture_default_str();
   command->add_option("--mesh-factor", arguments->mesh_factor, "times the element sizes of the cases")
       ->check(CLI::Range(0.05, 20.0, "0.05 to 20"))

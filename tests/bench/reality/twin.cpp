@@ -17,9 +17,7 @@ void certify(const TwinOptions& options, rom::Network& network) {
   if (options.rough) verify.cases = 2;
   network.certificate = fem_offline::verify_network(network, model.affine(), verify).certificate;
   network.certificate.mesh_size_m = model.description().mesh.element_size_m;
-  const fem_offline::Spindle finer = fem_offline::with_half_elements(model.description());
-  const fem_offline::FeModel fine(finer, fem_offline::build_section(finer));
-  fem_offline::measure_mesh_error(model.affine(), fine.affine(), options.threads, {}, network.certificate);
+  fem_offline::measure_mesh_error(model, {}, network.certificate);
 }
 
 }  // namespace

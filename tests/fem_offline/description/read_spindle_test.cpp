@@ -86,7 +86,8 @@ TEST(BadDescription, unknown_key) {
             "s.toml:50: surrounding.pocket.colour: unknown key; allowed here: name, kind, capacity_J_per_K");
   EXPECT_EQ(message_of(sample_with("degree = 1", "degre = 1")),
             "s.toml:9: mesh.degre: unknown key, did you mean \"degree\"?; allowed here: element_size_mm, degree, "
-            "cells_across, part_time_limit_s, contact_element_size_mm, curved_arcs, arc_sagitta_mm");
+            "cells_across, part_time_limit_s, contact_element_size_mm, corner_element_size_mm, curved_arcs, "
+            "arc_sagitta_mm");
   EXPECT_EQ(message_of(sample_with("kind = \"coolant\"", "kind = \"coolant\"\ncapacity_J_per_K = 1")),
             "s.toml:46: surrounding.water.capacity_J_per_K: unknown key; allowed here: name, kind");
 }

@@ -17,6 +17,8 @@ const AffineModel& milling() {
     Spindle spindle = read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/four_bearing_milling.toml");
     spindle.mesh.element_size_m = 0.01;
     spindle.mesh.cells_across = 1;
+    spindle.mesh.corner_size_m.reset();
+    for (Part& part : spindle.parts) part.element_size_m.reset();
     return FeModel(spindle, build_section(spindle));
   }();
   return model.affine();
