@@ -20,7 +20,7 @@ Point between(const Point& a, const Point& b, double share) {
   return {a.r_m + share * (b.r_m - a.r_m), a.z_m + share * (b.z_m - a.z_m)};
 }
 
-double length_m(const Point& a, const Point& b) { return std::hypot(b.r_m - a.r_m, b.z_m - a.z_m); }
+double side_length_m(const Point& a, const Point& b) { return std::hypot(b.r_m - a.r_m, b.z_m - a.z_m); }
 
 /// Elements of a part one behind the other, as they were before.
 void sort_by_part(SectionMesh& mesh) {
@@ -56,7 +56,7 @@ class Grading {
   double longest_side_m(std::size_t place) const {
     double longest_m = 0.0;
     for_each_neighbour(place, [&](std::size_t point, std::size_t other) {
-      longest_m = std::max(longest_m, length_m(mesh_.points[point], mesh_.points[other]));
+      longest_m = std::max(longest_m, side_length_m(mesh_.points[point], mesh_.points[other]));
     });
     return longest_m;
   }
@@ -163,7 +163,8 @@ class Grading {
       open.pop_back();
       for_each_neighbour(from, [&](std::size_t point, std::size_t other) {
         const Point& at = mesh_.points[other];
-        const bool is_close = length_m(centre, at) < close_m || length_m(mesh_.points[point], at) < cut_share * close_m;
+        const bool is_close =
+            side_length_m(centre, at) < close_m || side_length_m(mesh_.points[point], at) < cut_share * close_m;
         if (is_close && core.insert(place_of_[other]).second) open.push_back(place_of_[other]);
       });
       for (const std::size_t point : points_at_[from]) {
@@ -181,7 +182,7 @@ class Grading {
     // Filled up along its longest sides too, the core would leave the place as it is.
     bool is_too_large = false;
     for_each_neighbour(place, [&](std::size_t point, std::size_t other) {
-      const bool is_long = length_m(mesh_.points[point], mesh_.points[other]) >= close_m;
+      const bool is_long = side_length_m(mesh_.points[point], mesh_.points[other]) >= close_m;
       is_too_large = is_too_large || (is_long && core.contains(place_of_[other]));
     });
     return is_too_large ? std::set<std::size_t>{place} : core;

@@ -15,15 +15,16 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 /// One worker's matrices and the analysis that all its factors share.
-struct Worker {
-  explicit Worker(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
+struct HistoryWorker {
+  explicit HistoryWorker(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
   ThermalSystem system;
   CholeskyFactor analysed;
 };
 
 /// The network along a history; gives every field's node temperatures to `visit(column, temperatures_K)`.
 template <typename Visit>
-void follow(const DenseModel& model, const rom::Boundaries& boundaries, const History& history, const Visit& visit) {
+void follow_history(const DenseModel& model, const rom::Boundaries& boundaries, const History& history,
+                    const Visit& visit) {
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   HeldModel held;
   const auto hold = [&](const rom::BoundaryValues& values) {
@@ -53,12 +54,12 @@ void follow(const DenseModel& model, const rom::Boundaries& boundaries, const Hi
 std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOptions& options, int count,
                                         const Progress& progress) {
   const double datum_K = model.boundaries.reference_temperature_K;
-  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
+  std::vector<std::unique_ptr<HistoryWorker>> workers(static_cast<std::size_t>(options.threads));
   std::vector<FeHistory> histories(static_cast<std::size_t>(count));
   std::atomic<int> finished{0};
   for_each_index(count, options.threads, [&](int index, int worker) {
     auto& own = workers[static_cast<std::size_t>(worker)];
-    if (!own) own = std::make_unique<Worker>(model);
+    if (!own) own = std::make_unique<HistoryWorker>(model);
     FeHistory& item = histories[static_cast<std::size_t>(index)];
     item.history =
         random_history(model.boundaries, options, StreamPurpose::size_choice, static_cast<std::uint32_t>(index));
@@ -81,11 +82,13 @@ Eigen::MatrixXd history_errors(const rom::Network& network, const std::vector<Fe
     rom::NetworkOutputs now = rom::make_network_outputs(network);
     Eigen::VectorXd outputs(errors.rows());
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(errors.rows());
-    follow(model, network.boundaries, item.history, [&](Eigen::Index column, const Eigen::VectorXd& temperatures_K) {
-      rom::evaluate_outputs(network, temperatures_K, now);
-      outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m, now.contact_pressures_Pa;
-      largest = largest.cwiseMax((outputs - item.outputs.col(column)).cwiseAbs());
-    });
+    follow_history(model, network.boundaries, item.history,
+                   [&](Eigen::Index column, const Eigen::VectorXd& temperatures_K) {
+                     rom::evaluate_outputs(network, temperatures_K, now);
+                     outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m,
+                         now.contact_pressures_Pa;
+                     largest = largest.cwiseMax((outputs - item.outputs.col(column)).cwiseAbs());
+                   });
     errors.col(index) = largest;
   });
   return errors;

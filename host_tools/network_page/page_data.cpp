@@ -1,7 +1,7 @@
 #include "host_tools/network_page/page_data.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>

@@ -30,14 +30,16 @@ namespace {
 using fem_offline::AffineModel;
 using fem_offline::FeModel;
 
+/// How long temperatures that run linearly along a schedule are held at their mean.
+constexpr double longest_held_s = 10.0;
+
 struct SolveOptions {
   std::string spindle_path;
   bool steady = false;
   std::string schedule_path;
   std::optional<double> uniform_rise_K;
-  double max_step_s = 10.0;
+  std::optional<double> max_step_s;  ///< in place of a tolerance
   double tolerance_K = 1e-4;
-  bool fixed_steps = false;
   double output_period_s = 10.0;
   bool json = false;
   bool mesh = false;
@@ -110,7 +112,7 @@ void run_schedule(const FeModel& model, SolveOptions& options) {
   const double start_K = rom::rest_temperature_K(affine.boundaries, state);
 
   fem_offline::FeStepper stepper(affine,
-                                 options.fixed_steps ? fem_offline::FeScheme::order_2 : fem_offline::FeScheme::order_4);
+                                 options.max_step_s ? fem_offline::FeScheme::order_2 : fem_offline::FeScheme::order_4);
   stepper.set_temperatures(fem_offline::initial_temperatures(affine, start_K));
   const auto field = [&] { return solved_field(affine, values, stepper.temperatures_K(), start_K); };
   SolvedSeries series(affine, options.json);
@@ -118,9 +120,10 @@ void run_schedule(const FeModel& model, SolveOptions& options) {
   double time_s = 0.0;
   for (long next_output = 1; time_s < schedule.end_s; ++next_output) {
     const double until_s = std::min(schedule.end_s, static_cast<double>(next_output) * options.output_period_s);
-    fem_offline::follow_schedule(affine.boundaries, schedule,
-                                 {time_s, until_s, options.max_step_s, options.fixed_steps ? 0.0 : options.tolerance_K},
-                                 stepper, values);
+    fem_offline::follow_schedule(
+        affine.boundaries, schedule,
+        {time_s, until_s, options.max_step_s.value_or(longest_held_s), options.max_step_s ? 0.0 : options.tolerance_K},
+        stepper, values);
     time_s = until_s;
     note_temperatures(model, stepper.temperatures_K(), options);
     series.add(time_s, field());
@@ -203,12 +206,10 @@ void add_solve(CLI::App& app) {
                         ->check(finite_range(1e-8, 1.0, "1e-8 to 1 K"))
                         ->needs(schedule)
                         ->capture_default_str();
-  auto* max_step =
-      command
-          ->add_option("--max-step", options->max_step_s, "steps of order 2 up to this long in place of a tolerance, s")
-          ->check(duration)
-          ->needs(schedule)
-          ->excludes(tolerance);
+  command->add_option("--max-step", options->max_step_s, "steps of order 2 up to this long in place of a tolerance, s")
+      ->check(duration)
+      ->needs(schedule)
+      ->excludes(tolerance);
   command->add_option("--output-period", options->output_period_s, "period of the time series, s")
       ->check(duration)
       ->needs(schedule)
@@ -221,8 +222,7 @@ void add_solve(CLI::App& app) {
   options->plausibility.add_to(*command);
   steady->excludes(schedule);
   uniform->excludes(steady)->excludes(schedule);
-  command->callback([options, max_step] {
-    options->fixed_steps = max_step->count() > 0;
+  command->callback([options] {
     const FeModel model = read_model(options->spindle_path, options->plausibility);
     // Before the solution, so that a folder that cannot be made costs no time.
     if (!options->vtu_directory.empty()) make_folder(options->vtu_directory, "--vtu");

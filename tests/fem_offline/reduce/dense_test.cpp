@@ -48,7 +48,7 @@ TEST(PivotRows, are_distinct_and_independent) {
 TEST(ShiftedModel, solves_with_what_the_coolant_carries_and_with_its_transpose) {
   DenseModel model;
   model.capacity = random_definite(30, 7);
-  HeldModel held{random_definite(30, 8), random_matrix(30, 3, 9), random_matrix(30, 3, 10), {}};
+  HeldModel held{random_definite(30, 8), random_matrix(30, 3, 9), random_matrix(30, 3, 10), {}, {}};
   const double rate_per_s = 0.3;
   const Eigen::MatrixXd whole = held.conduction + rate_per_s * model.capacity - held.carried * held.walls.transpose();
   const ShiftedModel shifted(model, held, rate_per_s);

@@ -36,7 +36,9 @@ with open(out, "w") as collected:
         with open(name + ".csv", "w", newline="") as file:
             csv.writer(file).writerows(
                 [header, ["0", *rows[part][1:]], [repr(times[part + 1] - times[part]), *rows[part + 1][1:]]])
-        run([twin, "export", network, "--spice", name + ".cir", "--schedule", name + ".csv"], name + ".export.log")
+        # Nodes are the same from part to part, modes are not.
+        run([twin, "export", network, "--spice", name + ".cir", "--spice-states", "nodes", "--schedule", name + ".csv"],
+            name + ".export.log")
         text = pathlib.Path(name + ".cir").read_text()
         text = re.sub(r"^\.ic v\((n\d+)\)=(\S+)$",
                       lambda line: f".ic v({line[1]})={voltages.get(line[1], line[2])}", text, flags=re.M)
