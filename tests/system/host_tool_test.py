@@ -108,7 +108,7 @@ class Mesh(Case):
 class Tolerance(Case):
     def test_the_nearest_network_is_written_where_none_is_small_enough_and_says_what_misses(self):
         rom = self.folder / "sleeve.rom"
-        result = run("build", SMALL, "-o", rom, "--tolerance", "1K,1e-9um", "--certificate-cases", 1, "--json")
+        result = run("build", SMALL, "-o", rom, "--tolerance", "1K,1e-14um", "--certificate-cases", 1, "--json")
         self.assertEqual(result.returncode, 3, result.stderr)
         said = json.loads(result.stdout)
         self.assertEqual(said["tolerance"]["kept"], False)
