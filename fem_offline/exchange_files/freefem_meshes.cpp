@@ -158,6 +158,28 @@ Point offset_of(const DeckModel& deck, const DeckPair& pair) {
   return {distance_m * normal_r, distance_m * normal_z};
 }
 
+namespace {
+
+/// Pieces whose edges carry a number in the bonded mesh: all outer ones, ties, supports and faces of outputs.
+std::set<std::size_t> pieces_of_growth(const Spindle& spindle, const DeckModel& deck) {
+  std::set<std::size_t> wanted;
+  for (std::size_t p = 0; p < deck.section.pieces.size(); ++p) {
+    if (deck.section.pieces[p].kind != PieceKind::contact) wanted.insert(p);
+  }
+  for (const DeckPair& pair : deck.pairs) {
+    if (pair.tie_N_per_m3 > 0.0) wanted.insert({pair.piece_a, pair.piece_b});
+  }
+  for (const Support& support : spindle.supports) {
+    for (const std::size_t p : pieces_in(deck, support.part, support.face)) wanted.insert(p);
+  }
+  for (const DeformationOutput& output : spindle.deformations) {
+    for (const std::size_t p : pieces_in(deck, output.part, output.face)) wanted.insert(p);
+  }
+  return wanted;
+}
+
+}  // namespace
+
 void write_freefem_meshes(const Spindle& spindle, const DeckModel& deck, const std::string& directory) {
   for (std::size_t p = 0; p < deck.pairs.size(); ++p) {
     if (!deck.pairs[p].matching) write_strips(deck, p, directory);
@@ -179,21 +201,8 @@ void write_freefem_meshes(const Spindle& spindle, const DeckModel& deck, const s
     write_msh(directory, "part_" + std::to_string(part) + ".msh", deck, elements, edges, itself);
   }
   if (deck.deformations.empty()) return;
-  std::set<std::size_t> wanted;
-  for (std::size_t p = 0; p < deck.section.pieces.size(); ++p) {
-    if (deck.section.pieces[p].kind != PieceKind::contact) wanted.insert(p);
-  }
-  for (const DeckPair& pair : deck.pairs) {
-    if (pair.tie_N_per_m3 > 0.0) wanted.insert({pair.piece_a, pair.piece_b});
-  }
-  for (const Support& support : spindle.supports) {
-    for (const std::size_t p : pieces_in(deck, support.part, support.face)) wanted.insert(p);
-  }
-  for (const DeformationOutput& output : spindle.deformations) {
-    for (const std::size_t p : pieces_in(deck, output.part, output.face)) wanted.insert(p);
-  }
   std::vector<Edge> edges;
-  for (const std::size_t p : wanted) {
+  for (const std::size_t p : pieces_of_growth(spindle, deck)) {
     for (const Edge& edge : edges_of(deck, p)) edges.push_back(edge);
   }
   const std::vector<std::size_t> leader = bonded_leaders(deck);

@@ -66,6 +66,7 @@ std::vector<double> graded_stretch(double start_m, double length_m, double size_
 std::vector<double> even_stretch(double start_m, double length_m, double size_m) {
   const int cells = std::max(1, static_cast<int>(std::ceil(length_m / size_m - 1e-6)));
   std::vector<double> fine;
+  fine.reserve(static_cast<std::size_t>(cells) + 1);
   for (int k = 0; k < cells; ++k) fine.push_back(start_m + length_m * k / cells);
   fine.push_back(start_m + length_m);
   return fine;

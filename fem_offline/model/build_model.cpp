@@ -84,7 +84,7 @@ void fill_key_points(const Spindle& spindle, const Discretisation<2>& discretisa
     const Trace trace = trace_at(discretisation, part, point.at);
     Eigen::SparseVector<double> row(static_cast<Eigen::Index>(model.places.size()));
     for (std::size_t i = 0; i < trace.dofs.size(); ++i) row.coeffRef(trace.dofs[i]) += trace.values[i];
-    model.key_points.push_back({point.name, part, point.at, std::move(row)});
+    model.key_points.push_back({point.name, part, point.at, row});
   }
 }
 

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -32,14 +34,16 @@ constexpr const char* estimates_name = "mesh_estimates";
 std::vector<CaseResult> run_cases(const VerifyFemArguments& arguments) {
   const std::vector<std::string> files = fem_offline::case_files(arguments.directory);
   std::vector<std::string> known;
+  known.reserve(files.size() + 2);
   for (const std::string& file : files) known.push_back(std::filesystem::path(file).stem().string());
   known.insert(known.end(), {orders_name, estimates_name});
   std::vector<std::string> wanted = arguments.cases.empty() ? known : arguments.cases;
   for (const std::string& id : wanted) {
     if (std::find(known.begin(), known.end(), id) != known.end()) continue;
     std::string all;
-    for (const std::string& name : known) all += (all.empty() ? "" : ", ") + name;
-    throw rom::InputError({arguments.directory, 0}, "--case", "there is no case \"" + id + "\"; there are: " + all);
+    for (const std::string& name : known) all.append(all.empty() ? "" : ", ").append(name);
+    throw rom::InputError({arguments.directory, 0}, "--case",
+                          fmt::format("there is no case \"{}\"; there are: {}", id, all));
   }
   ProgressDisplay display;
   std::vector<CaseResult> results;
