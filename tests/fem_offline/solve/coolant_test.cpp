@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
@@ -107,6 +108,27 @@ TEST(CoolantSteady, liquid_carries_off_what_it_takes_and_all_heat_leaves) {
     const HeatBalance balance = heat_balance(model, values, temperatures_K);
     EXPECT_NEAR(balance.heat_in_W, balance.heat_out_W, 1e-9 * balance.heat_in_W);
     EXPECT_GT(outlets.heat_W[0], 10.0);
+  }
+}
+
+/// Along the flow each segment warms the liquid by its heat over the flow's capacity, the last one up to the outlet.
+TEST(CoolantSteady, liquid_enters_each_segment_warmed_by_those_before) {
+  for (const double flow_kg_per_s : {0.02, -0.02}) {
+    const AffineModel model = row_of_lumps(flow_kg_per_s);
+    const rom::BoundaryValues values = values_of(model);
+    const Eigen::VectorXd field = solve_steady(model, values);
+    CoolantCoupling coupling(model);
+    coupling.hold(values);
+    const Eigen::VectorXd entering_K = coupling.entering_K(field);
+    ASSERT_EQ(entering_K.size(), lumps);
+    double liquid_K = 293.0;
+    for (int i = 0; i < lumps; ++i) {
+      const int segment = flow_kg_per_s > 0.0 ? i : lumps - 1 - i;
+      EXPECT_NEAR(entering_K[segment], liquid_K, 1e-10) << segment;
+      const double heat_W = values.conductance_W_per_m2K[1 + segment] * 0.01 * (field[segment] - liquid_K);
+      liquid_K += heat_W / (0.02 * 4180.0);
+    }
+    EXPECT_NEAR(liquid_K, coolant_outlets(model, values, field).outlet_K[0], 1e-10);
   }
 }
 

@@ -4,11 +4,13 @@
 compare.py NAME FOLDER, with the folder as left by `run`.
 """
 import json
+import math
 import sys
 from pathlib import Path
 
 LIMIT_K = 0.02
 LIMIT_UM = 0.05
+LIMIT_HEAT_SHARE = 0.001  # of what a circuit takes, for the heat that its walls give to the liquid
 TIMES_S = [60, 300, 900, 1800]
 
 
@@ -68,6 +70,8 @@ def calculix_figures(folder):
             for output, how in outputs["deformations"].items():
                 axis = how["direction"] - 1
                 state[f"um {output}"] = 1e6 * sum(weight * moved_m[node][axis] for node, weight in how["nodes"])
+                if "minus" in how:
+                    state[f"um {output}"] -= state[f"um {how['minus']}"]
     return states
 
 
@@ -77,7 +81,7 @@ def freefem_figures(folder, start_degC):
         fields = line.split()
         if len(fields) == 3 and fields[0] == "timing":
             timing[fields[1]] = float(fields[2])
-        elif len(fields) >= 4 and fields[1] in ("part", "key_point", "deformation_um", "air"):
+        elif len(fields) >= 4 and fields[1] in ("part", "key_point", "deformation_um", "air", "liquid"):
             state = states.setdefault(fields[0], {})
             values = [float(value) for value in fields[3:]]
             if fields[1] == "part":
@@ -85,50 +89,96 @@ def freefem_figures(folder, start_degC):
                 state[f"min {fields[2]}"] = values[1] - start_degC
             elif fields[1] == "key_point":
                 state[f"point {fields[2]}"] = values[0] - start_degC
-            elif fields[1] == "air":
-                state[f"air {fields[2]}"] = values[0] - start_degC
+            elif fields[1] in ("air", "liquid"):
+                state[f"{fields[1]} {fields[2]}"] = {"degC": values[0], "heat_W": values[1]}
             else:
                 state[f"um {fields[2]}"] = values[0]
     return states, timing
 
 
-def air_balances(folder):
-    """CalculiX has the air's temperature prescribed; the heat that its solution then gives to the air, and through it."""
-    outputs = json.loads((folder / "outputs.json").read_text())
-    degC = {node: value[0] for node, value in read_columns(folder / "steady_temperatures_1.inc", 1).items()}
-    for air, data in outputs["air"].items():
-        net_W = through_W = conductance_W_per_K = 0.0
-        for a, b, middle, r_a, r_b, length, coefficient in data["sides"]:
-            # Simpson's rule is exact for radius times the parabola through the three nodes.
-            for node, share, radius in ((a, 1, r_a), (middle, 4, 0.5 * (r_a + r_b)), (b, 1, r_b)):
-                area_m2 = share / 6 * length * 2 * 3.141592653589793 * radius
-                heat_W = coefficient * area_m2 * (degC[node] - data["steady_degC"])
-                net_W += heat_W
-                through_W += abs(heat_W) / 2
-                conductance_W_per_K += coefficient * area_m2
-        yield air, net_W, through_W, net_W / conductance_W_per_K
+def heat_from_walls(sides, degC, fluid_degC):
+    """What the walls give to a fluid, net and as it passes in either direction, in W, and their conductance in W/K."""
+    net_W = through_W = conductance_W_per_K = 0.0
+    for a, b, middle, r_a, r_b, length, coefficient in sides:
+        # Simpson's rule is exact for radius times the parabola through the three nodes.
+        for node, share, radius in ((a, 1, r_a), (middle, 4, 0.5 * (r_a + r_b)), (b, 1, r_b)):
+            area_m2 = share / 6 * length * 2 * math.pi * radius
+            heat_W = coefficient * area_m2 * (degC[node] - fluid_degC)
+            net_W += heat_W
+            through_W += abs(heat_W) / 2
+            conductance_W_per_K += coefficient * area_m2
+    return net_W, through_W, conductance_W_per_K
+
+
+def air_is_balanced(fluids, degC, freefem):
+    """CalculiX has the air's temperature prescribed: its walls must give the air nothing. FreeFEM solves for it."""
+    good = True
+    for air, data in fluids.items():
+        if "circuit" in data:
+            continue
+        net_W, through_W, conductance_W_per_K = heat_from_walls(data["sides"], degC, data["steady_degC"])
+        error_K = net_W / conductance_W_per_K
+        solved_K = freefem[f"air {air}"]["degC"] - data["steady_degC"]
+        print(f"air {air}: {data['steady_degC']:.4f} degC; FreeFEM solves {solved_K:+.5f} K beside it; CalculiX' walls give it "
+              f"{net_W:+.5f} W net of {through_W:.4f} W that pass, {error_K:+.5f} K off balance")
+        good = good and abs(error_K) <= LIMIT_K and abs(solved_K) <= LIMIT_K
+    return good
+
+
+def liquid_is_balanced(fluids, degC, freefem, coolant):
+    """Flow times heat capacity times the liquid's rise, ours, against the heat that the others' walls give to it.
+
+    CalculiX has the liquid's temperature at the entry of each segment prescribed; FreeFEM solves for it.
+    """
+    good = True
+    for circuit, ours in coolant.items():
+        segments = {name: data for name, data in fluids.items() if data.get("circuit") == circuit}
+        flow_W_per_K = next(iter(segments.values()))["flow_W_per_K"]
+        entries = {data.get("upstream"): data["steady_degC"] for data in segments.values()}
+        entries.setdefault(next(name for name in segments if name not in entries), ours["outlet_degC"])
+        sums_W = {"ours": 0.0, "CalculiX": 0.0, "FreeFEM": 0.0}
+        print(f"circuit {circuit}, {flow_W_per_K:.2f} W/K: heat into the liquid, W, and its temperature at the entry, degC")
+        for name, data in segments.items():
+            heats_W = {"ours": flow_W_per_K * (entries[name] - data["steady_degC"]),
+                       "CalculiX": heat_from_walls(data["sides"], degC, data["steady_degC"])[0],
+                       "FreeFEM": freefem[f"liquid {name}"]["heat_W"]}
+            solved_K = freefem[f"liquid {name}"]["degC"] - data["steady_degC"]
+            sums_W = {solver: sums_W[solver] + heats_W[solver] for solver in sums_W}
+            print(f"  {name:24}" + "".join(f"{solver:>10} {heat_W:10.4f}" for solver, heat_W in heats_W.items()) +
+                  f"   entry {data['steady_degC']:9.4f}, FreeFEM {solved_K:+.5f}")
+            good = good and abs(solved_K) <= LIMIT_K
+        shares = {solver: sums_W[solver] / sums_W["ours"] - 1.0 for solver in ("CalculiX", "FreeFEM")}
+        print(f"  {'sum':24}" + "".join(f"{solver:>10} {heat_W:10.4f}" for solver, heat_W in sums_W.items()) +
+              "   off by " + ", ".join(f"{solver} {share:+.2e}" for solver, share in shares.items()) +
+              f" (limit {LIMIT_HEAT_SHARE}); inlet to outlet {sums_W['ours'] / flow_W_per_K:.4f} K")
+        good = good and max(map(abs, shares.values())) <= LIMIT_HEAT_SHARE
+    return good
 
 
 def print_table(name, ours, calculix, freefem):
     print(f"\n== {name}: rises in K, deformations in um; differences to ours")
     print(f"{'':8}{'':28}{'ours':>11}{'CalculiX':>11}{'FreeFEM':>11}{'d CalculiX':>12}{'d FreeFEM':>12}")
-    worst = {"K": [0.0, 0.0], "um": [0.0, 0.0]}
+    worst = {(when, unit): [0.0, 0.0] for when in ("steady state", "first 1800 s") for unit in ("K", "um")}
     for state, figures in ours.items():
         for figure, value in figures.items():
             others = [calculix[state][figure], freefem[state][figure]]
             differences = [other - value for other in others]
-            unit = "um" if figure.startswith("um ") else "K"
-            worst[unit] = [max(seen, abs(new)) for seen, new in zip(worst[unit], differences)]
+            key = ("steady state" if state == "steady" else "first 1800 s", "um" if figure.startswith("um ") else "K")
+            worst[key] = [max(seen, abs(new)) for seen, new in zip(worst[key], differences)]
             print(f"{state:8}{figure:28}{value:11.4f}{others[0]:11.4f}{others[1]:11.4f}"
                   f"{differences[0]:12.4f}{differences[1]:12.4f}")
-    print(f"{name}: largest difference  K: CalculiX {worst['K'][0]:.4f}, FreeFEM {worst['K'][1]:.4f} (limit {LIMIT_K});"
-          f"  um: CalculiX {worst['um'][0]:.4f}, FreeFEM {worst['um'][1]:.4f} (limit {LIMIT_UM})")
-    return max(worst["K"]) <= LIMIT_K and max(worst["um"]) <= LIMIT_UM
+    good = True
+    for (when, unit), (of_calculix, of_freefem) in worst.items():
+        limit = LIMIT_K if unit == "K" else LIMIT_UM
+        good = good and max(of_calculix, of_freefem) <= limit
+        print(f"{name}, {when}: largest difference CalculiX {of_calculix:.4f} {unit}, FreeFEM {of_freefem:.4f} {unit} "
+              f"(limit {limit})")
+    return good
 
 
 def print_timing(folder, freefem_timing):
-    seconds = {run: float((folder / f"{run}.seconds").read_text()) for run in ("1800s", "5400s")}
-    our_step_s = (seconds["5400s"] - seconds["1800s"]) / 3600
+    seconds = {run: float((folder / f"{run}.seconds").read_text()) for run in ("1800s", "3600s")}
+    our_step_s = (seconds["3600s"] - seconds["1800s"]) / 1800
     steps = sum(step["count"] for step in json.loads((folder / "calculix/outputs.json").read_text())["transient_steps"])
     calculix_step_s = float((folder / "calculix/transient.seconds").read_text()) / steps
     print(f"processor time per transient step: ours {1e3 * our_step_s:.3f} ms, CalculiX {1e3 * calculix_step_s:.3f} ms "
@@ -139,17 +189,15 @@ def print_timing(folder, freefem_timing):
 
 def main():
     name, folder = sys.argv[1], Path(sys.argv[2])
-    start_degC = json.loads((folder / "calculix/outputs.json").read_text())["start_degC"]
-    freefem, timing = freefem_figures(folder / "freefem", start_degC)
-    left_out = json.loads((folder / "calculix/outputs.json").read_text()).get("growth_left_out")
-    if left_out:
-        print(f"\n{name}: growth not compared: {left_out}")
+    outputs = json.loads((folder / "calculix/outputs.json").read_text())
+    steady = json.loads((folder / "steady.json").read_text())
+    freefem, timing = freefem_figures(folder / "freefem", outputs["start_degC"])
+    if "growth_left_out" in outputs:
+        print(f"\n{name}: growth not compared: {outputs['growth_left_out']}")
     good = print_table(name, our_figures(folder), calculix_figures(folder / "calculix"), freefem)
-    for air, net_W, through_W, error_K in air_balances(folder / "calculix"):
-        free_K = freefem["steady"][f"air {air}"]
-        print(f"air {air}: FreeFEM solves {free_K:.4f} K; prescribed in CalculiX, whose walls then give it {net_W:+.5f} W "
-              f"net of {through_W:.4f} W that pass, {error_K:+.5f} K off balance")
-        good = good and abs(error_K) <= LIMIT_K
+    degC = {node: value[0] for node, value in read_columns(folder / "calculix/steady_temperatures_1.inc", 1).items()}
+    good = air_is_balanced(outputs["fluids"], degC, freefem["steady"]) and good
+    good = liquid_is_balanced(outputs["fluids"], degC, freefem["steady"], steady.get("coolant", {})) and good
     print_timing(folder, timing)
     return 0 if good else 1
 
