@@ -8,8 +8,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-double distance_m(const Point& a, const Point& b) { return std::hypot(b.r_m - a.r_m, b.z_m - a.z_m); }
-
 double angle_of(const Point& centre, const Point& at) { return std::atan2(at.z_m - centre.z_m, at.r_m - centre.r_m); }
 
 /// The angle within half a turn either way.

@@ -20,8 +20,6 @@ Point between(const Point& a, const Point& b, double share) {
   return {a.r_m + share * (b.r_m - a.r_m), a.z_m + share * (b.z_m - a.z_m)};
 }
 
-double side_length_m(const Point& a, const Point& b) { return std::hypot(b.r_m - a.r_m, b.z_m - a.z_m); }
-
 /// Elements of a part one behind the other, as they were before.
 void sort_by_part(SectionMesh& mesh) {
   std::vector<std::size_t> order(mesh.quads.size());
@@ -49,14 +47,14 @@ class Grading {
   }
 
   std::optional<std::size_t> place_at(const Point& at) const {
-    const auto found = known_.find(key_of(at));
+    const auto found = known_.find(place_key(at));
     return found == known_.end() ? std::nullopt : std::optional(found->second);
   }
 
   double longest_side_m(std::size_t place) const {
     double longest_m = 0.0;
     for_each_neighbour(place, [&](std::size_t point, std::size_t other) {
-      longest_m = std::max(longest_m, side_length_m(mesh_.points[point], mesh_.points[other]));
+      longest_m = std::max(longest_m, distance_m(mesh_.points[point], mesh_.points[other]));
     });
     return longest_m;
   }
@@ -98,14 +96,8 @@ class Grading {
   }
 
  private:
-  using Key = std::pair<long long, long long>;
-
-  static Key key_of(const Point& at) {
-    return {std::llround(at.r_m / same_place_m), std::llround(at.z_m / same_place_m)};
-  }
-
   void register_point(std::size_t point) {
-    const auto [entry, is_new] = known_.try_emplace(key_of(mesh_.points[point]), points_at_.size());
+    const auto [entry, is_new] = known_.try_emplace(place_key(mesh_.points[point]), points_at_.size());
     if (is_new) points_at_.emplace_back();
     points_at_[entry->second].push_back(point);
     place_of_.push_back(entry->second);
@@ -164,7 +156,7 @@ class Grading {
       for_each_neighbour(from, [&](std::size_t point, std::size_t other) {
         const Point& at = mesh_.points[other];
         const bool is_close =
-            side_length_m(centre, at) < close_m || side_length_m(mesh_.points[point], at) < cut_share * close_m;
+            distance_m(centre, at) < close_m || distance_m(mesh_.points[point], at) < cut_share * close_m;
         if (is_close && core.insert(place_of_[other]).second) open.push_back(place_of_[other]);
       });
       for (const std::size_t point : points_at_[from]) {
@@ -182,14 +174,14 @@ class Grading {
     // Filled up along its longest sides too, the core would leave the place as it is.
     bool is_too_large = false;
     for_each_neighbour(place, [&](std::size_t point, std::size_t other) {
-      const bool is_long = side_length_m(mesh_.points[point], mesh_.points[other]) >= close_m;
+      const bool is_long = distance_m(mesh_.points[point], mesh_.points[other]) >= close_m;
       is_too_large = is_too_large || (is_long && core.contains(place_of_[other]));
     });
     return is_too_large ? std::set<std::size_t>{place} : core;
   }
 
   SectionMesh& mesh_;
-  std::map<Key, std::size_t> known_;                 // places
+  std::map<PlaceKey, std::size_t> known_;            // places
   std::vector<std::vector<std::size_t>> points_at_;  // by place, one of each part
   std::vector<std::size_t> place_of_;                // by point
   std::vector<std::vector<std::size_t>> around_;     // numbers of quads, by point

@@ -10,8 +10,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-double length_m(const Point& a, const Point& b) { return std::hypot(b.r_m - a.r_m, b.z_m - a.z_m); }
-
 /// Thinner places do not make elements finer than this part of the size asked for: a sharp edge is thin without end.
 constexpr double least_share = 0.1;
 
@@ -21,7 +19,7 @@ Polygon with_piece_ends(const Polygon& ring, const std::vector<const BoundaryPie
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point& a = ring[i];
     const Point& b = ring[(i + 1) % ring.size()];
-    const double length = length_m(a, b);
+    const double length = distance_m(a, b);
     std::vector<std::pair<double, Point>> between;
     for (const BoundaryPiece* piece : pieces) {
       for (const Point& end : {piece->start, piece->end}) {
@@ -44,7 +42,7 @@ Polygon with_piece_ends(const Polygon& ring, const std::vector<const BoundaryPie
 
 /// How far a ray from the middle of a side runs through the material to the next side.
 double thickness_m(const Rim& rim, const RimSide& side) {
-  const double length = length_m(side.start, side.end);
+  const double length = distance_m(side.start, side.end);
   const Point middle{0.5 * (side.start.r_m + side.end.r_m), 0.5 * (side.start.z_m + side.end.z_m)};
   const double inward_r = -(side.end.z_m - side.start.z_m) / length;
   const double inward_z = (side.end.r_m - side.start.r_m) / length;
@@ -54,7 +52,7 @@ double thickness_m(const Rim& rim, const RimSide& side) {
       const double r = other.end.r_m - other.start.r_m, z = other.end.z_m - other.start.z_m;
       const double to_r = other.start.r_m - middle.r_m, to_z = other.start.z_m - middle.z_m;
       const double cross = inward_r * z - inward_z * r;
-      if (std::abs(cross) < 1e-12 * length_m(other.start, other.end)) continue;
+      if (std::abs(cross) < 1e-12 * distance_m(other.start, other.end)) continue;
       const double along_ray_m = (to_r * z - to_z * r) / cross;
       const double along_side = (to_r * inward_z - to_z * inward_r) / cross;
       if (along_side < 0.0 || along_side > 1.0 || along_ray_m <= same_place_m) continue;
@@ -65,7 +63,7 @@ double thickness_m(const Rim& rim, const RimSide& side) {
 }
 
 bool lies_within(const RimSide& side, const BoundaryPiece& piece) {
-  const double length = length_m(piece.start, piece.end);
+  const double length = distance_m(piece.start, piece.end);
   const double r = (piece.end.r_m - piece.start.r_m) / length, z = (piece.end.z_m - piece.start.z_m) / length;
   for (const Point& at : {side.start, side.end}) {
     const double along_m = (at.r_m - piece.start.r_m) * r + (at.z_m - piece.start.z_m) * z;

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "fem_offline/mesh/element_sizes.hpp"
@@ -33,5 +35,13 @@ SectionMesh mesh_section(const Spindle& spindle, const Section& section, double 
 
 /// Two coordinates closer than this are one.
 inline constexpr double same_place_m = 1e-7;
+
+/// The same for points of one place.
+using PlaceKey = std::pair<long long, long long>;
+inline PlaceKey place_key(const Point& at) {
+  return {std::llround(at.r_m / same_place_m), std::llround(at.z_m / same_place_m)};
+}
+
+inline double distance_m(const Point& a, const Point& b) { return std::hypot(b.r_m - a.r_m, b.z_m - a.z_m); }
 
 }  // namespace spindle_twin::fem_offline

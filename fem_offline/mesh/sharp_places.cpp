@@ -17,10 +17,6 @@ constexpr double whole_turn = 359.0 * degree;
 /// A held face is a plane of symmetry, behind which the corner is there twice.
 constexpr double least_at_held_end = 0.5 * least_reentrant;
 
-using Key = std::pair<long long, long long>;
-
-Key key_of(const Point& at) { return {std::llround(at.r_m / same_place_m), std::llround(at.z_m / same_place_m)}; }
-
 /// Material around a point.
 struct Corner {
   Point at;
@@ -34,14 +30,14 @@ double angle_between(const Point& before, const Point& at, const Point& after) {
   return std::atan2(r1 * z2 - z1 * r2, r1 * r2 + z1 * z2);
 }
 
-std::map<Key, Corner> corners_of(const SectionMesh& mesh) {
-  std::map<Key, Corner> corners;
+std::map<PlaceKey, Corner> corners_of(const SectionMesh& mesh) {
+  std::map<PlaceKey, Corner> corners;
   for (std::size_t q = 0; q < mesh.quads.size(); ++q) {
     const auto& quad = mesh.quads[q];
     for (std::size_t k = 0; k < 4; ++k) {
       const Point& at = mesh.points[quad[k]];
       const double angle = angle_between(mesh.points[quad[(k + 3) % 4]], at, mesh.points[quad[(k + 1) % 4]]);
-      Corner& corner = corners[key_of(at)];
+      Corner& corner = corners[place_key(at)];
       corner.at = at;
       corner.angle += angle;
       corner.angle_of_part[mesh.part_of_quad[q]] += angle;
@@ -53,13 +49,13 @@ std::map<Key, Corner> corners_of(const SectionMesh& mesh) {
 bool is_reentrant(double angle) { return angle > least_reentrant && angle < whole_turn; }
 
 /// The points where two sides of one part meet that stand for arcs.
-std::set<Key> joints_of_arcs(const Section& section) {
-  std::set<Key> joints;
+std::set<PlaceKey> joints_of_arcs(const Section& section) {
+  std::set<PlaceKey> joints;
   for (const PartOutline& outline : section.outlines) {
-    std::set<Key> ends;
+    std::set<PlaceKey> ends;
     for (const ArcChord& arc : outline.arcs) {
       for (const Point& end : {arc.start, arc.end}) {
-        if (!ends.insert(key_of(end)).second) joints.insert(key_of(end));
+        if (!ends.insert(place_key(end)).second) joints.insert(place_key(end));
       }
     }
   }
@@ -78,11 +74,11 @@ bool is_held(const Spindle& spindle, const BoundaryPiece& piece) {
 }
 
 /// How often a point is the end of a held piece: once where holding ends.
-std::map<Key, int> ends_of_held(const Spindle& spindle, const Section& section) {
-  std::map<Key, int> ends;
+std::map<PlaceKey, int> ends_of_held(const Spindle& spindle, const Section& section) {
+  std::map<PlaceKey, int> ends;
   for (const BoundaryPiece& piece : section.pieces) {
     if (!is_held(spindle, piece)) continue;
-    for (const Point& end : {piece.start, piece.end}) ++ends[key_of(end)];
+    for (const Point& end : {piece.start, piece.end}) ++ends[place_key(end)];
   }
   return ends;
 }
@@ -90,8 +86,8 @@ std::map<Key, int> ends_of_held(const Spindle& spindle, const Section& section) 
 }  // namespace
 
 std::vector<Point> sharp_places(const Spindle& spindle, const Section& section, const SectionMesh& mesh) {
-  const std::set<Key> arc_joints = joints_of_arcs(section);
-  const std::map<Key, int> held_ends = ends_of_held(spindle, section);
+  const std::set<PlaceKey> arc_joints = joints_of_arcs(section);
+  const std::map<PlaceKey, int> held_ends = ends_of_held(spindle, section);
   std::vector<Point> places;
   for (const auto& [key, corner] : corners_of(mesh)) {
     if (arc_joints.contains(key)) continue;

@@ -8,8 +8,6 @@
 #include "fem_offline/mesh/element_sizes.hpp"
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
-#include "fem_offline/solve/fe_solver.hpp"
-#include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -29,11 +27,8 @@ struct Answer {
 Answer answer_of(const Spindle& spindle, const Section& section) {
   const FeModel fe(spindle, section);
   const AffineModel& model = fe.affine();
-  rom::BoundaryValues values = rom::make_boundary_values(model.boundaries);
-  rom::evaluate_boundaries(model.boundaries, model.boundaries.operating, rom::no_correction(model.boundaries), values);
-  const Eigen::VectorXd outputs = fe_outputs(model, solve_steady(model, values));
   const OutputLayout layout = output_layout(model);
-  return {model.places.size(), outputs.segment(layout.deformations_at(), layout.deformations)};
+  return {model.places.size(), steady_outputs(model).segment(layout.deformations_at(), layout.deformations)};
 }
 
 double largest_change_m(const Answer& a, const Answer& b) {

@@ -22,9 +22,9 @@ class DriftingFactors {
                   RandomStream random)
       : random_(random), logarithms_(start.array().log()), rates_per_s_(start.size()) {
     for (const rom::Conductance& item : boundaries.conductances) {
-      const bool contact = item.kind == rom::ConductanceKind::contact;
-      low_.push_back(std::log(contact ? box.contact_low : box.film_low));
-      high_.push_back(std::log(contact ? box.contact_high : box.film_high));
+      const rom::Range range = factor_range(box, item);
+      low_.push_back(std::log(range.min));
+      high_.push_back(std::log(range.max));
     }
   }
 
@@ -58,7 +58,7 @@ class DriftingFactors {
 DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std::uint32_t index,
                       const CaseOptions& options) {
   const ParameterBox& box = options.box;
-  RandomStream random(seed, options.purpose, index);
+  RandomStream random(seed, StreamPurpose::verification, index);
   DriveCase result;
   result.factors = rom::no_correction(boundaries);
   result.factors.conductance = random_conductance_factors(boundaries, box, false, random);

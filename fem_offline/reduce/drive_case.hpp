@@ -34,8 +34,6 @@ inline constexpr double drift_doubling_s = 600.0;
 struct CaseOptions {
   ParameterBox box;
   bool drift = false;  ///< contacts and films move during the run
-  /// `verification` for certificates and verify, `size_choice` for the search for a size: never the same cases.
-  StreamPurpose purpose = StreamPurpose::verification;
 };
 
 /// Case `index` of `seed`, a function of these and the options alone: contacts log-uniform 0.1 to 10, films 0.2 to 5; 1

@@ -9,10 +9,16 @@
 
 namespace spindle_twin::fem_offline {
 
+/// A model's thermal matrices and the analysis that all their factors share; for one thread.
+struct AnalysedSystem {
+  explicit AnalysedSystem(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
+  ThermalSystem system;
+  CholeskyFactor analysed;
+};
+
 /// FE fields of a history, a column each, as rises above the reference temperature [K]. A wall that warmed up without
 /// coolant and then meets it is cooled as no steady load cools it.
-/// `system` and `analysed` are the caller's own, for one thread; the system's conductances change.
-Eigen::MatrixXd full_history(const AffineModel& model, ThermalSystem& system, const CholeskyFactor& analysed,
-                             const History& history);
+/// `matrices` are the model's; their conductances change.
+Eigen::MatrixXd full_history(const AffineModel& model, AnalysedSystem& matrices, const History& history);
 
 }  // namespace spindle_twin::fem_offline

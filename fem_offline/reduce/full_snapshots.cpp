@@ -35,11 +35,8 @@ Eigen::VectorXd nominal_conductances(const rom::Boundaries& boundaries) {
 }
 
 /// One worker's matrices and the symbolic analysis that all its factors share.
-struct Worker {
-  explicit Worker(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
-
-  ThermalSystem system;
-  CholeskyFactor analysed;
+struct Worker : AnalysedSystem {
+  using AnalysedSystem::AnalysedSystem;
 
   /// (K + sC)⁻¹ F; with s > 0 as s⁻¹ (C + K/s)⁻¹ F.
   Eigen::MatrixXd solve(const Eigen::VectorXd& conductances, double shift_per_s, const Eigen::MatrixXd& loads) {
@@ -168,7 +165,7 @@ Eigen::MatrixXd full_snapshots(const AffineModel& model, const Loads& loads, con
     if (!worker) worker = std::make_unique<Worker>(model);
     Eigen::MatrixXd& own = of_items[static_cast<std::size_t>(item)];
     own = item < response_sets ? worker->responses(model, loads, options, static_cast<std::uint32_t>(item))
-                               : full_history(model, worker->system, worker->analysed,
+                               : full_history(model, *worker,
                                               random_history(model.boundaries, options, StreamPurpose::full_histories,
                                                              static_cast<std::uint32_t>(item - response_sets)));
     remove_constant(own);

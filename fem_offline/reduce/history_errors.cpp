@@ -9,17 +9,9 @@
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "rom/integrate/coolant.hpp"
-#include "rom/integrate/outputs.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
-
-/// One worker's matrices and the analysis that all its factors share.
-struct HistoryWorker {
-  explicit HistoryWorker(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
-  ThermalSystem system;
-  CholeskyFactor analysed;
-};
 
 /// The network along a history; gives every field's node temperatures to `visit(column, temperatures_K)`.
 template <typename Visit>
@@ -54,16 +46,16 @@ void follow_history(const DenseModel& model, const rom::Boundaries& boundaries, 
 std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOptions& options, int count,
                                         const Progress& progress) {
   const double datum_K = model.boundaries.reference_temperature_K;
-  std::vector<std::unique_ptr<HistoryWorker>> workers(static_cast<std::size_t>(options.threads));
+  std::vector<std::unique_ptr<AnalysedSystem>> workers(static_cast<std::size_t>(options.threads));
   std::vector<FeHistory> histories(static_cast<std::size_t>(count));
   std::atomic<int> finished{0};
   for_each_index(count, options.threads, [&](int index, int worker) {
     auto& own = workers[static_cast<std::size_t>(worker)];
-    if (!own) own = std::make_unique<HistoryWorker>(model);
+    if (!own) own = std::make_unique<AnalysedSystem>(model);
     FeHistory& item = histories[static_cast<std::size_t>(index)];
     item.history =
         random_history(model.boundaries, options, StreamPurpose::size_choice, static_cast<std::uint32_t>(index));
-    const Eigen::MatrixXd fields = full_history(model, own->system, own->analysed, item.history);
+    const Eigen::MatrixXd fields = full_history(model, *own, item.history);
     item.outputs.resize(output_layout(model).total(), fields.cols());
     for (Eigen::Index i = 0; i < fields.cols(); ++i) {
       item.outputs.col(i) = fe_outputs(model, fields.col(i).array() + datum_K);
@@ -80,14 +72,11 @@ Eigen::MatrixXd history_errors(const rom::Network& network, const std::vector<Fe
   for_each_index(static_cast<int>(histories.size()), threads, [&](int index, int) {
     const FeHistory& item = histories[static_cast<std::size_t>(index)];
     rom::NetworkOutputs now = rom::make_network_outputs(network);
-    Eigen::VectorXd outputs(errors.rows());
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(errors.rows());
     follow_history(model, network.boundaries, item.history,
                    [&](Eigen::Index column, const Eigen::VectorXd& temperatures_K) {
                      rom::evaluate_outputs(network, temperatures_K, now);
-                     outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m,
-                         now.contact_pressures_Pa;
-                     largest = largest.cwiseMax((outputs - item.outputs.col(column)).cwiseAbs());
+                     largest = largest.cwiseMax((network_outputs(now) - item.outputs.col(column)).cwiseAbs());
                    });
     errors.col(index) = largest;
   });

@@ -4,7 +4,6 @@
 
 #include "fem_offline/mesh/error_left.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
-#include "fem_offline/solve/fe_solver.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -15,13 +14,6 @@ constexpr double longest_warm_up_interval_s = 64.0;
 /// with every network; there the largest models go with one cut and order 1.
 constexpr std::size_t most_unknowns_for_two_cuts = 30000;
 constexpr std::size_t most_unknowns_in_a_certificate = 4000;
-
-Eigen::VectorXd steady_outputs(const AffineModel& model) {
-  const rom::Boundaries& boundaries = model.boundaries;
-  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
-  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
-  return fe_outputs(model, solve_steady(model, values));
-}
 
 /// Outputs through the warm-up, and in the last column at its steady end.
 Eigen::MatrixXd warm_up(const AffineModel& model) {

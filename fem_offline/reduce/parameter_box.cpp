@@ -21,17 +21,20 @@ double RandomStream::uniform(double low, double high) {
 
 double RandomStream::log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
 
+rom::Range factor_range(const ParameterBox& box, const rom::Conductance& conductance) {
+  const bool contact = conductance.kind == rom::ConductanceKind::contact;
+  return contact ? rom::between(box.contact_low, box.contact_high) : rom::between(box.film_low, box.film_high);
+}
+
 Eigen::VectorXd random_conductance_factors(const rom::Boundaries& boundaries, const ParameterBox& box, bool corner,
                                            RandomStream& random) {
   Eigen::VectorXd factors(static_cast<Eigen::Index>(boundaries.conductances.size()));
   for (Eigen::Index j = 0; j < factors.size(); ++j) {
-    const bool contact = boundaries.conductances[static_cast<std::size_t>(j)].kind == rom::ConductanceKind::contact;
-    const double low = contact ? box.contact_low : box.film_low;
-    const double high = contact ? box.contact_high : box.film_high;
+    const rom::Range range = factor_range(box, boundaries.conductances[static_cast<std::size_t>(j)]);
     if (corner) {
-      factors[j] = random.uniform(0.0, 1.0) < 0.5 ? low : high;
+      factors[j] = random.uniform(0.0, 1.0) < 0.5 ? range.min : range.max;
     } else {
-      factors[j] = random.log_uniform(low, high);
+      factors[j] = random.log_uniform(range.min, range.max);
     }
   }
   return factors;

@@ -44,6 +44,9 @@ class RandomStream {
   std::mt19937_64 engine_;
 };
 
+/// The box's range of factors on a conductance.
+rom::Range factor_range(const ParameterBox& box, const rom::Conductance& conductance);
+
 /// One random factor per conductance: contacts log-uniform in [contact_low, contact_high], all films in
 /// [film_low, film_high]; with `corner` every factor at one end of its range.
 Eigen::VectorXd random_conductance_factors(const rom::Boundaries& boundaries, const ParameterBox& box, bool corner,

@@ -108,7 +108,6 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
 rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
                           ReduceReport* report) {
   check_options(model, options);
-  if (report) *report = {};
   const Reduction reduction(model, options, progress, report);
   return reduction.network(std::min(options.nodes, reduction.most_nodes()), report, progress);
 }

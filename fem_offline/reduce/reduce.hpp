@@ -78,7 +78,7 @@ class Reduction {
 };
 
 /// Reduction and its network of options.nodes in one call; options.nodes must be in [2, unknowns]; fewer come out when
-/// the snapshots span fewer directions.
+/// the snapshots span fewer directions. `report` gets its stages behind those that it has.
 rom::Network reduce_model(const AffineModel& model, const ReduceOptions& options, const Progress& progress = {},
                           ReduceReport* report = nullptr);
 

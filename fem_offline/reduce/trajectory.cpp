@@ -7,7 +7,6 @@
 #include "fem_offline/solve/fe_solver.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
-#include "rom/integrate/outputs.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -61,6 +60,21 @@ Eigen::VectorXd fe_outputs(const AffineModel& model, const Eigen::VectorXd& temp
   return outputs;
 }
 
+Eigen::VectorXd steady_outputs(const AffineModel& model) {
+  const rom::Boundaries& boundaries = model.boundaries;
+  rom::BoundaryValues values = rom::make_boundary_values(boundaries);
+  rom::evaluate_boundaries(boundaries, boundaries.operating, rom::no_correction(boundaries), values);
+  return fe_outputs(model, solve_steady(model, values));
+}
+
+Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs) {
+  Eigen::VectorXd column(outputs.key_points_K.size() + outputs.part_mean_K.size() + outputs.part_maximum_K.size() +
+                         outputs.deformations_m.size() + outputs.contact_pressures_Pa.size());
+  column << outputs.key_points_K, outputs.part_mean_K, outputs.part_maximum_K, outputs.deformations_m,
+      outputs.contact_pressures_Pa;
+  return column;
+}
+
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s) {
   FeStepper stepper(model, FeScheme::order_4);
   stepper.set_uniform_temperature(drive.initial_temperature_K);
@@ -79,17 +93,14 @@ Eigen::VectorXd largest_errors(const rom::Network& network,
   stepper.set_temperatures(Eigen::VectorXd::Constant(static_cast<Eigen::Index>(network.nodes.size()),
                                                      trajectory.drive.initial_temperature_K));
   rom::NetworkOutputs now = rom::make_network_outputs(network);
-  Eigen::VectorXd outputs(trajectory.outputs.rows());
-  Eigen::VectorXd errors = Eigen::VectorXd::Zero(outputs.size());
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(trajectory.outputs.rows());
   follow(network.boundaries, trajectory.drive,
          [&](Eigen::Index i, const HeldInterval& interval, const rom::BoundaryValues& values) {
            if (stepper.advance(interval.duration_s, values) != rom::StepStatus::ok) {
              throw std::runtime_error("the network's integrator failed");
            }
            rom::evaluate_outputs(network, stepper.temperatures_K(), now);
-           outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m,
-               now.contact_pressures_Pa;
-           errors = errors.cwiseMax((outputs - trajectory.outputs.col(i)).cwiseAbs());
+           errors = errors.cwiseMax((network_outputs(now) - trajectory.outputs.col(i)).cwiseAbs());
          });
   return errors;
 }

@@ -6,6 +6,7 @@
 #include "fem_offline/model/affine_model.hpp"
 #include "fem_offline/reduce/drive_case.hpp"
 #include "rom/integrate/network_operator.hpp"
+#include "rom/integrate/outputs.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -28,6 +29,11 @@ struct OutputLayout {
 OutputLayout output_layout(const AffineModel& model);
 /// Every output of a field of FE temperatures; maxima are over all nodes of a part.
 Eigen::VectorXd fe_outputs(const AffineModel& model, const Eigen::VectorXd& temperatures_K);
+
+/// Every output of the FE model in the steady state of the description's operating state.
+Eigen::VectorXd steady_outputs(const AffineModel& model);
+/// What rom::evaluate_outputs gave, in the same order.
+Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs);
 
 /// A drive cycle and what the FE model gives at the end of every interval.
 struct FeTrajectory {

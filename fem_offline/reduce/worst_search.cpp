@@ -15,7 +15,6 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
-#include "rom/integrate/outputs.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -44,10 +43,8 @@ class JumpSpace {
     JumpCase jump;
     jump.factors = rom::no_correction(boundaries_);
     for (Eigen::Index j = 0; j < factors(); ++j) {
-      const bool contact = boundaries_.conductances[static_cast<std::size_t>(j)].kind == rom::ConductanceKind::contact;
-      const double low = contact ? box_.contact_low : box_.film_low;
-      const double high = contact ? box_.contact_high : box_.film_high;
-      jump.factors.conductance[j] = low * std::pow(high / low, place[j]);
+      const rom::Range range = factor_range(box_, boundaries_.conductances[static_cast<std::size_t>(j)]);
+      jump.factors.conductance[j] = range.min * std::pow(range.max / range.min, place[j]);
     }
     jump.before = state(place.segment(factors(), state_size()), Coolant::flows);
     jump.after = state(place.tail(state_size()), Coolant::flows_or_stands);
@@ -137,9 +134,7 @@ class JumpComparison {
 
   Eigen::VectorXd difference(const rom::CvodeStepper& stepper, const FeStepper& fe, rom::NetworkOutputs& now) const {
     rom::evaluate_outputs(network_, stepper.temperatures_K(), now);
-    Eigen::VectorXd outputs(output_layout(model_).total());
-    outputs << now.key_points_K, now.part_mean_K, now.part_maximum_K, now.deformations_m, now.contact_pressures_Pa;
-    return (outputs - fe_outputs(model_, fe.temperatures_K())).cwiseAbs();
+    return (network_outputs(now) - fe_outputs(model_, fe.temperatures_K())).cwiseAbs();
   }
 
   const rom::Network& network_;

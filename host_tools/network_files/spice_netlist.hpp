@@ -8,8 +8,8 @@
 namespace spindle_twin::host_tools {
 
 /// What the capacitors of a netlist stand for: the network's nodes, as they are; or its modes (modal_form.hpp), which
-/// couple only through what follows the schedule. The same outputs; with modes in a hundredth of the time where nodes
-/// are many, but a mode's voltage is nothing that anybody could measure.
+/// couple only through what follows the schedule. The same outputs; with modes ngspice moves on where nodes are
+/// many and films follow the schedule, but a mode's voltage is nothing that anybody could measure.
 enum class SpiceStates { nodes, modes };
 
 /// nodes up to 60 of them, modes beyond.

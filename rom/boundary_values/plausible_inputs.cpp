@@ -95,11 +95,12 @@ std::vector<Implausible> implausible_description(const Boundaries& boundaries, d
   BoundaryValues values = make_boundary_values(boundaries);
   evaluate_boundaries(boundaries, boundaries.operating, no_correction(boundaries), values);
   const double heat_W = values.heat_W.sum();
-  const double most_W = said(boundaries, "heat_W", between(0.0, fastest_warming_K_per_s * capacity_J_per_K)).max;
-  if (heat_W > most_W) {
+  const Range believed_W = said(boundaries, "heat_W", between(0.0, fastest_warming_K_per_s * capacity_J_per_K));
+  if (!is_allowed(believed_W, heat_W)) {
+    const std::string least = believed_W.min > 0.0 ? rounded(believed_W.min) + " to " : "up to ";
     found.push_back({"source", rounded(heat_W) + " W in all are not plausible; they would warm the whole spindle (" +
                                    rounded(capacity_J_per_K) + " J/K) by " + rounded(heat_W / capacity_J_per_K) +
-                                   " K/s, believed is up to " + rounded(most_W) + " W"});
+                                   " K/s, believed is " + least + rounded(believed_W.max) + " W"});
   }
   return found;
 }

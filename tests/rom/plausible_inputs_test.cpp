@@ -106,6 +106,8 @@ TEST(PlausibleRanges, what_the_description_says_takes_the_place_of_every_default
   const std::vector<std::string> described = fields(implausible_description(own, 1e9));
   EXPECT_EQ(described.back(), "source");
   EXPECT_TRUE(described.front().starts_with("film ")) << described.front();
+  own.plausible = {{"heat_W", between(1e8, 2e8)}};
+  EXPECT_EQ(fields(implausible_description(own, 1e9)), std::vector<std::string>{"source"}) << "less than is believed";
 }
 
 constexpr const char* own_ranges =

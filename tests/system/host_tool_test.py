@@ -77,34 +77,6 @@ class Solve(Case):
         self.assertAlmostEqual(float(rows[-1][first]) - float(rows[0][first]), series["key_points_K"][-1][0], delta=2e-4)
 
 
-class Mesh(Case):
-    def test_errors_of_a_mesh_and_the_sizes_that_make_them_small(self):
-        circuit = REFERENCE.parent / "jacket_circuit.toml"
-        described = self.json_of("mesh", circuit)
-        worst_um = max(abs(item["error"]) for item in described["errors"] if item["output"] == "deformation")
-        found = self.json_of("mesh", circuit, "--for-um", 0.01, "--most-times", 6)
-        self.assertTrue(found["reached"])
-        first, last = found["meshes"][0], found["meshes"][-1]
-        self.assertEqual(first["unknowns"], described["unknowns"])
-        self.assertGreater(worst_um / first["error_um"], 0.7)
-        self.assertLess(worst_um / first["error_um"], 1.5)
-        self.assertLess(max(last["error_um"], last["largest_step_um"]), 0.01)
-        text = circuit.read_text()
-        corner_mm = found.get("corner_element_size_mm")
-        if corner_mm:
-            text = text.replace("[mesh]\n", f"[mesh]\ncorner_element_size_mm = {corner_mm:.3g}\n")
-        for part, size_mm in found["part_element_size_mm"].items():
-            text = text.replace(f'name = "{part}"\n', f'name = "{part}"\nelement_size_mm = {size_mm:.3g}\n', 1)
-        written = self.json_of("mesh", self.text("finer.toml", text))
-        self.assertEqual(written["unknowns"], last["unknowns"])
-
-    def test_an_error_that_no_mesh_keeps_ends_with_3_and_a_description_without_growth_is_refused(self):
-        circuit = REFERENCE.parent / "jacket_circuit.toml"
-        self.assertEqual(run("mesh", circuit, "--for-um", 0.001, "--most-times", 1.1).returncode, 3)
-        bare = SMALL.read_text().split("[[deformation]]")[0]
-        self.assertIn("deformation", self.error_of("mesh", self.text("bare.toml", bare), "--for-um", 0.01))
-
-
 class Tolerance(Case):
     def test_the_nearest_network_is_written_where_none_is_small_enough_and_says_what_misses(self):
         rom = self.folder / "sleeve.rom"

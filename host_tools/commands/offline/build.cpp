@@ -153,10 +153,8 @@ void run(BuildArguments& arguments) {
   }
   fem_offline::ReduceOptions options = arguments.reduce;
   options.box = named_box(arguments.box, model.affine().boundaries.reference_speed_rpm);
-  const fem_offline::StageTime model_time = report.stages.front();
   Reduced reduced = reduce(arguments, model.affine(), options, progress, report);
   rom::Network& network = reduced.network;
-  if (report.stages.front().stage != model_time.stage) report.stages.insert(report.stages.begin(), model_time);
   if (arguments.certificate_cases > 0) certify(arguments, model, options, progress, network, report);
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);

@@ -34,12 +34,11 @@ double left_over_K(int sets, int histories) {
   Loads loads = make_loads(milling(), options.box.speed_high_rpm, options.box.load_high);
   const Eigen::MatrixXd basis = full_snapshot_basis(milling(), loads, options, {}).columns;
   options.seed = 99;
-  ThermalSystem system(milling());
-  const CholeskyFactor analysed(system.capacity_lower());
+  AnalysedSystem matrices(milling());
   double worst_K = 0.0;
   for (std::uint32_t set = 0; set < 12; ++set) {
     Eigen::MatrixXd fields = full_history(
-        milling(), system, analysed, random_history(milling().boundaries, options, StreamPurpose::full_histories, set));
+        milling(), matrices, random_history(milling().boundaries, options, StreamPurpose::full_histories, set));
     fields -= basis * (basis.transpose() * fields).eval();
     worst_K = std::max(worst_K, fields.cwiseAbs().maxCoeff());
   }

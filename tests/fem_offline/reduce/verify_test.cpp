@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "fem_offline/reduce/random_history.hpp"
 #include "grid_model.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -97,12 +98,13 @@ TEST(DriveCase, drift_is_bounded_in_rate_and_stays_in_the_box) {
   EXPECT_GT(largest_change, std::log(2.0));
 }
 
-TEST(DriveCase, of_the_search_for_a_size_are_not_those_of_the_certificate) {
+TEST(RandomHistory, of_the_search_for_a_size_is_none_of_the_snapshots) {
   const rom::Boundaries boundaries = make_grid_model().boundaries;
-  CaseOptions options;
-  options.purpose = StreamPurpose::size_choice;
-  EXPECT_NE(random_case(boundaries, 5, 3).factors.conductance,
-            random_case(boundaries, 5, 3, options).factors.conductance);
+  const auto conductances = [&](StreamPurpose purpose) {
+    return random_history(boundaries, {}, purpose, 3).states.front().conductance_W_per_m2K;
+  };
+  EXPECT_NE(conductances(StreamPurpose::size_choice), conductances(StreamPurpose::full_histories));
+  EXPECT_EQ(conductances(StreamPurpose::size_choice), conductances(StreamPurpose::size_choice));
 }
 
 TEST(Verify, network_follows_the_full_model_through_random_drive_cycles) {
