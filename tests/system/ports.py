@@ -7,10 +7,24 @@ import time
 PATIENCE = float(os.environ.get("SPINDLE_TWIN_PATIENCE", "1"))  # for programs that run slowly, as under a sanitizer
 
 
-# Below those that the system gives to clients: one of those may be taken by any connection before a server has it. Each
-# process begins elsewhere and asks for none twice.
-FIRST, COUNT = 16000, 16000
+# Below those that a system gives to clients (from 16000 or 32768 on): one of those may be taken by any connection
+# before a server has it, even by one that tries to reach that server.
+FIRST, COUNT = 10000, 6000
 offers = itertools.count(61 * os.getpid())
+kept = []  # a name per port, held until this process ends
+
+
+def keep_from_others(port):
+    """False if another test's process has this port, though nothing may listen there just now. A name without a file
+    belongs to the network namespace, as the ports do, and goes with its process."""
+    name = socket.socket(socket.AF_UNIX)
+    try:
+        name.bind(f"\0spindle_twin_port_{port}")
+    except OSError:
+        name.close()
+        return False
+    kept.append(name)
+    return True
 
 
 def free_port():
@@ -22,7 +36,8 @@ def free_port():
                 probe.bind(("127.0.0.1", port))
             except OSError:
                 continue
-        return port
+        if keep_from_others(port):
+            return port
     raise AssertionError(f"no port from {FIRST} on is free")
 
 
