@@ -58,7 +58,12 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
       before_K = solve(1.0 / standing_s, before_K);
     }
     apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random));
-    for (const double time_s : times_s) fields.col(column++) = solve(1.0 / time_s, before_K);
+    double since_jump_s = 0.0;
+    for (const double time_s : times_s) {
+      before_K = solve(1.0 / (time_s - since_jump_s), before_K);
+      fields.col(column++) = before_K;
+      since_jump_s = time_s;
+    }
   });
   return fields;
 }

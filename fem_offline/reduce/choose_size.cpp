@@ -23,39 +23,16 @@ Tolerance worst_of(const Eigen::MatrixXd& errors, const OutputLayout& layout) {
           worst(layout.maxima_at(), layout.parts)};
 }
 
-/// How many times the share of the tolerance that the search asks for; at most 1 keeps it.
-double excess(const Tolerance& reached, const Tolerance& tolerance) {
-  return std::max({reached.key_points_K / tolerance.key_points_K, reached.deformations_um / tolerance.deformations_um,
-                   reached.part_max_K / tolerance.part_max_K}) /
-         share_of_tolerance;
+/// How many times what is wanted; at most 1 keeps it.
+double excess(const Tolerance& reached, const Tolerance& wanted) {
+  return std::max({reached.key_points_K / wanted.key_points_K, reached.deformations_um / wanted.deformations_um,
+                   reached.part_max_K / wanted.part_max_K});
 }
 
-/// Outputs of one kind that err more than is wanted of them.
-template <typename Items>
-void add_missed(std::vector<MissedOutput>& missed, MissedOutput::Kind kind, const Items& items,
-                const Eigen::VectorXd& worst, double tolerance) {
-  const double wanted = share_of_tolerance * tolerance;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const double error = worst[static_cast<Eigen::Index>(i)];
-    if (error > wanted) missed.push_back({kind, items[i].name, error, wanted});
-  }
-}
-
-std::vector<MissedOutput> missed_outputs(const AffineModel& model, const Eigen::MatrixXd& errors,
-                                         const Tolerance& tolerance) {
-  using Kind = MissedOutput::Kind;
-  const OutputLayout layout = output_layout(model);
-  const Eigen::VectorXd worst = errors.rowwise().maxCoeff();
-  std::vector<MissedOutput> missed;
-  add_missed(missed, Kind::key_point, model.key_points, worst.head(layout.key_points), tolerance.key_points_K);
-  add_missed(missed, Kind::deformation, model.deformations,
-             rom::um_per_m * worst.segment(layout.deformations_at(), layout.deformations), tolerance.deformations_um);
-  add_missed(missed, Kind::part_maximum, model.parts, worst.segment(layout.maxima_at(), layout.parts),
-             tolerance.part_max_K);
-  std::sort(missed.begin(), missed.end(), [](const MissedOutput& one, const MissedOutput& other) {
-    return one.worst / one.wanted > other.worst / other.wanted;
-  });
-  return missed;
+/// What the search asks for of the tolerance.
+Tolerance with_margin(const Tolerance& tolerance) {
+  return {share_of_tolerance * tolerance.key_points_K, share_of_tolerance * tolerance.deformations_um,
+          share_of_tolerance * tolerance.part_max_K};
 }
 
 constexpr double usual_rate_per_node = -0.02;  ///< of the logarithm of the errors
@@ -83,6 +60,10 @@ int next_step(const std::optional<TriedStep>& last, int too_small, int enough, b
 
 }  // namespace
 
+int nodes_likely_enough(int nodes, const std::vector<MissedOutput>& missed) {
+  return nodes + static_cast<int>(std::ceil(std::log(missed.front().ratio()) / -usual_rate_per_node));
+}
+
 SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const SizeSearch& search,
                        const ReduceOptions& options, const Progress& progress, ReduceReport* report) {
   const auto show = [&](const std::string& stage, double fraction) {
@@ -95,6 +76,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
   clock.finish("size: FE histories");
 
   const OutputLayout layout = output_layout(model);
+  const Tolerance wanted = with_margin(search.tolerance);
   const int most = std::min(largest_size, reduction.most_nodes());
   const auto nodes_of = [&](int step) { return std::max(2, std::min(size_step * step, most)); };
   // The largest is not tried before all others have failed: it costs most.
@@ -115,19 +97,17 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     const Tolerance reached = worst_of(errors, layout);
     show(stage, 1.0);
     choice.tried.push_back({nodes, reached});
-    last = TriedStep{step, std::log(excess(reached, search.tolerance))};
+    last = TriedStep{step, std::log(excess(reached, wanted))};
     (last->logarithm <= 0.0 ? enough : too_small) = step;
-    if (last->logarithm < nearest.tried.logarithm) nearest = {*last, missed_outputs(model, errors, search.tolerance)};
+    if (last->logarithm < nearest.tried.logarithm) {
+      nearest = {*last, missed_outputs(model, errors.rowwise().maxCoeff(), wanted)};
+    }
   }
   choice.reached = enough <= last_step;
   clock.finish("size: " + std::to_string(choice.tried.size()) + " tried");
   const int chosen = nodes_of(choice.reached ? enough : nearest.tried.step);
-  if (!choice.reached) {
-    choice.missed = std::move(nearest.missed);
-    if (most == largest_size) {
-      choice.nodes_likely_enough = chosen + static_cast<int>(std::ceil(nearest.tried.logarithm / -usual_rate_per_node));
-    }
-  }
+  if (!choice.reached) choice.missed = std::move(nearest.missed);
+  choice.larger_possible = most == largest_size;
   choice.network = reduction.network(chosen, report, progress);
   return choice;
 }

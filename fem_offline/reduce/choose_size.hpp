@@ -5,40 +5,27 @@
 #include <vector>
 
 #include "fem_offline/reduce/reduce.hpp"
-#include "fem_offline/reduce/verify.hpp"
+#include "fem_offline/reduce/tolerance.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::fem_offline {
-
-/// Largest errors wanted of a network in any case: of every key point, every deformation, every part's maximum.
-struct Tolerance {
-  double key_points_K = 0.03;
-  double deformations_um = 0.015;
-  double part_max_K = 0.2;
-};
 
 struct TriedSize {
   int nodes = 0;
   Tolerance reached;  ///< worst over the histories of the search
 };
 
-/// An output that keeps a network from the tolerance.
-struct MissedOutput {
-  enum class Kind { key_point, deformation, part_maximum };
-  Kind kind = Kind::key_point;
-  std::string name;
-  double worst = 0.0;   ///< over the histories of the search, K or um
-  double wanted = 0.0;  ///< the tolerance times share_of_tolerance, K or um
-};
-
 struct SizeChoice {
   rom::Network network;
-  bool reached = false;              ///< false: no size keeps the tolerance; `network` is the one that comes nearest
-  std::vector<MissedOutput> missed;  ///< of that network, the one that errs most against what is wanted first
-  /// Nodes that may reach it if errors fall with more of them as usual; 0 where it is reached or the model has no more.
-  int nodes_likely_enough = 0;
+  bool reached = false;              ///< false: no size keeps the margin; `network` is the one that comes nearest
+  std::vector<MissedOutput> missed;  ///< of that network along the histories, against share_of_tolerance
+  bool larger_possible = false;      ///< the model has more than largest_size
   std::vector<TriedSize> tried;
 };
+
+/// Nodes at which the outputs missed with `nodes` may be within what is wanted, if errors fall with more of them as
+/// usual. `missed` not empty, the one that errs most first.
+int nodes_likely_enough(int nodes, const std::vector<MissedOutput>& missed);
 
 /// Histories of the search: drawn for it alone, neither those of the snapshots nor the cases of the certificate.
 inline constexpr int size_choice_histories = 64;

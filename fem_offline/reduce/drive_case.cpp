@@ -11,8 +11,8 @@ namespace {
 
 constexpr double drive_rest_share = 0.25;
 constexpr double coolant_step_share = 1.0 / 3.0;
-constexpr double drive_spread_K = 5.0;
-constexpr double drift_high_K_per_s = 6.0 / 3600.0;
+constexpr double longest_case_s = 7200.0;
+constexpr double drift_high_K_per_s = drive_drift_K / longest_case_s;
 constexpr double segment_grid_s = 32.0;  ///< segments are multiples of it, so that few step lengths serve them
 
 /// Logarithms of the conductances' factors, which run at constant rates and turn round at the walls of the box.
@@ -78,7 +78,7 @@ DriveCase random_case(const rom::Boundaries& boundaries, std::uint64_t seed, std
     }
   }
 
-  const double end_s = random.uniform(3600.0, 7200.0);
+  const double end_s = random.uniform(3600.0, longest_case_s);
   const double longest_s = options.drift ? longest_drift_interval_s : longest_interval_s;
   double time_s = 0.0;
   while (time_s < end_s) {

@@ -24,6 +24,11 @@ struct DriveCase {
   std::vector<HeldInterval> intervals;
 };
 
+/// Start and surroundings of a case lie so far from the datum and from the operating state, coolants' steps included.
+inline constexpr double drive_spread_K = 5.0;
+/// Ambients drift up to so far from there until the end of the longest case.
+inline constexpr double drive_drift_K = 12.0;
+
 /// Intervals double from 1 s after a change to this: what follows a change slowly also errs slowly.
 inline constexpr double longest_interval_s = 128.0;
 /// The same where contacts and films drift: they are held over an interval.

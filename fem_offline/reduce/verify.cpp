@@ -106,11 +106,6 @@ Eigen::MatrixXd errors_from(const rom::Network& network, const AffineModel& mode
   return errors;
 }
 
-bool within(const rom::CertificateErrors& limit, const rom::CertificateErrors& wanted) {
-  return limit.key_points_K <= wanted.key_points_K && limit.nose_um <= wanted.nose_um &&
-         limit.part_max_K <= wanted.part_max_K;
-}
-
 }  // namespace
 
 VerifyReport verify_network(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
@@ -121,10 +116,10 @@ VerifyReport verify_network(const rom::Network& network, const AffineModel& mode
 }
 
 VerifyReport verify_until(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
-                          const rom::CertificateErrors& wanted, const Progress& progress) {
+                          const Tolerance& wanted, const Progress& progress) {
   VerifyReport report = verify_network(network, model, options, progress);
   VerifyOptions more = options;
-  while (more.cases < cases_of_any_distribution && !within(report.certificate.limit, wanted)) {
+  while (more.cases < cases_of_any_distribution && !missed_limits(model, report.certificate, wanted).empty()) {
     const std::uint32_t known = more.cases;
     more.cases = std::min(known + cases_more, cases_of_any_distribution);
     Eigen::MatrixXd errors(report.errors.rows(), more.cases);

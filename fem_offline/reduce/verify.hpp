@@ -5,6 +5,7 @@
 
 #include "fem_offline/model/affine_model.hpp"
 #include "fem_offline/reduce/reduce.hpp"
+#include "fem_offline/reduce/tolerance.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "rom/network.hpp"
 
@@ -37,9 +38,9 @@ VerifyReport verify_network(const rom::Network& network, const AffineModel& mode
 inline constexpr std::uint32_t cases_of_any_distribution = 59;
 inline constexpr std::uint32_t cases_more = 13;
 
-/// The same with cases_more cases again and again, as long as a limit exceeds `wanted` and there are fewer than
-/// cases_of_any_distribution: few cases give a limit that is wide, not one that is wrong.
+/// The same with cases_more cases again and again, as long as missed_limits has something to say and there are fewer
+/// than cases_of_any_distribution: few cases give a limit that is wide, not one that is wrong.
 VerifyReport verify_until(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
-                          const rom::CertificateErrors& wanted, const Progress& progress = {});
+                          const Tolerance& wanted, const Progress& progress = {});
 
 }  // namespace spindle_twin::fem_offline

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fem_offline/reduce/dense_model.hpp"
+#include "fem_offline/reduce/drive_case.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
@@ -24,7 +25,7 @@ constexpr int kinds = 3;
 constexpr int children_per_generation = 12;  // whatever the number of threads, so that results do not hang on it
 constexpr double drawn_share = 0.25;
 constexpr double corner_share = 0.5;
-constexpr double surroundings_spread_K = 5.0;
+constexpr double uniform_start_share = 0.25;
 constexpr double rest_share = 0.15;
 constexpr double standing_share = 1.0 / 6.0;
 constexpr double backward_share = 1.0 / 6.0;
@@ -32,12 +33,13 @@ constexpr double backward_share = 1.0 / 6.0;
 constexpr double coarse_share = 0.5, fine_share = 0.125;
 constexpr double first_s = 0.5;
 
-/// Coordinates of a jump, each 0 to 1: factors, then of both states speed, load, surroundings, flows.
+/// Coordinates of a jump, each 0 to 1: factors, how far every ambient has drifted in both states, start, then of both
+/// states speed, load, surroundings, flows.
 class JumpSpace {
  public:
   JumpSpace(const rom::Boundaries& boundaries, const ParameterBox& box) : boundaries_(boundaries), box_(box) {}
 
-  Eigen::Index size() const { return factors() + 2 * state_size(); }
+  Eigen::Index size() const { return factors() + environments() + 1 + 2 * state_size(); }
 
   JumpCase at(const Eigen::VectorXd& place) const {
     JumpCase jump;
@@ -46,8 +48,13 @@ class JumpSpace {
       const rom::Range range = factor_range(box_, boundaries_.conductances[static_cast<std::size_t>(j)]);
       jump.factors.conductance[j] = range.min * std::pow(range.max / range.min, place[j]);
     }
-    jump.before = state(place.segment(factors(), state_size()), Coolant::flows);
-    jump.after = state(place.tail(state_size()), Coolant::flows_or_stands);
+    const Eigen::VectorXd drifts = place.segment(factors(), environments());
+    if (const double start = place[factors() + environments()]; start < uniform_start_share) {
+      const double datum_K = boundaries_.reference_temperature_K;
+      jump.uniform_start_K = datum_K + drive_spread_K * (2.0 * start / uniform_start_share - 1.0);
+    }
+    jump.before = state(place.segment(size() - 2 * state_size(), state_size()), drifts, Coolant::flows);
+    jump.after = state(place.tail(state_size()), drifts, Coolant::flows_or_stands);
     return jump;
   }
 
@@ -58,13 +65,15 @@ class JumpSpace {
     return 2 + environments() + static_cast<Eigen::Index>(boundaries_.circuits.size());
   }
 
-  rom::OperatingState state(const Eigen::VectorXd& place, Coolant coolant) const {
+  rom::OperatingState state(const Eigen::VectorXd& place, const Eigen::VectorXd& drifts, Coolant coolant) const {
     rom::OperatingState state = boundaries_.operating;
     const bool rests = place[0] < rest_share;
     state.speed_rpm = rests ? 0.0 : box_.speed_high_rpm * (place[0] - rest_share) / (1.0 - rest_share);
     state.load = rests ? 0.0 : box_.load_high * place[1];
     for (Eigen::Index e = 0; e < environments(); ++e) {
-      state.environment_K[e] += surroundings_spread_K * (2.0 * place[2 + e] - 1.0);
+      state.environment_K[e] += drive_spread_K * (2.0 * place[2 + e] - 1.0);
+      const auto kind = boundaries_.environments[static_cast<std::size_t>(e)].kind;
+      if (kind == rom::EnvironmentKind::ambient) state.environment_K[e] += drive_drift_K * (2.0 * drifts[e] - 1.0);
     }
     for (std::size_t c = 0; c < boundaries_.circuits.size(); ++c) {
       const auto index = static_cast<Eigen::Index>(c);
@@ -97,7 +106,7 @@ class JumpComparison {
         segments_(rom::coolant_segments(network.boundaries)),
         operator_(std::make_shared<const rom::NetworkOperator>(network)) {}
 
-  /// Largest |network - FE model| of every output in the steady state of `before` and behind the jump, SI.
+  /// Largest |network - FE model| of every output at the start and behind the jump, SI.
   Eigen::VectorXd errors(const JumpCase& jump, double share_of_time_since_jump) const {
     const rom::Boundaries& boundaries = network_.boundaries;
     rom::BoundaryValues values = rom::make_boundary_values(boundaries);
@@ -108,8 +117,13 @@ class JumpComparison {
     hold(jump.before);
     FeStepper fe(model_, FeScheme::order_4);
     rom::CvodeStepper stepper(operator_);
-    fe.set_temperatures(solve_steady(model_, values));
-    stepper.set_temperatures(steady_K(values));
+    if (jump.uniform_start_K) {
+      fe.set_uniform_temperature(*jump.uniform_start_K);
+      stepper.set_temperatures(Eigen::VectorXd::Constant(dense_.capacity.rows(), *jump.uniform_start_K));
+    } else {
+      fe.set_temperatures(solve_steady(model_, values));
+      stepper.set_temperatures(steady_K(values));
+    }
     rom::NetworkOutputs now = rom::make_network_outputs(network_);
     Eigen::VectorXd worst = difference(stepper, fe, now);
     hold(jump.after);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "fem_offline/model/affine_model.hpp"
@@ -17,9 +18,10 @@ struct WorstSearchOptions {
   ParameterBox box;
 };
 
-/// A jump: the steady state of `before`, and then `after` for worst_search_s.
+/// A jump: the steady state of `before`, or all at one temperature, and then `after` for worst_search_s.
 struct JumpCase {
   rom::CorrectionFactors factors;
+  std::optional<double> uniform_start_K;  ///< in place of the steady state
   rom::OperatingState before, after;
 };
 inline constexpr double worst_search_s = 512.0;
@@ -38,11 +40,12 @@ struct WorstFound {
   rom::CertificateErrors errors() const { return {key_points.error, nose.error, part_maxima.error}; }
 };
 
-/// Looks for the jumps of the box (factors, speeds, loads, surroundings, flows) behind which `network` errs most
-/// against `model`, which it was built from. A quarter of the jumps are drawn, half of those at corners; the others
-/// change a few coordinates of the worst so far, of each kind of error in turn, and are kept where they are worse. The
-/// last is tried again with fine steps in time. A function of seed and options but for `threads`.
-/// std::invalid_argument for options out of range, std::runtime_error where an integrator fails.
+/// Looks for the jumps of the box (factors, speeds, loads, starts, surroundings as far from the operating state as
+/// drive cycles take them, flows) behind which `network` errs most against `model`, which it was built from. A quarter
+/// of the jumps are drawn, half of those at corners; the others change a few coordinates of the worst so far, of each
+/// kind of error in turn, and are kept where they are worse. The last is tried again with fine steps in time. A
+/// function of seed and options but for `threads`. std::invalid_argument for options out of range, std::runtime_error
+/// where an integrator fails.
 WorstFound search_worst(const rom::Network& network, const AffineModel& model, const WorstSearchOptions& options,
                         const Progress& progress = {});
 

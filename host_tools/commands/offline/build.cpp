@@ -49,8 +49,8 @@ struct Reduced {
   std::optional<fem_offline::SizeChoice> choice;  ///< its own network has no certificate; none where --nodes is given
 };
 
-void print_json(const BuildArguments& arguments, const Reduced& reduced, const fem_offline::ReduceReport& report) {
-  const rom::Network& network = reduced.network;
+void print_json(const BuildArguments& arguments, const rom::Network& network,
+                const std::optional<ToleranceVerdict>& verdict, const fem_offline::ReduceReport& report) {
   nlohmann::ordered_json result;
   result["file"] = arguments.output_path;
   result["spindle"] = network.spindle;
@@ -63,7 +63,7 @@ void print_json(const BuildArguments& arguments, const Reduced& reduced, const f
     result["stages_s"][stage.stage] = stage.seconds;
     result["stages_processor_s"][stage.stage] = stage.processor_s;
   }
-  if (reduced.choice) result["tolerance"] = missed_tolerance_json(*reduced.choice);
+  if (verdict) result["tolerance"] = tolerance_json(*verdict);
   result["certificate"] = certificate_to_json(network);
   std::printf("%s\n", result.dump(2).c_str());
 }
@@ -120,9 +120,7 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
     network.certificate =
         arguments.fixed_size || static_cast<int>(arguments.certificate_cases) < fem_offline::fewest_limiting_cases
             ? fem_offline::verify_network(network, model.affine(), options, progress).certificate
-            : fem_offline::verify_until(network, model.affine(), options,
-                                        {wanted.key_points_K, wanted.deformations_um, wanted.part_max_K}, progress)
-                  .certificate;
+            : fem_offline::verify_until(network, model.affine(), options, wanted, progress).certificate;
     network.certificate.mesh_size_m = model.description().mesh.element_size_m;
   });
   if (arguments.search_cases > 0) {
@@ -158,14 +156,19 @@ void run(BuildArguments& arguments) {
   if (arguments.certificate_cases > 0) certify(arguments, model, options, progress, network, report);
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);
-  arguments.json ? print_json(arguments, reduced, report) : print_table(arguments, network, report);
-  if (reduced.choice && !reduced.choice->reached) {
-    const std::string missed =
-        missed_tolerance_text(*reduced.choice, parse_tolerance(arguments.tolerance), arguments.box);
-    std::fprintf(stderr, "spindle-twin: %s is written with %zu nodes, but %s\n", arguments.output_path.c_str(),
-                 network.nodes.size(), missed.c_str());
-    throw CLI::RuntimeError(tolerance_missed);
+  std::optional<ToleranceVerdict> verdict;
+  if (reduced.choice) {
+    verdict =
+        judge_tolerance(*reduced.choice, model.affine(), network.certificate, parse_tolerance(arguments.tolerance));
   }
+  arguments.json ? print_json(arguments, network, verdict, report) : print_table(arguments, network, report);
+  if (!verdict) return;
+  const std::string text = tolerance_text(*verdict, arguments.box);
+  if (!text.empty()) {
+    std::fprintf(stderr, "spindle-twin: %s is written with %d nodes%s%s\n", arguments.output_path.c_str(),
+                 verdict->nodes, verdict->kept() ? "; " : ", but ", text.c_str());
+  }
+  if (!verdict->kept()) throw CLI::RuntimeError(tolerance_missed);
 }
 
 }  // namespace

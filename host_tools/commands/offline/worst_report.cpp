@@ -39,7 +39,11 @@ Json state_json(const rom::OperatingState& state, const rom::Boundaries& boundar
 Json kind_json(const fem_offline::WorstFound::Kind& kind, const char* unit, const rom::Boundaries& boundaries) {
   Json json = {{"error", kind.error}, {"unit", unit}, {"output", kind.output}};
   if (kind.output.empty()) return json;
-  json["before"] = state_json(kind.jump.before, boundaries);
+  if (kind.jump.uniform_start_K) {
+    json["before"]["uniform_degC"] = *kind.jump.uniform_start_K - rom::zero_degC_K;
+  } else {
+    json["before"] = state_json(kind.jump.before, boundaries);
+  }
   json["after"] = state_json(kind.jump.after, boundaries);
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     json["factors"][boundaries.conductances[j].name] = kind.jump.factors.conductance[static_cast<Eigen::Index>(j)];
@@ -50,13 +54,14 @@ Json kind_json(const fem_offline::WorstFound::Kind& kind, const char* unit, cons
 }  // namespace
 
 void print_worst_found(const fem_offline::WorstFound& found, const rom::Boundaries& boundaries) {
-  std::printf("  worst found by a search through %d jumps from a steady state, %.0f s each\n", found.cases,
-              fem_offline::worst_search_s);
+  std::printf("  worst found by a search through %d jumps, %.0f s each\n", found.cases, fem_offline::worst_search_s);
   const auto print = [&](const char* what, const fem_offline::WorstFound::Kind& kind) {
     if (kind.output.empty()) return;
     std::printf("  %-24s %-32s %11.4f\n", what, kind.output.c_str(), kind.error);
-    std::printf("    from %s\n    to   %s\n", state_text(kind.jump.before, boundaries).c_str(),
-                state_text(kind.jump.after, boundaries).c_str());
+    const std::string start = kind.jump.uniform_start_K
+                                  ? fmt::format("all at {:.1f} degC", *kind.jump.uniform_start_K - rom::zero_degC_K)
+                                  : "steady state of " + state_text(kind.jump.before, boundaries);
+    std::printf("    from %s\n    to   %s\n", start.c_str(), state_text(kind.jump.after, boundaries).c_str());
   };
   print("key point, K", found.key_points);
   print("deformation, um", found.nose);

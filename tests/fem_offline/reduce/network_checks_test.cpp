@@ -102,7 +102,7 @@ TEST(SizeChoice, says_when_no_size_is_enough) {
   const SizeChoice choice = choose_size(model, reduction, {{1e-9, 1e-9, 1e-9}, 1}, options);
   EXPECT_FALSE(choice.reached);
   EXPECT_EQ(choice.network.nodes.size(), 40u);
-  EXPECT_EQ(choice.nodes_likely_enough, 0);  // the model has no more
+  EXPECT_FALSE(choice.larger_possible);
 }
 
 TEST(SizeChoice, names_what_the_network_that_comes_nearest_misses) {
@@ -117,11 +117,11 @@ TEST(SizeChoice, names_what_the_network_that_comes_nearest_misses) {
   for (std::size_t i = 0; i < choice.missed.size(); ++i) {
     EXPECT_EQ(choice.missed[i].kind, MissedOutput::Kind::part_maximum);
     EXPECT_EQ(choice.missed[i].wanted, share_of_tolerance * always);
-    EXPECT_LE(choice.missed[i].worst, choice.missed[i > 0 ? i - 1 : 0].worst);
+    EXPECT_LE(choice.missed[i].error, choice.missed[i > 0 ? i - 1 : 0].error);
   }
   double smallest_K = never;
   for (const TriedSize& tried : choice.tried) smallest_K = std::min(smallest_K, tried.reached.part_max_K);
-  EXPECT_EQ(choice.missed.front().worst, smallest_K);
+  EXPECT_EQ(choice.missed.front().error, smallest_K);
   EXPECT_TRUE(choose_size(model, reduction, {{never, never, never}, 1}, options).missed.empty());
 }
 
