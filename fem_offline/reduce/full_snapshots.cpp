@@ -81,19 +81,24 @@ void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions
   }
 }
 
-/// XᵀX by tiles; every tile is one product, so the bits do not depend on the number of threads.
-Eigen::MatrixXd gram_matrix(const Eigen::MatrixXd& columns, int threads) {
-  constexpr Eigen::Index tile = 192;
+/// XᵀX by tiles, in double; every tile is one product, so the bits do not depend on the number of threads.
+template <typename Columns>
+Eigen::MatrixXd gram_matrix(const Columns& columns, int threads) {
+  constexpr Eigen::Index tile = 256;
   const Eigen::Index count = columns.cols();
   const int tiles = static_cast<int>((count + tile - 1) / tile);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count, count);
-  for_each_index(tiles * (tiles + 1) / 2, threads, [&](int index, int) {
-    int row = 0;
-    while ((row + 1) * (row + 2) / 2 <= index) ++row;
-    const int column = index - row * (row + 1) / 2;
-    const Eigen::Index r = row * tile, c = column * tile;
-    const Eigen::Index height = std::min(tile, count - r), width = std::min(tile, count - c);
-    gram.block(r, c, height, width) = transposed_product(columns.middleCols(r, height), columns.middleCols(c, width));
+  const auto tile_at = [&](Eigen::Index first) -> Eigen::MatrixXd {
+    return columns.middleCols(first, std::min(tile, count - first)).template cast<double>();
+  };
+  for_each_index(tiles, threads, [&](int index, int) {
+    const int row = tiles - 1 - index;  // the longest first
+    const Eigen::MatrixXd own = tile_at(row * tile);
+    for (int column = 0; column <= row; ++column) {
+      const Eigen::Index r = row * tile, c = column * tile;
+      const Eigen::MatrixXd other = tile_at(c);
+      gram.block(r, c, own.cols(), other.cols()) = transposed_product(own, other);
+    }
   });
   return gram.selfadjointView<Eigen::Lower>();
 }
@@ -154,33 +159,40 @@ Eigen::MatrixXd body_columns(const AffineModel& model, int nodes) {
   return factor.householderQ() * Eigen::MatrixXd::Identity(unknowns, bodies - 1);
 }
 
-/// Solutions for every load at options.full_sets sets, then the fields of options.full_histories histories.
-Eigen::MatrixXd full_snapshots(const AffineModel& model, const Loads& loads, const ReduceOptions& options,
-                               std::vector<std::unique_ptr<Worker>>& workers, const Progress& progress) {
+/// Solutions for every load at options.full_sets sets, then the fields of options.full_histories histories, without
+/// what the constant and `bodies` span of them. In single precision, which is enough to choose from and to span with,
+/// and half the memory of the build.
+Eigen::MatrixXf full_snapshots(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& bodies,
+                               const ReduceOptions& options, std::vector<std::unique_ptr<Worker>>& workers,
+                               const Progress& progress) {
   const int response_sets = options.full_sets, items = response_sets + options.full_histories;
-  std::vector<Eigen::MatrixXd> of_items(static_cast<std::size_t>(items));
+  std::vector<History> histories;
+  histories.reserve(static_cast<std::size_t>(options.full_histories));
+  for (int i = 0; i < options.full_histories; ++i) {
+    histories.push_back(
+        random_history(model.boundaries, options, StreamPurpose::full_histories, static_cast<std::uint32_t>(i)));
+  }
+  const Eigen::Index responses = loads.primal(nominal_conductances(model.boundaries)).cols() + loads.outputs.cols();
+  std::vector<Eigen::Index> first(1, 0);  // column of every item, and their number
+  for (int item = 0; item < items; ++item) {
+    first.push_back(first.back() + (item < response_sets
+                                        ? responses
+                                        : histories[static_cast<std::size_t>(item - response_sets)].fields()));
+  }
+  Eigen::MatrixXf snapshots(model.capacity_J_per_K.rows(), first.back());
   std::atomic<int> finished{0};
   for_each_index(items, options.threads, [&](int item, int index) {
     auto& worker = workers[static_cast<std::size_t>(index)];
     if (!worker) worker = std::make_unique<Worker>(model);
-    Eigen::MatrixXd& own = of_items[static_cast<std::size_t>(item)];
-    own = item < response_sets ? worker->responses(model, loads, options, static_cast<std::uint32_t>(item))
-                               : full_history(model, *worker,
-                                              random_history(model.boundaries, options, StreamPurpose::full_histories,
-                                                             static_cast<std::uint32_t>(item - response_sets)));
+    Eigen::MatrixXd own = item < response_sets
+                              ? worker->responses(model, loads, options, static_cast<std::uint32_t>(item))
+                              : full_history(model, *worker, histories[static_cast<std::size_t>(item - response_sets)]);
     remove_constant(own);
+    for (int pass = 0; pass < 2; ++pass) own -= product(bodies, transposed_product(bodies, own));
+    snapshots.middleCols(first[static_cast<std::size_t>(item)], own.cols()) = own.cast<float>();
     const int done = ++finished;
     if (index == 0 && progress) progress("FE snapshots", static_cast<double>(done) / items);
   });
-  Eigen::Index count = 0;
-  for (const Eigen::MatrixXd& own : of_items) count += own.cols();
-  Eigen::MatrixXd snapshots(model.capacity_J_per_K.rows(), count);
-  count = 0;
-  for (Eigen::MatrixXd& own : of_items) {
-    snapshots.middleCols(count, own.cols()) = own;
-    count += own.cols();
-    own.resize(0, 0);
-  }
   return snapshots;
 }
 
@@ -191,11 +203,10 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
   workers.front() = std::make_unique<Worker>(model);
   scale_outputs(*workers.front(), model, options, loads);
-  Eigen::MatrixXd snapshots = full_snapshots(model, loads, options, workers, progress);
-  workers.clear();
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();
   const Eigen::MatrixXd bodies = body_columns(model, options.nodes);
-  for (int pass = 0; pass < 2; ++pass) snapshots -= product(bodies, transposed_product(bodies, snapshots));
+  Eigen::MatrixXf snapshots = full_snapshots(model, loads, bodies, options, workers, progress);
+  workers.clear();
 
   const Eigen::Index of_bodies =
       options.rich_states_per_body * (static_cast<int>(model.parts.size() + model.air_names.size()));
@@ -205,9 +216,11 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
 
   RichBasis basis;
   basis.snapshots = static_cast<int>(snapshots.cols());
-  Eigen::MatrixXd kept = snapshots(Eigen::all, chosen);
+  Eigen::MatrixXd kept = snapshots(Eigen::all, chosen).cast<double>();
   snapshots.resize(0, 0);
   kept.colwise().normalize();
+  remove_constant(kept);  // what rounding to single precision has brought back
+  kept -= product(bodies, transposed_product(bodies, kept));
   orthonormalise(kept, options.threads);
   basis.columns.resize(unknowns, count + 1 + bodies.cols());
   basis.columns.middleCols(1, bodies.cols()) = bodies;

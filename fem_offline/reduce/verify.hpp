@@ -17,7 +17,7 @@ struct VerifyOptions {
   int threads = 2;
   /// Longest time step of the FE solution, of order 4; after a jump its steps are shorter anyway. README.md names the
   /// command that shows what it contributes.
-  double fe_step_s = 64.0;
+  double fe_step_s = 32.0;
   CaseOptions drive;
 };
 

@@ -18,7 +18,6 @@ struct Tableau {
   double gamma;
   Eigen::MatrixXd below;
   Eigen::VectorXd error;  ///< weights less those of the embedded rule of one order less; empty where there is none
-  double share_of_time_since_jump;  ///< longest step behind a jump, if no tolerance tells
 };
 
 /// γ = 1 − 1/√2.
@@ -26,7 +25,7 @@ Tableau order_2() {
   constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
   Eigen::MatrixXd below = Eigen::MatrixXd::Zero(2, 2);
   below(1, 0) = 1.0 - gamma;
-  return {gamma, below, {}, 1.0 / 3.0};
+  return {gamma, below, {}};
 }
 
 /// Hairer, Wanner: Solving Ordinary Differential Equations II, table IV.6.5.
@@ -38,11 +37,12 @@ Tableau order_4() {
   below.row(4).head(4) << 25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0;
   Eigen::VectorXd error(5);
   error << 25.0 / 24.0 - 59.0 / 48.0, -49.0 / 48.0 + 17.0 / 96.0, 125.0 / 16.0 - 225.0 / 32.0, 0.0, 0.25;
-  return {0.25, below, error, 1.0 / 2.0};
+  return {0.25, below, error};
 }
 
 // After a jump the steps start at about this length and then follow the time since the jump, doubling.
 constexpr double first_step_s = 0.7;
+constexpr double share_of_time_since_jump = 1.0 / 3.0;
 // Steps that follow a tolerance: after a jump the first is at most this long; one that errs by less than this share of
 // the tolerance is followed by one twice as long, for the error of a step of twice the length is 16 times as large.
 constexpr double first_controlled_step_s = 0.05;
@@ -184,7 +184,7 @@ void FeStepper::advance(double period_s, double max_step_s, const rom::BoundaryV
   const double tick_s = longest_s / static_cast<double>(longest_ticks);
   const long end = longest_count * longest_ticks;
   for (long at = 0; at < end;) {
-    const double wanted_s = impl_->tableau.share_of_time_since_jump * impl_->since_jump_s * (1.0 + 1e-9);
+    const double wanted_s = share_of_time_since_jump * impl_->since_jump_s * (1.0 + 1e-9);
     long ticks = longest_ticks;
     while (ticks > 1 && (at % ticks != 0 || static_cast<double>(ticks) * tick_s > wanted_s)) ticks /= 2;
     const double step_s = static_cast<double>(ticks) * tick_s;

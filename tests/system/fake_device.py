@@ -17,4 +17,5 @@ if __name__ == "__main__":
     registers = [word for value in TEMPERATURES_DEGC for word in words(value)]
     block = ModbusSequentialDataBlock(0, registers + [0] * 8)
     slave = ModbusSlaveContext(ir=block, hr=block, zero_mode=True)
-    StartTcpServer(context=ModbusServerContext(slaves=slave, single=True), address=("127.0.0.1", int(sys.argv[1])))
+    StartTcpServer(context=ModbusServerContext(slaves=slave, single=True), address=("127.0.0.1", int(sys.argv[1])),
+                   allow_reuse_address=True)  # what ended a moment ago does not hold the port for a minute

@@ -7,9 +7,17 @@ import time
 PATIENCE = float(os.environ.get("SPINDLE_TWIN_PATIENCE", "1"))  # for programs that run slowly, as under a sanitizer
 
 
-# Below those that a system gives to clients (from 16000 or 32768 on): one of those may be taken by any connection
-# before a server has it, even by one that tries to reach that server.
-FIRST, COUNT = 10000, 6000
+# Below those that the system gives to clients: one of those may be taken by any connection before a server has it, even
+# by one that tries to reach that server. Each process begins elsewhere and asks for none twice.
+FIRST = 10000
+
+
+def first_of_clients():
+    with open("/proc/sys/net/ipv4/ip_local_port_range", encoding="ascii") as bounds:
+        return int(bounds.read().split()[0])
+
+
+COUNT = max(first_of_clients() - FIRST, 5000)
 offers = itertools.count(61 * os.getpid())
 kept = []  # a name per port, held until this process ends
 
@@ -31,8 +39,7 @@ def free_port():
     for offer in itertools.islice(offers, COUNT):
         port = FIRST + offer % COUNT
         with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
+            try:  # without SO_REUSEADDR, as some servers do: connections that have ended hold their port for a minute
                 probe.bind(("127.0.0.1", port))
             except OSError:
                 continue
