@@ -25,7 +25,7 @@ Page error_page(int status, const std::string& reason) { return {status, "applic
 
 /// Of "a=1; spindle_twin_session=...".
 std::string token_of(const std::string& cookies) {
-  const std::string name = std::string(cookie_name) + "=";
+  const std::string name = fmt::format("{}=", cookie_name);
   std::size_t at = 0;
   while (at < cookies.size()) {
     const std::size_t end = std::min(cookies.size(), cookies.find(';', at));
