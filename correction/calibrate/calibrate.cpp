@@ -101,13 +101,14 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
   calibration.mean = result.fit.z.head(count);
   calibration.root = Eigen::LLT<Eigen::MatrixXd>(result.fit.covariance.topLeftCorner(count, count)).matrixL();
   calibration.prior_mean = unknowns.mean().head(count);
-  calibration.prior_deviation = Eigen::VectorXd(count);
+  calibration.prior_deviation = calibration.nominal = Eigen::VectorXd(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Parameter& parameter =
         predictor.parameters().list()[static_cast<std::size_t>(unknowns.machine()[static_cast<std::size_t>(i)])];
     result.machine.push_back(parameter);
     calibration.names.push_back(parameter.name);
     calibration.prior_deviation[i] = parameter.deviation;
+    calibration.nominal[i] = parameter.nominal;
   }
   for (const ThermalTest& test : tests) {
     calibration.tested_s += test.length_s();

@@ -8,10 +8,6 @@ namespace {
 
 constexpr double zero_deviation_m = 1e-3;  // of a probe: unknown
 
-bool is_of_the_machine(ParameterKind kind) {
-  return kind != ParameterKind::environment && kind != ParameterKind::disturbance && kind != ParameterKind::start;
-}
-
 }  // namespace
 
 TestUnknowns::TestUnknowns(const rom::Network& network, const ParameterModel& parameters,

@@ -28,13 +28,18 @@ std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, 
   prior->promised_m = calibration.promised_m;
   prior->names = calibration.names;
   prior->mean = calibration.mean;
+  prior->nominal = calibration.nominal;
   prior->covariance = calibration.root * calibration.root.transpose();
-  for (std::size_t i = 0; i < calibration.names.size(); ++i) {
-    const double deviation = drift_of(calibration.names[i], drift);
-    const auto slot = static_cast<Eigen::Index>(i);
-    prior->covariance(slot, slot) += deviation * deviation;
-  }
+  add_drift(drift, *prior);
   return prior;
+}
+
+void add_drift(const DriftOptions& drift, KnownParameters& known) {
+  for (std::size_t i = 0; i < known.names.size(); ++i) {
+    const double deviation = drift_of(known.names[i], drift);
+    const auto slot = static_cast<Eigen::Index>(i);
+    known.covariance(slot, slot) += deviation * deviation;
+  }
 }
 
 void check_fits(const Calibration& calibration, const rom::Network& network, EstimatorPriors priors,

@@ -25,12 +25,13 @@ struct Calibration {
   Eigen::VectorXd mean;
   Eigen::MatrixXd root;  ///< n x n lower triangle, covariance = root rootᵀ
   Eigen::VectorXd prior_mean, prior_deviation;
-  double promised_m = 0.0;  ///< 1σ of the first deformation output at the end of the test, drift included
-  bool accepted = true;     ///< it kept its limits; false: a person has written it all the same
+  Eigen::VectorXd nominal = {};  ///< as in KnownParameters; empty in files of before
+  double promised_m = 0.0;       ///< 1σ of the first deformation output at the end of the test, drift included
+  bool accepted = true;          ///< it kept its limits; false: a person has written it all the same
 };
 
-/// How far a machine may have changed since its test, 1σ of ln factors. Small steps of use and season: a bearing's
-/// grease and preload, joints that settle, fouling of the coolant's channels.
+/// How far a machine may have changed since its test, or in a long absence of its twin, 1σ of ln factors. Small steps
+/// of use and season: a bearing's grease and preload, joints that settle, fouling of the coolant's channels.
 struct DriftOptions {
   double heat = 0.05;
   double contact = 0.10;
@@ -49,12 +50,15 @@ struct DriftOptions {
 /// begin, 0 of all others.
 double drift_of(const std::string& name, const DriftOptions& drift);
 
+/// Adds its square to the variance of each.
+void add_drift(const DriftOptions& drift, KnownParameters& known);
+
 /// Posterior and drift together: covariance = root rootᵀ + diag(drift_of²). Allocates.
 std::shared_ptr<const CalibratedPrior> prior_of(const Calibration& calibration, const DriftOptions& drift);
 
 /// Throws rom::InputError naming `file`, and why, where the calibration is of another spindle or names a parameter that
-/// this network does not have with these priors. Another network of the same spindle, with other nodes, is exact: all
-/// parameters are of its borders.
+/// this network does not have with these priors. Another network of the same spindle, with other nodes or nominal
+/// values, is exact: all parameters are of its borders.
 void check_fits(const Calibration& calibration, const rom::Network& network, EstimatorPriors priors,
                 const std::string& file);
 

@@ -25,7 +25,7 @@ constexpr std::size_t most_parameters = 512;
 /// The fields that nanopb hands over by callback.
 struct CalibrationLists {
   std::string spindle, network_sha256, names, logs;
-  std::vector<double> mean, root, prior_mean, prior_deviation;
+  std::vector<double> mean, root, prior_mean, prior_deviation, nominal;
 };
 
 template <rom::Way way>
@@ -39,6 +39,7 @@ CalibrationMessage calibration_message(const CalibrationLists& lists) {
   message.root = rom::attach<way>(lists.root);
   message.prior_mean = rom::attach<way>(lists.prior_mean);
   message.prior_deviation = rom::attach<way>(lists.prior_deviation);
+  message.nominal = rom::attach<way>(lists.nominal);
   return message;
 }
 
@@ -75,7 +76,8 @@ std::vector<std::uint8_t> encode_calibration(const Calibration& calibration, con
                          numbers_of(calibration.mean),
                          {},
                          numbers_of(calibration.prior_mean),
-                         numbers_of(calibration.prior_deviation)};
+                         numbers_of(calibration.prior_deviation),
+                         numbers_of(calibration.nominal)};
   const Eigen::Index n = calibration.mean.size();
   for (Eigen::Index j = 0; j < n; ++j) {
     for (Eigen::Index i = j; i < n; ++i) lists.root.push_back(calibration.root(i, j));
@@ -111,9 +113,10 @@ Calibration decode_message(std::span<const std::uint8_t> payload, const std::str
   const std::size_t n = calibration.names.size();
   const bool sized = read && n >= 1 && n <= most_parameters && lists.mean.size() == n &&
                      lists.root.size() == n * (n + 1) / 2 && lists.prior_mean.size() == n &&
-                     lists.prior_deviation.size() == n;
+                     lists.prior_deviation.size() == n && (lists.nominal.empty() || lists.nominal.size() == n);
   if (!sized || !all_finite(lists.mean) || !all_finite(lists.root) || !all_finite(lists.prior_mean) ||
-      !all_finite(lists.prior_deviation) || !all_finite({message.made_unix_s, message.tested_s, message.promised_m})) {
+      !all_finite(lists.prior_deviation) || !all_finite(lists.nominal) ||
+      !all_finite({message.made_unix_s, message.tested_s, message.promised_m})) {
     throw rom::InputError({file, 0}, "", "malformed");
   }
   calibration.spindle = lists.spindle;
@@ -125,6 +128,7 @@ Calibration decode_message(std::span<const std::uint8_t> payload, const std::str
   calibration.mean = vector_of(lists.mean);
   calibration.prior_mean = vector_of(lists.prior_mean);
   calibration.prior_deviation = vector_of(lists.prior_deviation);
+  calibration.nominal = vector_of(lists.nominal);
   const auto size = static_cast<Eigen::Index>(n);
   calibration.root = Eigen::MatrixXd::Zero(size, size);
   std::size_t next = 0;

@@ -72,6 +72,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
       width[i] = disturbance_idle_;
   }
   prior_.widen(width, Eigen::VectorXd::Zero(n));
+  recall_ = CalibrationRecall(parameters_, n);
   made_.unknowns = made_.displacement_row = Eigen::VectorXd::Zero(n);
   made_.rows = Eigen::MatrixXd::Zero(n, m);
   made_.innovation_K = made_.noise_K2 = Eigen::VectorXd::Zero(m);
@@ -128,6 +129,7 @@ void EstimatorCorrection::forget() {
   }
   consistency_.restart();
   contradicted_ = false;
+  knows_calibration_ = true;
   disturbance_width_ = disturbance_idle_;
   environment_width_ = 1.0;
   loosened_s_ = SensorChannel::never_s;
@@ -139,6 +141,7 @@ void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, con
   start_memory_s_ = 0.0;
   start_missed_.setZero();
   forget();
+  begin_with_what_is_known();
   sensitivities_.start(parameters_);
   for (std::size_t s = 0; s < channels_.size(); ++s) {
     channels_[s].start(options_.sensors[s].row.dot(nodes));

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "correction/estimator/calibrated_prior.hpp"
+#include "correction/estimator/calibration_recall.hpp"
 #include "correction/estimator/consistency.hpp"
 #include "correction/estimator/held_period.hpp"
 #include "correction/estimator/measurement.hpp"
@@ -101,8 +103,10 @@ struct ParameterEstimate {
 /// All that the estimator remembers; plain numbers, for a checkpoint. Its sizes depend on network and options.
 struct EstimatorState {
   std::vector<double> mean, root, sensitivities, lagged;
-  std::vector<double> channels;  ///< per sensor: slope of what it shows by its lag, floor
-  std::vector<double> start;     ///< of the start's widening after a pause, and of the unexplained heats
+  std::vector<double> channels;   ///< per sensor: slope of what it shows by its lag, floor
+  std::vector<double> start;      ///< of the start's widening after a pause, and of the unexplained heats
+  std::vector<double> scale;      ///< prior deviations that `root` is counted in
+  bool knows_calibration = true;  ///< false: readings have contradicted the machine that was calibrated
 };
 
 /// The estimator: a filter over the unknowns z = (θ, b, τ): parameters θ (ln factors of heats, contacts and films,
@@ -130,6 +134,16 @@ class EstimatorCorrection {
   /// say that the spindle does not stand at these temperatures, the start is opened as far as they do
   /// (open_start()); the start parameters are narrow otherwise.
   void reset(double time_s, const Eigen::VectorXd& nodes_K, const rom::OperatingState& operating);
+
+  /// Before reset(), or before the first step: the next start begins with what is known of this machine, by the names
+  /// of unknowns(), instead of the priors; of what is of the day (environments, start, offsets, heats that no source
+  /// explains) nothing is taken. No deviation becomes larger than that of its prior. Gives how many were taken: 0, and
+  /// nothing changed, where no name fits or a number is none. Allocates.
+  int begin_with(const KnownParameters& known);
+  /// What is known now of the machine and its sensors' lags; allocates.
+  KnownParameters known() const;
+  /// Names of the unknowns z: parameters, "offset SENSOR", "lag SENSOR".
+  std::vector<std::string> unknowns() const;
 
   /// Takes the sample at time_s, updates if a period has passed, and sets the factors for the coming advance_s.
   /// The first call resets by itself.
@@ -238,7 +252,10 @@ class EstimatorCorrection {
   Eigen::Index offset_at(Eigen::Index sensor) const { return parameters_.count() + sensor; }
   Eigen::Index lag_at(Eigen::Index sensor) const;
   bool has_lags() const { return options_.lag_deviation_s > 0.0; }
+  /// An unknown that is of the machine or of a sensor's mounting, and stays when a day is over.
+  bool stays(Eigen::Index unknown) const;
   void forget();
+  void begin_with_what_is_known();
   void publish_factors(const rom::OperatingState& operating);
   void open_period(double time_s, const rom::OperatingState& operating);
   void close_period(double time_s);
@@ -297,6 +314,10 @@ class EstimatorCorrection {
   HeldPeriod period_;
   Consistency consistency_;
   SquareRootFilter filter_, prior_;
+  CalibrationRecall recall_;
+  bool knows_calibration_ = true;  ///< false: readings have contradicted it
+  Eigen::VectorXd known_mean_;     ///< that the next start begins with instead of the prior; empty: with the prior
+  Eigen::MatrixXd known_root_;
   EstimatorUpdate made_;
   std::vector<SensorChannel> channels_;
   std::vector<SensorRecord> records_;

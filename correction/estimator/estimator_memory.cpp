@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -41,6 +42,9 @@ void EstimatorCorrection::save(EstimatorState& state) const {
   state.start[1] = widened_s_ - seen_s_;
   state.start[2] = disturbance_width_;
   copy(start_missed_, state.start, of_start);
+  state.scale.resize(n);
+  copy(filter_.scale(), state.scale, 0);
+  state.knows_calibration = knows_calibration_;
 }
 
 bool EstimatorCorrection::restore(const EstimatorState& state) {
@@ -53,12 +57,19 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   if (!started_ || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, channels_.size() * p) ||
       !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
       !fits(state.channels, channels_.size() * per_channel) ||
-      !fits(state.start, of_start + static_cast<std::size_t>(start_missed_.size()))) {
+      !fits(state.start, of_start + static_cast<std::size_t>(start_missed_.size())) ||
+      (!state.scale.empty() && !fits(state.scale, n))) {
     return false;
   }
   const auto size = static_cast<Eigen::Index>(n);
   filter_.set_mean(Eigen::Map<const Eigen::VectorXd>(state.mean.data(), size));
-  filter_.set_root(Eigen::Map<const Eigen::MatrixXd>(state.root.data(), size, size));
+  Eigen::MatrixXd root = Eigen::Map<const Eigen::MatrixXd>(state.root.data(), size, size);
+  if (!state.scale.empty()) {  // other deviations of the priors since: the covariance is the same
+    root =
+        Eigen::Map<const Eigen::VectorXd>(state.scale.data(), size).cwiseQuotient(filter_.scale()).asDiagonal() * root;
+  }
+  filter_.set_root(root);
+  knows_calibration_ = state.knows_calibration;
   sensitivities_.set_transposed(Eigen::Map<const Eigen::MatrixXd>(
       state.sensitivities.data(), sensitivities_.transposed().rows(), coordinates_->nodes()));
   theta_ = filter_.mean().head(parameters_.count());
@@ -112,6 +123,79 @@ void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& node
   }
   note_curvature();
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+}
+
+std::vector<std::string> EstimatorCorrection::unknowns() const {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : parameters_.list()) names.push_back(parameter.name);
+  for (const EstimatorSensor& sensor : options_.sensors) names.push_back("offset " + sensor.name);
+  if (!has_lags()) return names;
+  for (const EstimatorSensor& sensor : options_.sensors) names.push_back("lag " + sensor.name);
+  return names;
+}
+
+bool EstimatorCorrection::stays(Eigen::Index unknown) const {
+  if (unknown >= parameters_.count()) return has_lags() && unknown >= lag_at(0);
+  return is_of_the_machine(parameters_.list()[static_cast<std::size_t>(unknown)].kind);
+}
+
+KnownParameters EstimatorCorrection::known() const {
+  KnownParameters known{unknowns(), filter_.mean(), filter_.covariance(), Eigen::VectorXd::Ones(filter_.size())};
+  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
+    known.nominal[i] = parameters_.list()[static_cast<std::size_t>(i)].nominal;
+  }
+  return known;
+}
+
+int EstimatorCorrection::begin_with(const KnownParameters& known) {
+  const auto n = static_cast<Eigen::Index>(known.names.size());
+  if (known.mean.size() != n || known.covariance.rows() != n || known.covariance.cols() != n ||
+      (known.nominal.size() != 0 && known.nominal.size() != n) || !known.mean.allFinite() ||
+      !known.covariance.allFinite()) {
+    return 0;
+  }
+  const std::vector<std::string> own = unknowns();
+  std::vector<Eigen::Index> here, there;
+  for (Eigen::Index i = 0; i < filter_.size(); ++i) {
+    const auto found = std::find(known.names.begin(), known.names.end(), own[static_cast<std::size_t>(i)]);
+    if (!stays(i) || found == known.names.end()) continue;
+    here.push_back(i);
+    there.push_back(found - known.names.begin());
+  }
+  if (here.empty()) return 0;
+  Eigen::VectorXd mean = prior_mean_;
+  Eigen::MatrixXd covariance = prior_.covariance();
+  Eigen::VectorXd less = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(here.size()));
+  for (std::size_t k = 0; k < here.size(); ++k) {
+    const Eigen::Index i = here[k], j = there[k];
+    const bool has_nominal = i < parameters_.count() && known.nominal.size() == n;
+    mean[i] = known.mean[j];
+    if (has_nominal) {
+      mean[i] += nominal_shift(known.nominal[j], parameters_.list()[static_cast<std::size_t>(i)].nominal);
+    }
+    less[static_cast<Eigen::Index>(k)] = std::min(1.0, std::sqrt(covariance(i, i) / known.covariance(j, j)));
+    covariance.row(i).setZero();
+    covariance.col(i).setZero();
+  }
+  covariance(here, here) = less.asDiagonal() * known.covariance(there, there) * less.asDiagonal();
+  const Eigen::VectorXd inverse = prior_.scale().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> root(inverse.asDiagonal() * covariance * inverse.asDiagonal());
+  if (root.info() != Eigen::Success || !mean.allFinite()) return 0;
+  bound(mean);
+  known_mean_ = mean;
+  known_root_ = root.matrixL();
+  return static_cast<int>(here.size());
+}
+
+/// Once: a start after that one knows nothing again.
+void EstimatorCorrection::begin_with_what_is_known() {
+  if (known_mean_.size() == 0) return;
+  filter_.set_mean(known_mean_);
+  filter_.set_root(known_root_);
+  theta_ = known_mean_.head(parameters_.count());
+  note_curvature();
+  known_mean_.resize(0);
+  known_root_.resize(0, 0);
 }
 
 }  // namespace spindle_twin::correction

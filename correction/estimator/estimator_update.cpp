@@ -227,6 +227,7 @@ void EstimatorCorrection::loosen(double widest_K) {
   ++loosened_;
   const bool as_unknown = seen_s_ - loosened_s_ < again_within_s;
   loosened_s_ = seen_s_;
+  if (as_unknown) knows_calibration_ = false;
   const double open_K = std::max(widest_K, least_start_K);
   keep_.setOnes();
   growth_.setZero();
@@ -310,6 +311,7 @@ bool EstimatorCorrection::displacement_contradicts() {
 bool EstimatorCorrection::update(double time_s) {
   made_.elapsed_s = time_s - fused_s_;
   pass_time(made_.elapsed_s);
+  if (knows_calibration_) recall_.take_in(made_.elapsed_s, filter_);
   fused_s_ = time_s;
   made_.unknowns = filter_.mean();
   measure(time_s);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/read/options.hpp"
 
@@ -23,6 +24,11 @@ constexpr double largest_start_K = 500.0;
 constexpr double largest_capacity = 1.6094379124341003;
 constexpr double most_disturbance = 1.0;  // of all nominal heats together
 constexpr std::size_t most_groups = 8;
+
+/// Its pressure is that of a fit, by the published law or by a law of physics.
+bool has_fit(const rom::Conductance& conductance) {
+  return conductance.fit.has_value() || (conductance.physics && conductance.physics->pressure >= 0);
+}
 
 }  // namespace
 
@@ -50,8 +56,29 @@ const char* name_of(ParameterKind kind) {
   return "unknown";
 }
 
+bool is_of_the_machine(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::heat:
+    case ParameterKind::contact:
+    case ParameterKind::film:
+    case ParameterKind::bearing_temperature:
+    case ParameterKind::speed_exponent:
+    case ParameterKind::capacity:
+      return true;
+    case ParameterKind::environment:
+    case ParameterKind::disturbance:
+    case ParameterKind::start:
+      break;
+  }
+  return false;
+}
+
+double nominal_shift(double nominal, double own) {
+  return nominal > 0.0 && own > 0.0 && nominal != own ? std::log(nominal / own) : 0.0;
+}
+
 ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPriors& priors)
-    : reference_speed_rpm_(network.boundaries.reference_speed_rpm), heat_common_(priors.heat_common) {
+    : reference_speed_rpm_(network.boundaries.reference_speed_rpm) {
   EstimatorPriors::each(priors, rom::CheckOptions("prior."));
 
   const rom::Boundaries& boundaries = network.boundaries;
@@ -61,23 +88,35 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   conductance_.assign(boundaries.conductances.size(), -1);
   environment_.assign(boundaries.environments.size(), -1);
 
-  const double heat_deviation = std::hypot(priors.heat, priors.heat_common);
+  all_heats_.deviation = priors.heat_common;
+  frictions_.deviation = priors.friction_common;
+  fits_.deviation = priors.fit_common;
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
-    const double mean = priors.centred ? 0.5 * heat_deviation * heat_deviation : 0.0;
-    friction_.push_back(boundaries.sources[i].friction);
-    add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, heat_deviation,
-         priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat},
+    const rom::HeatSource& source = boundaries.sources[i];
+    friction_.push_back(source.friction);
+    const bool electric = priors.heat_by_current > 0.0 && rom::reads_electricity(source);
+    const double shared = std::hypot(priors.heat_common, source.friction ? priors.friction_common : 0.0);
+    const double deviation = std::hypot(electric ? priors.heat_by_current : priors.heat, shared);
+    const double mean = priors.centred ? 0.5 * deviation * deviation : 0.0;
+    add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, deviation,
+         priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat,
+         std::abs(boundaries.sources[i].nominal_W)},
         heat_[i]);
+    if (heat_[i] >= 0) all_heats_.slots.push_back(heat_[i]);
+    if (heat_[i] >= 0 && source.friction) frictions_.slots.push_back(heat_[i]);
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     const bool contact = boundaries.conductances[j].kind == rom::ConductanceKind::contact;
-    const double deviation = contact ? priors.contact : priors.film;
+    const bool fitted = contact && has_fit(boundaries.conductances[j]);
+    const double deviation = std::hypot(contact ? priors.contact : priors.film, fitted ? priors.fit_common : 0.0);
     const double largest = contact ? largest_contact : largest_film;
     const double walk = (contact ? priors.contact_walk_per_root_min : priors.film_walk_per_root_min) * per_root_s;
     add({(contact ? "contact " : "film ") + boundaries.conductances[j].name,
          contact ? ParameterKind::contact : ParameterKind::film, static_cast<int>(j),
-         priors.centred ? -0.5 * deviation * deviation : 0.0, deviation, walk, 0.0, -largest, largest},
+         priors.centred ? -0.5 * deviation * deviation : 0.0, deviation, walk, 0.0, -largest, largest,
+         boundaries.conductances[j].nominal_W_per_m2K * boundaries.conductances[j].area_m2},
         conductance_[j]);
+    if (fitted && conductance_[j] >= 0) fits_.slots.push_back(conductance_[j]);
   }
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     add({"bias " + boundaries.environments[e].name, ParameterKind::environment, static_cast<int>(e), 0.0,
@@ -111,7 +150,8 @@ void ParameterModel::add_capacities(const rom::Network& network, const Estimator
   capacity_.assign(network.nodes.size(), -1);
   for (std::size_t i = 0; i < network.nodes.size(); ++i) {
     add({"capacity " + network.nodes[i].name, ParameterKind::capacity, static_cast<int>(i), 0.0, priors.capacity, 0.0,
-         0.0, -largest_capacity, largest_capacity},
+         0.0, -largest_capacity, largest_capacity,
+         capacity(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))},
         capacity_[i]);
   }
 }
@@ -155,7 +195,9 @@ void ParameterModel::take_calibrated() {
       throw rom::InputError({}, "calibration", "\"" + calibrated.names[i] + "\" is no parameter of this network");
     }
     const auto slot = static_cast<Eigen::Index>(i);
-    found->mean = std::clamp(calibrated.mean[slot], found->minimum, found->maximum);
+    const double shift =
+        calibrated.nominal.size() > slot ? nominal_shift(calibrated.nominal[slot], found->nominal) : 0.0;
+    found->mean = std::clamp(calibrated.mean[slot] + shift, found->minimum, found->maximum);
     found->deviation = std::sqrt(calibrated.covariance(slot, slot));
     calibrated_slots_.push_back(found - list_.begin());
   }
@@ -183,9 +225,11 @@ Eigen::MatrixXd ParameterModel::covariance() const {
     const double deviation = list_[static_cast<std::size_t>(i)].deviation;
     covariance(i, i) = deviation * deviation;
   }
-  for (const int a : heat_) {
-    for (const int b : heat_) {
-      if (a != b && a >= 0 && b >= 0) covariance(a, b) = heat_common_ * heat_common_;
+  for (const SharedCause* cause : {&all_heats_, &frictions_, &fits_}) {
+    for (const int a : cause->slots) {
+      for (const int b : cause->slots) {
+        if (a != b) covariance(a, b) += cause->deviation * cause->deviation;
+      }
     }
   }
   for (const Eigen::Index slot : calibrated_slots_) {

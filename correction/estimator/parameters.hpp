@@ -30,6 +30,13 @@ enum class ParameterKind : std::uint8_t {
 /// As people read it.
 const char* name_of(ParameterKind kind);
 
+/// It is of the machine, not of the day: heats, contacts, films, what their laws do not know, capacities.
+bool is_of_the_machine(ParameterKind kind);
+
+/// ln(nominal / own), by which a ln factor of one network moves when another one takes it over; 0 where a nominal value
+/// is not known (0 or less) or both are the same.
+double nominal_shift(double nominal, double own);
+
 /// One entry of θ. A deviation of zero leaves it out.
 struct Parameter {
   std::string name;
@@ -41,6 +48,7 @@ struct Parameter {
   double memory_s = 0.0;  ///< > 0: forgets towards the mean with this time constant, variance stays at the prior's
   double minimum = 0.0;   ///< the filter never leaves [minimum, maximum]
   double maximum = 0.0;
+  double nominal = 1.0;  ///< what the factor of a ln factor multiplies: W, W/K or J/K
   /// The prior of an unknown machine where mean and deviation are of a calibration; else the same as these.
   double uncalibrated_mean = 0.0;
   double uncalibrated_deviation = 0.0;
@@ -51,7 +59,10 @@ struct Parameter {
 struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `each` names one by one
   double heat = 0.5;
   double heat_common = 0.0;
+  double friction_common = 0.0;
+  double heat_by_current = 0.0;  ///< 0: as `heat`
   double contact = 0.6;
+  double fit_common = 0.0;
   double film = 0.3;
   double environment_K = 0.1;
   double environment_memory_s = 1800.0;
@@ -81,7 +92,15 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
     visit(zero_or_some("heat_common",
                        "of all sources together: where all are wrong by the same cause, 0.8 beside heat = 0.15", ln),
           priors.heat_common);
+    visit(zero_or_some("friction_common", "of all friction heats together: the same grease, the same preload", ln),
+          priors.friction_common);
+    visit(zero_or_some("heat_by_current",
+                       "instead of heat where a law reads the motor's measured current or power; 0: as heat", ln),
+          priors.heat_by_current);
     visit(zero_or_some("contact", "", ln), priors.contact);
+    visit(zero_or_some("fit_common", "of all contacts whose pressure comes from a fit: assembled alike, finished alike",
+                       ln),
+          priors.fit_common);
     visit(zero_or_some("film", "", ln), priors.film);
     visit(zero_or_some("environment_K", "of what coolant and ambient read", 10.0), priors.environment_K);
     visit(zero_or_some("environment_memory_s", "how long that stays", 1e9), priors.environment_memory_s);
@@ -125,6 +144,10 @@ class ParameterModel {
   Eigen::MatrixXd covariance() const;
   /// What it begins with instead of the priors of an unknown machine; null: nothing.
   const CalibratedPrior* calibrated() const { return calibrated_.get(); }
+  /// Tells one from another; empty without one.
+  std::string calibration_origin() const { return calibrated_ ? calibrated_->origin : ""; }
+  /// Indices into θ of its parameters, in its order; empty without one.
+  const std::vector<Eigen::Index>& calibrated_slots() const { return calibrated_slots_; }
 
   bool is_friction(Eigen::Index source) const { return friction_[static_cast<std::size_t>(source)]; }
   /// Heat of this group in W is θ of its slot.
@@ -163,6 +186,11 @@ class ParameterModel {
   void add_disturbances(const rom::Network& network, const EstimatorPriors& priors);
   void add_starts(const rom::Network& network, const EstimatorPriors& priors);
   void take_calibrated();
+  /// Parameters of one cause that all of them share; its deviation.
+  struct SharedCause {
+    std::vector<int> slots;
+    double deviation = 0.0;
+  };
 
   std::vector<Parameter> list_;
   std::shared_ptr<const CalibratedPrior> calibrated_;
@@ -175,7 +203,7 @@ class ParameterModel {
   int bearing_ = -1, start_ = -1;
   std::vector<bool> friction_;
   double reference_speed_rpm_ = 0.0;
-  double heat_common_ = 0.0;
+  SharedCause all_heats_, frictions_, fits_;
 };
 
 }  // namespace spindle_twin::correction

@@ -17,8 +17,8 @@ void read_priors(const rom::TomlTable& correction, Config& config, correction::E
   correction::DriftOptions drift;
   if (const auto table = correction.optional_table("drift")) {
     rom::read_options(*table, drift);
-    if (!file) correction.fail("drift", "is of a calibration, and there is none");
   }
+  config.cycle.drift = drift;
   if (!file) return;
   const std::string path = beside(config.path, *file);
   correction::CalibrationFile read = correction::read_calibration_file(path);

@@ -20,7 +20,8 @@
 
 namespace spindle_twin::firmware {
 
-/// What was of use in what a cycle was to remember.
+/// What was of use in what a cycle was to remember. `temperatures`: of the estimator what Cycle::begin_with_machine()
+/// says at most.
 /// `implausible`: nothing, because temperatures or tares are beyond what a spindle can have.
 /// `given_up`: it was not waited for.
 enum class Resumed { nothing, implausible, temperatures, temperatures_and_estimator, given_up };
@@ -83,6 +84,13 @@ class Cycle {
   /// changed where nothing fits. Allocates. Gives `given_up` as soon as `stop` is set (null: never): the cycle is then
   /// of no use any more.
   Resumed resume(const Remembered& from, double gap_s, const std::atomic<bool>* stop = nullptr);
+
+  /// Before the first step, where resume() cannot be: the start is a cold one, but the estimator begins with what was
+  /// known of the machine (heats, contacts, films and their laws, lags; not offsets, inlets or start), widened by
+  /// `plan.drift`. By names, so from another network of the same spindle too, whose nominal values may differ. Gives
+  /// how many parameters were taken: 0, and nothing changed, where it is of another spindle, began with another
+  /// calibration, or has no names. Allocates.
+  int begin_with_machine(const Remembered& from);
 
  private:
   bool ready_to_start();

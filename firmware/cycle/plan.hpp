@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "correction/calibration/calibration.hpp"
 #include "correction/estimator/estimator_correction.hpp"
 #include "correction/health/isothermal_tare.hpp"
 #include "correction/health/limits.hpp"
@@ -60,6 +61,7 @@ struct CyclePlan {          // NOLINT(public-members): the configuration of the 
   std::optional<correction::PaperOptions> paper;  ///< the published law corrects
   /// The estimator, without sensors: these come from `sensors`. Not together with `paper`.
   std::optional<correction::EstimatorOptions> estimator;
+  correction::DriftOptions drift;  ///< what the machine may have changed by in a long absence, and since a calibration
   bool estimator_corrects = true;  ///< false: it stands by for ever and only says how sure the open loop is
   std::optional<correction::HealthLimits> health =
       correction::HealthLimits{};  ///< empty: sensors are only judged by range and age

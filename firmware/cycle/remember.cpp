@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <utility>
 
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/cycle/order_desk.hpp"
@@ -22,8 +24,9 @@ std::string layout_of(const correction::EstimatorCorrection& estimator) {
   for (const correction::Parameter& parameter : estimator.parameters().list())
     layout.append(parameter.name).append(";");
   for (const correction::EstimatorSensor& sensor : estimator.sensors()) layout.append("|").append(sensor.name);
-  const correction::CalibratedPrior* calibrated = estimator.parameters().calibrated();
-  if (calibrated != nullptr) layout.append("|calibration ").append(calibrated->origin);
+  if (const std::string origin = estimator.parameters().calibration_origin(); !origin.empty()) {
+    layout.append("|calibration ").append(origin);
+  }
   return layout;
 }
 
@@ -49,6 +52,22 @@ bool fits(const std::vector<double>& numbers, Eigen::Index size) {
 
 }  // namespace
 
+std::optional<correction::KnownParameters> known_of_machine(const Remembered& from) {
+  const correction::EstimatorState& state = from.estimator;
+  std::vector<std::string> names;
+  std::istringstream lines(from.unknowns);
+  for (std::string name; std::getline(lines, name);) names.push_back(name);
+  const auto n = static_cast<Eigen::Index>(names.size());
+  if (n == 0 || !fits(state.mean, n) || !fits(state.scale, n) || !fits(state.root, n * n) || !fits(from.nominal, n)) {
+    return std::nullopt;
+  }
+  const auto vector = [n](const std::vector<double>& of) { return Eigen::Map<const Eigen::VectorXd>(of.data(), n); };
+  const Eigen::MatrixXd root =
+      vector(state.scale).asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(state.root.data(), n, n);
+  return correction::KnownParameters{std::move(names), vector(state.mean), root * root.transpose(),
+                                     vector(from.nominal)};
+}
+
 const correction::ParameterModel* Cycle::parameters() const {
   return corrector_.corrects && corrector_.estimator ? &corrector_.estimator->parameters() : nullptr;
 }
@@ -66,7 +85,14 @@ void Cycle::remember(Remembered& to) const {
   copy(uncorrected_.stepper->temperatures_K(), to.uncorrected_K);
   if (parameters() == nullptr) return;
   const correction::EstimatorCorrection& estimator = *corrector_.estimator;
-  if (to.layout.empty()) to.layout = layout_of(estimator);
+  if (to.layout.empty()) {
+    to.layout = layout_of(estimator);
+    to.spindle = network_.spindle;
+    to.calibration = estimator.parameters().calibration_origin();
+    const correction::KnownParameters known = estimator.known();
+    for (const std::string& name : known.names) to.unknowns.append(name).append(1, '\n');
+    copy(known.nominal, to.nominal);
+  }
   estimator.save(to.estimator);
   to.parameters.resize(static_cast<std::size_t>(estimator.parameters().count()));
   for (std::size_t i = 0; i < to.parameters.size(); ++i) {
@@ -94,9 +120,10 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
 
   bool known = false;
   if (corrector_.estimator) {
+    const bool same = corrector_.corrects && from.layout == layout_of(*corrector_.estimator);
+    if (!same) begin_with_machine(from);
     corrector_.estimator->reset(-gap_s, model_.stepper->temperatures_K(), operating_);
-    known = corrector_.corrects && from.layout == layout_of(*corrector_.estimator) &&
-            corrector_.estimator->restore(from.estimator);
+    known = same && corrector_.estimator->restore(from.estimator);
   }
   const auto tared = static_cast<Eigen::Index>(watch_.tare.offset_K.size());
   if (fits(from.sensor_tare.offset_K, tared) && fits(from.sensor_tare.deviation_K, tared)) {
@@ -114,6 +141,17 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
   publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
   started_ = true;
   return known ? Resumed::temperatures_and_estimator : Resumed::temperatures;
+}
+
+int Cycle::begin_with_machine(const Remembered& from) {
+  if (parameters() == nullptr || from.spindle != network_.spindle) return 0;
+  correction::EstimatorCorrection& estimator = *corrector_.estimator;
+  if (from.calibration != estimator.parameters().calibration_origin())
+    return 0;  // the calibration is the newer knowledge, or was revoked
+  std::optional<correction::KnownParameters> known = known_of_machine(from);
+  if (!known) return 0;
+  correction::add_drift(plan_.drift, *known);
+  return estimator.begin_with(*known);
 }
 
 /// What the spindle would be warmer now if it had run at the operating state all the time.

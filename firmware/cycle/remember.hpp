@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,18 @@ struct Remembered {            // NOLINT(public-members): a checkpoint as it is 
   std::array<double, signal_count> signals = not_values;
   std::vector<double> nodes_K;
   std::vector<double> uncorrected_K;
-  std::string layout;  ///< names of the estimator's parameters and sensors; empty without one that corrects
+  std::string layout;           ///< names of the estimator's parameters and sensors; empty without one that corrects
+  std::string spindle;          ///< that the network is of; empty in what was written before it was kept
+  std::string calibration;      ///< origin of the one that the estimator began with; empty: none
+  std::string unknowns;         ///< names of the estimator's, a line each, in its order
+  std::vector<double> nominal;  ///< of each, as in correction::KnownParameters
   correction::EstimatorState estimator;
   std::vector<correction::ParameterEstimate> parameters;
 };
+
+/// What it says of the machine, for an estimator of other days, sensors or networks. Nothing without an estimator that
+/// corrected, and from what was written before names were kept.
+std::optional<correction::KnownParameters> known_of_machine(const Remembered& from);
 
 /// A value too large for a triple buffer, from one thread that fills it when another has asked for it. Neither waits
 /// for the other; between fill() and the next ask() the value is the asking thread's.

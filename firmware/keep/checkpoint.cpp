@@ -35,6 +35,12 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.lagged = attach<way>(remembered.estimator.lagged);
   message.channels = attach<way>(remembered.estimator.channels);
   message.start = attach<way>(remembered.estimator.start);
+  message.scale = attach<way>(remembered.estimator.scale);
+  message.calibration_contradicted = !remembered.estimator.knows_calibration;
+  message.spindle = attach<way>(remembered.spindle);
+  message.calibration = attach<way>(remembered.calibration);
+  message.unknowns = attach<way>(remembered.unknowns);
+  message.nominal = attach<way>(remembered.nominal);
   message.sensor_tare_K = attach<way>(remembered.sensor_tare.offset_K);
   message.sensor_tare_deviation_K = attach<way>(remembered.sensor_tare.deviation_K);
   message.sensor_health = attach<way>(remembered.sensor_health);
@@ -73,6 +79,7 @@ Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::
   checkpoint.remembered.started = true;
   checkpoint.remembered.model_time_s = message.model_time_s;
   checkpoint.remembered.tare_m = message.tare_m;
+  checkpoint.remembered.estimator.knows_calibration = !message.calibration_contradicted;
   checkpoint.remembered.trial_away_m = message.trial_away_m;
   checkpoint.remembered.sensor_tare.count = message.sensor_tares;
   std::copy(signals.begin(), signals.end(), checkpoint.remembered.signals.begin());

@@ -57,7 +57,9 @@ Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpo
   if (reason.empty() && resumed == Resumed::nothing) reason = "its sizes do not fit";
   if (resumed == Resumed::implausible) reason = "it has temperatures or tares that no spindle has";
   if (!reason.empty()) {
-    spdlog::warn("checkpoint {}: not used, {}; a cold start", path, reason);
+    const int known = resumed == Resumed::implausible ? 0 : cycle.begin_with_machine(checkpoint->remembered);
+    spdlog::warn("checkpoint {}: not used, {}; a cold start{}", path, reason,
+                 known == 0 ? "" : fmt::format(", with what was known of {} parameters of the machine", known));
   } else {
     spdlog::info("checkpoint {}: goes on from {:.0f} s ago, {}", path, age_s,
                  resumed == Resumed::temperatures ? "temperatures and tare only" : "with what the estimator knew");

@@ -79,6 +79,12 @@ bool has_physics(const Boundaries& boundaries) {
 
 bool follows_current(const Boundaries& boundaries) { return has_heat_of(MeasuredDrive::current, boundaries); }
 
+bool reads_electricity(const HeatSource& source) {
+  if (!source.physics) return false;
+  const MeasuredDrive measured = traits_of(source.physics->law).measured;
+  return measured == MeasuredDrive::current || measured == MeasuredDrive::power;
+}
+
 bool follows_power(const Boundaries& boundaries) { return has_heat_of(MeasuredDrive::power, boundaries); }
 
 }  // namespace spindle_twin::rom

@@ -33,5 +33,7 @@ bool has_physics(const Boundaries& boundaries);
 /// Whether any heat reads the motor's current (copper_loss) or its power (motor_efficiency).
 bool follows_current(const Boundaries& boundaries);
 bool follows_power(const Boundaries& boundaries);
+/// Whether this one reads either of them.
+bool reads_electricity(const HeatSource& source);
 
 }  // namespace spindle_twin::rom

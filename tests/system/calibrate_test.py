@@ -121,7 +121,6 @@ class Calibrate(RunningDaemon):
         for text, message in (
                 ('calibration = "damaged.calibration"\n', "no calibration of this version, or damaged"),
                 ('calibration = "nowhere.calibration"\n', "nowhere.calibration"),
-                ('[correction.drift]\nheat = 0.1\n', "drift: is of a calibration, and there is none"),
                 ('calibration = "machine.calibration"\n[correction.prior]\ncontact = 0\n',
                  '"contact rotor_bearing"')):
             self.configure(text)

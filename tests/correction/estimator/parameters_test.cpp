@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
+#include "correction/estimator/square_root_filter.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
@@ -85,6 +89,94 @@ TEST(Parameters, share_what_all_heats_have_in_common_and_nothing_else) {
       EXPECT_NEAR(own, std::hypot(0.3, 0.4), 1e-15);
     }
   }
+}
+
+/// Two bearings with the same grease beside a motor; two joints of one fit beside a screwed one.
+rom::Network bearings_and_fits() {
+  rom::Network network = plates();
+  rom::Boundaries& boundaries = network.boundaries;
+  rom::HeatSource rear = boundaries.sources[0];
+  rear.name = "rear bearing";
+  boundaries.sources.push_back(rear);
+  network.source_distribution.conservativeResize(Eigen::NoChange, network.source_distribution.cols() + 1);
+  network.source_distribution.rightCols(1) = network.source_distribution.leftCols(1);
+  int contacts = 0;
+  for (rom::Conductance& conductance : boundaries.conductances) {
+    conductance.fit.reset();
+    if (conductance.kind == rom::ConductanceKind::contact && contacts++ < 2)
+      conductance.fit = rom::JointFit{1e6, 1e5, 1e5};
+  }
+  return network;
+}
+
+double correlation_of(const ParameterModel& model, const std::string& a, const std::string& b) {
+  const auto slot = [&](const std::string& name) {
+    const auto found = std::find_if(model.list().begin(), model.list().end(),
+                                    [&](const Parameter& parameter) { return parameter.name == name; });
+    EXPECT_NE(found, model.list().end()) << name;
+    return found - model.list().begin();
+  };
+  const Eigen::MatrixXd covariance = model.covariance();
+  return covariance(slot(a), slot(b)) / std::sqrt(covariance(slot(a), slot(a)) * covariance(slot(b), slot(b)));
+}
+
+/// One cause of deviation c beside an own one of deviation s: correlation c² / (c² + s²).
+TEST(Parameters, of_bearings_with_one_grease_and_joints_of_one_fit_share_their_cause) {
+  const rom::Network network = bearings_and_fits();
+  std::vector<std::string> fitted, others;
+  for (const rom::Conductance& conductance : network.boundaries.conductances) {
+    if (conductance.kind == rom::ConductanceKind::contact) {
+      (conductance.fit ? fitted : others).push_back("contact " + conductance.name);
+    }
+  }
+  ASSERT_EQ(fitted.size(), 2U);
+  EstimatorPriors priors;
+  priors.heat = 0.3;
+  priors.heat_common = 0.2;
+  priors.friction_common = 0.4;
+  priors.contact = 0.5;
+  priors.fit_common = 0.25;
+  const ParameterModel model(network, priors);
+  const std::string front = "heat " + network.boundaries.sources[0].name;
+  const double of_bearing = 0.3 * 0.3 + 0.2 * 0.2 + 0.4 * 0.4, of_motor = 0.3 * 0.3 + 0.2 * 0.2;
+  EXPECT_NEAR(correlation_of(model, front, "heat rear bearing"), (0.2 * 0.2 + 0.4 * 0.4) / of_bearing, 1e-12);
+  EXPECT_NEAR(correlation_of(model, front, "heat motor"), 0.2 * 0.2 / std::sqrt(of_bearing * of_motor), 1e-12);
+  EXPECT_NEAR(correlation_of(model, fitted[0], fitted[1]), 0.25 * 0.25 / (0.5 * 0.5 + 0.25 * 0.25), 1e-12);
+  for (const std::string& other : others) EXPECT_EQ(correlation_of(model, fitted[0], other), 0.0) << other;
+}
+
+/// What one bearing's sensor says of its heat it then says, by the shared cause, of the other's.
+TEST(Parameters, with_one_grease_a_reading_at_one_bearing_tells_of_the_other) {
+  const rom::Network network = bearings_and_fits();
+  const auto deviation_left = [&](double common) {
+    EstimatorPriors priors;
+    priors.heat = 0.2;
+    priors.friction_common = common;
+    const ParameterModel model(network, priors);
+    SquareRootFilter filter(model.mean(), model.covariance());
+    filter.update(Eigen::VectorXd::Unit(model.count(), model.heat(0)), 0.1, 1e-6);
+    return filter.deviation(model.heat(static_cast<Eigen::Index>(network.boundaries.sources.size()) - 1));
+  };
+  EXPECT_NEAR(deviation_left(0.0), 0.2, 1e-9);
+  const double variance = 0.2 * 0.2 + 0.5 * 0.5, shared = 0.5 * 0.5;
+  EXPECT_NEAR(deviation_left(0.5), std::sqrt(variance - shared * shared / (variance + 1e-6)), 1e-9);
+}
+
+TEST(Parameters, of_heats_by_measured_current_have_the_deviation_of_these) {
+  rom::Network network = plates();
+  rom::BoundLaw copper;
+  copper.law.parameters = rom::CopperLaw::example();
+  network.boundaries.sources[1].physics = copper;
+  EstimatorPriors priors;
+  const ParameterModel as_others(network, priors);
+  priors.heat_by_current = 0.15;
+  const ParameterModel measured(network, priors);
+  const auto deviation = [](const ParameterModel& model, Eigen::Index source) {
+    return model.list()[static_cast<std::size_t>(model.heat(source))].deviation;
+  };
+  EXPECT_EQ(deviation(as_others, 1), priors.heat);
+  EXPECT_EQ(deviation(measured, 1), 0.15);
+  EXPECT_EQ(deviation(measured, 0), priors.heat);
 }
 
 TEST(Parameters, multiply_heats_by_the_law_of_the_readme_and_leave_them_at_zero) {
