@@ -7,7 +7,8 @@
 import { colourScale, ramp } from "./colours.js";
 import { fixed, svgElement } from "./elements.js";
 import { drawFlows, drawWatts } from "./section_flows.js";
-import { drawBeside, drawPartNames } from "./section_names.js";
+import { drawBeside } from "./section_labels.js";
+import { drawPartNames } from "./section_names.js";
 import { makeRoom, makeView } from "./section_view.js";
 
 // What is pointed at or tapped says its numbers in `pointed`, as a touch screen shows no titles.
@@ -65,6 +66,20 @@ function drawNodes(drawing) {
   return placed;
 }
 
+const aroundOf = ([x, y], half) => [x - half, y - half, x + half, y + half];
+
+// [place, its points]: points whose marks lie on each other have one label, a line for each.
+function byPlace(points, view) {
+  const places = [];
+  for (const point of points) {
+    const at = view.at(point.at_m);
+    const same = places.find(([other]) => Math.hypot(at[0] - other[0], at[1] - other[1]) < 6);
+    if (same) same[1].push(point);
+    else places.push([at, [point]]);
+  }
+  return places;
+}
+
 function drawKeyPoints(drawing) {
   const { svg, view, scene, room, tip } = drawing;
   const marks = {};
@@ -79,8 +94,9 @@ function drawKeyPoints(drawing) {
     room.take([x - 7, y - 7, x + 7, y + 7]);
     marks[point.name] = { mark };
   }
-  for (const point of scene.key_points) {
-    if (point.label) marks[point.name].label = drawBeside(drawing, view.at(point.at_m), 7, point.label);
+  for (const [at, points] of byPlace(scene.key_points.filter(point => point.label), view)) {
+    const rows = drawBeside(drawing, aroundOf(at, 7), points.map(point => point.label));
+    points.forEach((point, k) => { marks[point.name].label = rows?.[k]; });
   }
   return marks;
 }
@@ -97,7 +113,7 @@ function drawRamp({ svg, view, scene, colour }) {
   svgElement("text", { x: view.side + wide + 14, y: view.bottom + 10, class: "soft" }, svg, scene.unit ?? "K");
 }
 
-// Scale of colours, what the signs mean, and the length of 20 or 50 mm.
+// Scale of colours, what the signs mean, and the length of 20 or 50 mm. Gives how far down they reach.
 function drawKey(drawing) {
   const { svg, view, scene } = drawing;
   drawRamp(drawing);
@@ -121,6 +137,7 @@ function drawKey(drawing) {
   const at = view.upright ? y + 24 : view.bottom + 5;
   svgElement("path", { d: `M${end - ruler},${at}h${ruler}`, stroke: "var(--text)", "stroke-width": 2 }, svg);
   svgElement("text", { x: end - ruler / 2, y: at + 17, class: "soft middle" }, svg, `${1000 * length} mm`);
+  return Math.max(y + 10, at + 23, view.bottom + 31);
 }
 
 function paintBodies({ colour, tip }, paths, names, bodies) {
@@ -135,18 +152,20 @@ function paintBodies({ colour, tip }, paths, names, bodies) {
 function draw(svg, pointed, scene, width) {
   svg.replaceChildren();
   const view = makeView(scene, width);
-  svg.setAttribute("viewBox", `0 0 ${view.width} ${view.height.toFixed(1)}`);
-  const drawing = { svg, view, scene, room: makeRoom(), colour: colourScale(scene.low_K, scene.high_K),
+  const drawing = { svg, view, scene, room: makeRoom(view), colour: colourScale(scene.low_K, scene.high_K),
     tip: tipsInto(svg, pointed) };
   const paths = drawParts(drawing);
   if (scene.lumps) drawLinks(drawing);
   const nodes = drawNodes(drawing);
   const numbered = drawFlows(drawing);
-  if (scene.lumps) for (const node of nodes) drawBeside(drawing, view.at(node.at_m), 13, node.name.replaceAll("_", " "));
+  if (scene.lumps) {
+    for (const node of nodes) drawBeside(drawing, aroundOf(view.at(node.at_m), 13), [node.name.replaceAll("_", " ")]);
+  }
   const marks = drawKeyPoints(drawing);
   drawWatts(numbered, drawing);
   const names = drawPartNames(drawing, paths);
-  drawKey(drawing);
+  const lowest = drawKey(drawing);
+  svg.setAttribute("viewBox", `0 0 ${view.width} ${Math.max(view.height, lowest).toFixed(1)}`);
   paintBodies(drawing, paths, names, scene.bodies);
   return { drawing, paths, names, marks };
 }
@@ -175,7 +194,9 @@ export function drawSection(svg, pointed, scene) {
       drawn = draw(svg, pointed, scene, width);
     },
     show(bodies, keyPoints) {
+      const isLonger = keyPoints.some((point, i) => (point.label ?? "").length > (scene.key_points[i].label ?? "").length);
       Object.assign(scene, { bodies, key_points: keyPoints });
+      if (isLonger) drawn = draw(svg, pointed, scene, width);
       paintBodies(drawn.drawing, drawn.paths, drawn.names, bodies);
       for (const point of keyPoints) {
         drawn.drawing.tip(drawn.marks[point.name].mark, point.tip);

@@ -1,5 +1,6 @@
 // Heat flows of the section: an arrow across each contact, gap and film, its width by the watts.
 import { fixed, svgElement } from "./elements.js";
+import { drawBeside } from "./section_labels.js";
 import { extentOf } from "./section_view.js";
 
 // Of every heat that is drawn: the smallest, as a share of the largest, and how many get their watts in letters.
@@ -61,7 +62,7 @@ function drawArrow(flow, share, drawing) {
   drawing.tip(arrow, `${source} → ${target}: ${fixed(Math.abs(flow.heat_W), 2)} W (${flow.name}, ${flow.kind})`);
   const half = [0, 1].map(k => Math.abs(way[k]) * long / 2 + 4);
   drawing.room.take([at[0] - half[0], at[1] - half[1], at[0] + half[0], at[1] + half[1]]);
-  return { at, half: long / 2, watts: Math.abs(flow.heat_W), outside: flow.outside };
+  return { at, half, watts: Math.abs(flow.heat_W), outside: flow.outside };
 }
 
 // Arrows of all flows that matter; gives those whose watts are to be written.
@@ -74,15 +75,10 @@ export function drawFlows(drawing) {
 }
 
 // Watts beside their arrows, where there is room.
-export function drawWatts(numbered, { svg, room }) {
+export function drawWatts(numbered, drawing) {
   for (const { at, half, watts, outside } of numbered) {
     const text = `${fixed(watts, watts < 9.95 ? 1 : 0)} W`;
-    const wide = 3.6 * text.length;
-    const places = [[0, -half - 6], [0, half + 13], [half + wide, 4], [-half - wide, 4], [wide + 8, -10], [-wide - 8, -10]];
-    const boxOf = ([x, y]) => [at[0] + x - wide, at[1] + y - 10, at[0] + x + wide, at[1] + y + 2];
-    const place = places.find(p => room.isFree(boxOf(p)));
-    if (!place) continue;
-    svgElement("text", { x: at[0] + place[0], y: at[1] + place[1], class: outside ? "watts out" : "watts" }, svg, text);
-    room.take(boxOf(place));
+    const box = [at[0] - half[0], at[1] - half[1], at[0] + half[0], at[1] + half[1]];
+    drawBeside(drawing, box, [text], { kind: outside ? "watts out" : "watts", farthest: 24 });
   }
 }

@@ -25,12 +25,35 @@ export function makeView(scene, width) {
   return view;
 }
 
-// Boxes [x0, y0, x1, y1] that are taken: what is drawn keeps texts away.
-export function makeRoom() {
-  const taken = [];
+const overlap = (a, b) => a[0] < b[2] && a[2] > b[0] && a[1] < b[3] && a[3] > b[1];
+
+// Whether the line [from, to] goes through the box; touching is not that.
+function crosses([from, to], box) {
+  let [first, last] = [0, 1];
+  for (const k of [0, 1]) {
+    const length = to[k] - from[k];
+    if (length === 0) {
+      if (from[k] <= box[k] || from[k] >= box[k + 2]) return false;
+      continue;
+    }
+    const [enter, leave] = [(box[k] - from[k]) / length, (box[k + 2] - from[k]) / length].sort((a, b) => a - b);
+    [first, last] = [Math.max(first, enter), Math.min(last, leave)];
+  }
+  return first < last;
+}
+
+// What is drawn keeps texts away: boxes [x0, y0, x1, y1], of texts in a list of their own, and lines to texts. No text leaves
+// the drawing, or reaches down to its key.
+export function makeRoom(view) {
+  const [taken, texts, leaders] = [[], [], []];
+  const isInside = box => box[0] >= 0 && box[1] >= 0 && box[2] <= view.width && box[3] <= view.bottom - 4;
   return {
     take: box => taken.push(box),
-    isFree: box => !taken.some(o => box[0] < o[2] && box[2] > o[0] && box[1] < o[3] && box[3] > o[1]),
+    takeText: box => texts.push(box),
+    takeLeader: leader => leaders.push(leader),
+    isFree: box => isInside(box) && ![...taken, ...texts].some(other => overlap(box, other)) &&
+      !leaders.some(leader => crosses(leader, box)),
+    isClear: leader => !texts.some(box => crosses(leader, box)),
   };
 }
 

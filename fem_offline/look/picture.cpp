@@ -8,17 +8,15 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
                                         const SectionPicture& picture) {
   const auto path = [&](const char* kind) { return directory + "/" + name + "_" + kind + ".png"; };
   std::vector<std::string> written{path("parts"), path("rise")};
-  draw_parts_picture(picture, written[0]);
-  draw_rise_picture(picture, written[1]);
+  draw_parts_picture(picture)->save(written[0]);
+  draw_rise_picture(picture)->save(written[1]);
   return written;
 }
 
-std::vector<std::string> write_pictures(const std::string& directory, const std::string& name, const FeModel& model,
-                                        const Eigen::VectorXd& temperatures_K, const PictureState& state) {
+SectionPicture picture_of(const FeModel& model, const Eigen::VectorXd& temperatures_K, const PictureState& state) {
   const AffineModel& affine = model.affine();
-  const Lattice lattice = lattice_of(model);
-  const auto nodes = static_cast<Eigen::Index>(lattice.nodes.size());
-  SectionPicture picture{model.description(), model.section(), lattice, state, {}, {}, {}, {}};
+  SectionPicture picture{model.description(), model.section(), lattice_of(model), state, {}, {}, {}, {}};
+  const auto nodes = static_cast<Eigen::Index>(picture.lattice.nodes.size());
   picture.rises_K = temperatures_K.head(nodes).array() - state.datum_K;
   for (const FeKeyPoint& point : affine.key_points) {
     picture.key_point_rises_K.push_back({point.name, point.row.dot(temperatures_K) - state.datum_K});
@@ -30,7 +28,7 @@ std::vector<std::string> write_pictures(const std::string& directory, const std:
   for (const rom::HeatSource& source : affine.boundaries.sources) {
     picture.heats_W.push_back({source.name, source.nominal_W});
   }
-  return write_pictures(directory, name, picture);
+  return picture;
 }
 
 }  // namespace spindle_twin::fem_offline

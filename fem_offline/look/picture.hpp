@@ -25,7 +25,7 @@ struct NamedValue {
 struct SectionPicture {
   const Spindle& spindle;
   const Section& section;
-  const Lattice& lattice;
+  Lattice lattice;
   PictureState state;
   Eigen::VectorXd rises_K;  ///< one entry per node of the lattice
   std::vector<NamedValue> air_rises_K;
@@ -40,8 +40,7 @@ struct SectionPicture {
 std::vector<std::string> write_pictures(const std::string& directory, const std::string& name,
                                         const SectionPicture& picture);
 
-/// The same of a model in a field of temperatures (of all its unknowns).
-std::vector<std::string> write_pictures(const std::string& directory, const std::string& name, const FeModel& model,
-                                        const Eigen::VectorXd& temperatures_K, const PictureState& state);
+/// Of a model, which must outlive it, in a field of temperatures (of all its unknowns).
+SectionPicture picture_of(const FeModel& model, const Eigen::VectorXd& temperatures_K, const PictureState& state);
 
 }  // namespace spindle_twin::fem_offline

@@ -12,6 +12,7 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr double millimetres_per_metre = 1e3;
+constexpr double halo_share = 0.28;  // width of the pen that draws a rim, of the letters' size
 constexpr Colour axis_colour{0.25, 0.25, 0.28, 1.0};
 
 }  // namespace
@@ -59,9 +60,12 @@ void Canvas::frame_box(const PixelBox& box, double width_px, const Colour& colou
   cairo_stroke(pen_);
 }
 
-void Canvas::disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim) {
+void Canvas::disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim, double stretch_px) {
+  constexpr double quarter = 0.5 * std::numbers::pi;
   cairo_new_path(pen_);
-  cairo_arc(pen_, at.x, at.y, radius_px, 0.0, 2.0 * std::numbers::pi);
+  cairo_arc(pen_, at.x + stretch_px, at.y, radius_px, -quarter, quarter);
+  cairo_arc(pen_, at.x - stretch_px, at.y, radius_px, quarter, 3.0 * quarter);
+  cairo_close_path(pen_);
   set_colour(fill);
   cairo_fill_preserve(pen_);
   cairo_set_line_width(pen_, 2.0);
@@ -108,14 +112,28 @@ double Canvas::text_width_px(const std::string& words, const TextStyle& style) {
   return extents.x_advance;
 }
 
-void Canvas::text(const Pixel& at, const std::string& words, const TextStyle& style) {
-  const double width_px = text_width_px(words, style);
+Pixel Canvas::start_of(const Pixel& at, const std::string& words, const TextStyle& style) {
   const double shift = style.align == Align::left ? 0.0 : style.align == Align::centre ? 0.5 : 1.0;
-  const Pixel start{at.x - shift * width_px, at.y + 0.36 * style.size_px};
+  return {at.x - shift * text_width_px(words, style), at.y + 0.36 * style.size_px};
+}
+
+PixelBox Canvas::text_box(const Pixel& at, const std::string& words, const TextStyle& style) {
+  const Pixel start = start_of(at, words, style);
+  cairo_text_extents_t extents;
+  cairo_text_extents(pen_, words.c_str(), &extents);
+  const double rim_px = style.halo ? 0.5 * halo_share * style.size_px : 0.0;
+  const double x = start.x + extents.x_bearing, y = start.y + extents.y_bearing;
+  return {x - rim_px, y - rim_px, x + extents.width + rim_px, y + extents.height + rim_px};
+}
+
+void Canvas::text(const Pixel& at, const std::string& words, const TextStyle& style) {
+  if (words.empty()) return;
+  texts_.push_back(text_box(at, words, style));
+  const Pixel start = start_of(at, words, style);
   if (style.halo) {
     cairo_move_to(pen_, start.x, start.y);
     cairo_text_path(pen_, words.c_str());
-    cairo_set_line_width(pen_, 0.28 * style.size_px);
+    cairo_set_line_width(pen_, halo_share * style.size_px);
     set_colour({1.0, 1.0, 1.0, 0.85});
     cairo_stroke(pen_);
   }
@@ -168,50 +186,6 @@ void draw_axes(Canvas& canvas, const View& view) {
   if (view.geometry == Geometry::axisymmetric && view.r0_m <= 0.0) {
     canvas.line({frame.x0, view.y(0.0)}, {frame.x1, view.y(0.0)}, 1.2, axis_colour, {24, 5, 4, 5});
   }
-}
-
-bool LabelBoard::is_free(const PixelBox& box) const {
-  if (box.x0 < bounds_.x0 || box.x1 > bounds_.x1 || box.y0 < bounds_.y0 || box.y1 > bounds_.y1) return false;
-  return std::none_of(taken_.begin(), taken_.end(), [&](const PixelBox& other) {
-    return box.x0 < other.x1 && other.x0 < box.x1 && box.y0 < other.y1 && other.y0 < box.y1;
-  });
-}
-
-void LabelBoard::add(const Pixel& anchor, const std::string& words, const TextStyle& style) {
-  const double half_width_px = 0.5 * canvas_->text_width_px(words, style) + 4.0;
-  const double half_height_px = 0.62 * style.size_px;
-  constexpr int directions = 16;
-  for (double gap_px = 8.0; gap_px < 400.0; gap_px += 14.0) {
-    for (int k = 0; k < directions; ++k) {
-      // Alternating left and right of straight up.
-      const double turn = (k % 2 == 0 ? 1.0 : -1.0) * ((k + 1) / 2) * 2.0 * std::numbers::pi / directions;
-      const double ux = std::sin(turn), uy = -std::cos(turn);
-      const Pixel centre{anchor.x + ux * (gap_px + half_width_px), anchor.y + uy * (gap_px + half_height_px)};
-      const PixelBox box{centre.x - half_width_px, centre.y - half_height_px, centre.x + half_width_px,
-                         centre.y + half_height_px};
-      if (!is_free(box)) continue;
-      taken_.push_back(box);
-      labels_.push_back({anchor, box, words, style});
-      return;
-    }
-  }
-}
-
-void LabelBoard::draw() {
-  constexpr double beside_px = 16.0;
-  for (const Label& label : labels_) {
-    const Pixel end{std::clamp(label.anchor.x, label.box.x0, label.box.x1),
-                    std::clamp(label.anchor.y, label.box.y0, label.box.y1)};
-    if (std::hypot(end.x - label.anchor.x, end.y - label.anchor.y) < beside_px) continue;
-    canvas_->line(label.anchor, end, 3.0, {1.0, 1.0, 1.0, 0.7});
-    canvas_->line(label.anchor, end, 1.2, label.style.colour);
-  }
-  for (const Label& label : labels_) {
-    TextStyle centred = label.style;
-    centred.align = Align::centre;
-    canvas_->text({0.5 * (label.box.x0 + label.box.x1), 0.5 * (label.box.y0 + label.box.y1)}, label.words, centred);
-  }
-  labels_.clear();
 }
 
 std::string compact(double value) {

@@ -31,6 +31,8 @@ struct TextStyle {
   bool halo = false;  ///< white rim, for text on a field
 };
 
+inline constexpr Colour ink{0.12, 0.12, 0.14, 1.0};
+
 /// A PNG in the making. Text stands vertically centred on its place.
 class Canvas {
  public:
@@ -48,23 +50,31 @@ class Canvas {
             const std::vector<double>& dashes_px = {});
   void fill_box(const PixelBox& box, const Colour& colour);
   void frame_box(const PixelBox& box, double width_px, const Colour& colour);
-  void disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim);
+  /// Longer than a round one by `stretch_px` on both sides.
+  void disc(const Pixel& at, double radius_px, const Colour& fill, const Colour& rim, double stretch_px = 0.0);
   /// Head at `to`.
   void arrow(const Pixel& from, const Pixel& to, const Colour& colour);
   void polygon(const std::vector<Pixel>& corners, const Colour& fill, const Colour& rim);
   void text(const Pixel& at, const std::string& words, const TextStyle& style = {});
   double text_width_px(const std::string& words, const TextStyle& style = {});
+  /// What the letters of a text at that place cover, with their rim.
+  PixelBox text_box(const Pixel& at, const std::string& words, const TextStyle& style = {});
+  /// The boxes of all texts on the canvas so far.
+  const std::vector<PixelBox>& texts() const { return texts_; }
 
   /// Throws rom::InputError if the file cannot be written.
   void save(const std::string& path);
 
  private:
   void set_font(const TextStyle& style);
+  /// Where the first letter begins, on the base line.
+  Pixel start_of(const Pixel& at, const std::string& words, const TextStyle& style);
 
   int width_px_;
   int height_px_;
   cairo_surface_t* surface_;
   cairo_t* pen_;
+  std::vector<PixelBox> texts_;
 };
 
 /// Where the section lies on the picture: z to the right, r upwards; y and x of a planar one.
@@ -85,31 +95,6 @@ struct View {
 
 /// Axes in mm, and the axis of rotation as a chain line if there is one and it is in view.
 void draw_axes(Canvas& canvas, const View& view);
-
-/// Labels that avoid each other: every new one takes the free place nearest to its anchor, with a leader line if that
-/// is not beside it.
-class LabelBoard {
- public:
-  LabelBoard(Canvas& canvas, const PixelBox& bounds) : canvas_(&canvas), bounds_(bounds) {}
-  void keep_free(const PixelBox& box) { taken_.push_back(box); }
-  void add(const Pixel& anchor, const std::string& words, const TextStyle& style);
-  bool is_free(const PixelBox& box) const;
-  /// Puts all labels on the canvas, leader lines below the words.
-  void draw();
-
- private:
-  struct Label {
-    Pixel anchor;
-    PixelBox box;
-    std::string words;
-    TextStyle style;
-  };
-
-  Canvas* canvas_;
-  PixelBox bounds_;
-  std::vector<PixelBox> taken_;
-  std::vector<Label> labels_;
-};
 
 /// A number with three significant digits, as short as it goes: 5.2e+10, 0.03, 1500.
 std::string compact(double value);

@@ -1,17 +1,18 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "fem_offline/look/picture.hpp"
 #include "fem_offline/look/picture_canvas.hpp"
+#include "fem_offline/look/picture_labels.hpp"
 
 /// What the figures of the section have in common.
 namespace spindle_twin::fem_offline {
 
 inline constexpr int picture_width_px = 2000;
-inline constexpr Colour ink{0.12, 0.12, 0.14, 1.0};
 
 /// All nodes with a margin, below a title; the axis of rotation is in view unless it is far off.
 View make_view(const std::vector<Point>& nodes, Geometry geometry);
@@ -49,9 +50,8 @@ void draw_colour_bar(Canvas& canvas, const PixelBox& box, const FieldScale& scal
 /// A, B, ... Z, A1, B1, ...: the mark of a key point or stress probe.
 std::string letter_of(std::size_t index);
 
-/// All key points as discs with their letters; keeps their places free of labels.
-void draw_key_points(Canvas& canvas, const View& view, const Spindle& spindle, LabelBoard& board);
-void draw_letter_disc(Canvas& canvas, const Pixel& at, const std::string& letter);
+/// All key points as discs with their letters.
+void add_key_points(const View& view, const Spindle& spindle, LabelBoard& board);
 
 /// Where an output or its label belongs: its point, or the middle of its face.
 Point anchor_of(const DeformationOutput& output);
@@ -105,7 +105,7 @@ void draw_outputs(Canvas& canvas, const View& view, const SectionPicture& pictur
 LegendGroup points_legend(const Spindle& spindle);
 LegendGroup supports_legend(const Spindle& spindle);
 
-void draw_parts_picture(const SectionPicture& picture, const std::string& path);
-void draw_rise_picture(const SectionPicture& picture, const std::string& path);
+std::unique_ptr<Canvas> draw_parts_picture(const SectionPicture& picture);
+std::unique_ptr<Canvas> draw_rise_picture(const SectionPicture& picture);
 
 }  // namespace spindle_twin::fem_offline

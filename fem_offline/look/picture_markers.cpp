@@ -7,7 +7,6 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr Colour black{0.0, 0.0, 0.0, 1.0};
-constexpr Colour yellow{1.0, 0.85, 0.1, 1.0};
 constexpr Colour probe_colour{0.75, 0.88, 1.0, 1.0};
 const TextStyle label_style{17.0, true, Align::centre, ink, true};
 
@@ -126,7 +125,8 @@ void draw_support(Canvas& canvas, const View& view, const SectionPicture& pictur
   const double reach_px = is_long ? 44.0 : 14.0;
   board.keep_free({middle.x - reach_px, middle.y - reach_px, middle.x + reach_px, middle.y + reach_px});
   constexpr double from_px = 14.0;
-  board.add({middle.x + from_px * normal.x / length_px, middle.y + from_px * normal.y / length_px}, words, label_style);
+  board.add(box_of({middle.x + from_px * normal.x / length_px, middle.y + from_px * normal.y / length_px}), words,
+            label_style);
 }
 
 }  // namespace
@@ -138,16 +138,9 @@ std::string letter_of(std::size_t index) {
   return name;
 }
 
-void draw_letter_disc(Canvas& canvas, const Pixel& at, const std::string& letter) {
-  canvas.disc(at, 9.0, yellow, ink);
-  canvas.text(at, letter, {letter.size() > 1 ? 9.0 : 12.0, true, Align::centre, ink});
-}
-
-void draw_key_points(Canvas& canvas, const View& view, const Spindle& spindle, LabelBoard& board) {
+void add_key_points(const View& view, const Spindle& spindle, LabelBoard& board) {
   for (std::size_t k = 0; k < spindle.key_points.size(); ++k) {
-    const Pixel at = view.at(spindle.key_points[k].at);
-    draw_letter_disc(canvas, at, letter_of(k));
-    board.keep_free({at.x - 12, at.y - 12, at.x + 12, at.y + 12});
+    board.add_disc(view.at(spindle.key_points[k].at), letter_of(k));
   }
 }
 
@@ -193,13 +186,13 @@ void draw_outputs(Canvas& canvas, const View& view, const SectionPicture& pictur
     const DeformationOutput& output = picture.spindle.deformations[i];
     std::string words = output.name;
     if (output.minus) words += " less " + picture.spindle.deformations[*output.minus].name;
-    board.add(tips[i], words, label_style);
+    board.add(box_of(tips[i]), words, label_style);
   }
   for (const StressProbe& probe : picture.spindle.stress_probes) {
     const Pixel at = view.at(probe.at);
     canvas.polygon({{at.x, at.y - 8}, {at.x + 8, at.y}, {at.x, at.y + 8}, {at.x - 8, at.y}}, probe_colour, ink);
     board.keep_free({at.x - 9, at.y - 9, at.x + 9, at.y + 9});
-    board.add(at, probe.name, label_style);
+    board.add({at.x - 9, at.y - 9, at.x + 9, at.y + 9}, probe.name, label_style);
   }
 }
 

@@ -19,9 +19,10 @@ struct LabelPlace {
   double clearance_px = -1.0;
 };
 
-/// The place inside the face where a label of this width has the most room above and below it.
+/// The place inside the face where a label of this width has the most room above and below it; `letters` is what it
+/// covers around its place.
 LabelPlace best_place(Canvas& canvas, const View& view, const OutlineFace& face, const LabelBoard& board,
-                      double half_width_px) {
+                      double half_width_px, const PixelBox& letters) {
   std::vector<std::pair<Pixel, Pixel>> sides;
   PixelBox box{1e9, 1e9, -1e9, -1e9};
   const auto add = [&](const Polygon& ring) {
@@ -50,7 +51,7 @@ LabelPlace best_place(Canvas& canvas, const View& view, const OutlineFace& face,
       const double off_centre_px = std::hypot(at.x - 0.5 * (box.x0 + box.x1), at.y - 0.5 * (box.y0 + box.y1));
       const double score = std::min(clearance_px, 22.0) - 0.01 * off_centre_px;
       if (clearance_px > 0.0 && score > best_score &&
-          board.is_free({at.x - half_width_px, at.y - 9, at.x + half_width_px, at.y + 9})) {
+          board.is_free({at.x + letters.x0, at.y + letters.y0, at.x + letters.x1, at.y + letters.y1})) {
         best_score = score;
         best = {at, clearance_px};
       }
@@ -60,24 +61,29 @@ LabelPlace best_place(Canvas& canvas, const View& view, const OutlineFace& face,
   return best;
 }
 
-/// The part's number, with its name where there is room for it.
+/// The part's number, with its name where there is room for it; beside a part in which no face has room.
 void label_parts(Canvas& canvas, const View& view, const SectionPicture& picture, LabelBoard& board) {
   for (std::size_t part = 0; part < picture.section.outlines.size(); ++part) {
     const std::string number = std::to_string(part + 1);
     const std::string whole = number + " " + picture.spindle.parts[part].name;
-    for (const OutlineFace& face : picture.section.outlines[part].faces) {
+    const std::vector<OutlineFace>& faces = picture.section.outlines[part].faces;
+    bool is_labelled = false;
+    for (const OutlineFace& face : faces) {
       TextStyle style{17.0, true, Align::centre, ink, true};
-      LabelPlace place = best_place(canvas, view, face, board, 0.5 * canvas.text_width_px(whole, style) + 3.0);
+      LabelPlace place = best_place(canvas, view, face, board, 0.5 * canvas.text_width_px(whole, style) + 3.0,
+                                    canvas.text_box({}, whole, style));
       const bool has_name = place.clearance_px > 10.0;
       if (!has_name) {
-        place = best_place(canvas, view, face, board, 0.5 * canvas.text_width_px(number, style) * 0.7);
+        place = best_place(canvas, view, face, board, 0.5 * canvas.text_width_px(number, style) * 0.7,
+                           canvas.text_box({}, number, style));
         style.size_px = std::clamp(1.5 * place.clearance_px, 10.0, 17.0);
       }
       if (place.clearance_px <= 0.0) continue;
-      const std::string& words = has_name ? whole : number;
-      const double half_px = 0.5 * canvas.text_width_px(words, style);
-      board.keep_free({place.at.x - half_px, place.at.y - 10, place.at.x + half_px, place.at.y + 10});
-      canvas.text(place.at, words, style);
+      canvas.text(place.at, has_name ? whole : number, style);
+      is_labelled = true;
+    }
+    if (!is_labelled && !faces.empty()) {
+      board.add(box_of(view.at(faces.front().outer.front())), number, {15.0, true, Align::centre, ink, true});
     }
   }
 }
@@ -98,14 +104,16 @@ LegendGroup parts_legend(const Spindle& spindle) {
 
 }  // namespace
 
-void draw_parts_picture(const SectionPicture& picture, const std::string& path) {
+std::unique_ptr<Canvas> draw_parts_picture(const SectionPicture& picture) {
   const Spindle& spindle = picture.spindle;
   const View view = make_view(picture.lattice.nodes, spindle.geometry);
   const std::vector<LegendGroup> groups{parts_legend(spindle), surfaces_legend(spindle), circuits_legend(spindle),
                                         heats_legend(picture), points_legend(spindle),   supports_legend(spindle)};
   const int columns = circuits_legend(spindle).lines.empty() ? 4 : 3;
   const double legend_top = view.frame.y1 + 75.0;
-  Canvas canvas(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, columns));
+  auto made =
+      std::make_unique<Canvas>(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, columns));
+  Canvas& canvas = *made;
   draw_title(canvas, spindle.name + ": parts, contacts, films and heat sources",
              section_words(spindle) + "; nominal values of the description: " + fixed(spindle.operating.speed_rpm, 0) +
                  " rpm, full load");
@@ -115,14 +123,15 @@ void draw_parts_picture(const SectionPicture& picture, const std::string& path) 
   draw_surfaces(canvas, view, picture);
   draw_axes(canvas, view);
   LabelBoard board(canvas, {view.frame.x0, 95, picture_width_px - 20, view.frame.y1});
-  draw_key_points(canvas, view, spindle, board);
+  add_key_points(view, spindle, board);
   draw_circuits(canvas, view, picture, board);
-  label_parts(canvas, view, picture, board);
+  board.place();
   draw_outputs(canvas, view, picture, board);
   draw_supports(canvas, view, picture, board);
+  label_parts(canvas, view, picture, board);
   board.draw();
   draw_legend(canvas, legend_top, groups, columns);
-  canvas.save(path);
+  return made;
 }
 
 }  // namespace spindle_twin::fem_offline

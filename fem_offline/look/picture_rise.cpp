@@ -26,12 +26,15 @@ std::vector<Extremes> extremes_of(const SectionPicture& picture, const Eigen::Ve
   return extremes;
 }
 
-void draw_isolines(Canvas& canvas, const View& view, const SectionPicture& picture,
-                   const std::vector<LatticeTriangle>& triangles, const FieldScale& scale, LabelBoard& board) {
-  constexpr double apart_px = 330.0;
+/// Every level with its isoline.
+using Isolines = std::vector<std::pair<double, std::vector<IsolinePiece>>>;
+
+Isolines draw_isolines(Canvas& canvas, const View& view, const SectionPicture& picture,
+                       const std::vector<LatticeTriangle>& triangles, const FieldScale& scale) {
+  Isolines lines;
   for (const double level : scale.levels()) {
-    const std::vector<IsolinePiece> pieces = isoline(picture.lattice, triangles, picture.rises_K, level);
-    for (const IsolinePiece& piece : pieces) {
+    lines.emplace_back(level, isoline(picture.lattice, triangles, picture.rises_K, level));
+    for (const IsolinePiece& piece : lines.back().second) {
       const Pixel from = view.at(piece.start), to = view.at(piece.end);
       cairo_move_to(canvas.pen(), from.x, from.y);
       cairo_line_to(canvas.pen(), to.x, to.y);
@@ -39,18 +42,24 @@ void draw_isolines(Canvas& canvas, const View& view, const SectionPicture& pictu
     cairo_set_line_width(canvas.pen(), 1.1);
     canvas.set_colour({1.0, 1.0, 1.0, 0.9});
     cairo_stroke(canvas.pen());
+  }
+  return lines;
+}
+
+/// Their levels on them, some distance from each other, where nothing else stands.
+void label_isolines(Canvas& canvas, const View& view, const Isolines& lines, const FieldScale& scale,
+                    const LabelBoard& board) {
+  constexpr double apart_px = 330.0;
+  for (const auto& [level, pieces] : lines) {
     std::vector<Pixel> labelled;
     const TextStyle style{13.0, false, Align::centre, ink, true};
     const std::string words = fixed(level, scale.digits());
-    const double half_px = 0.5 * canvas.text_width_px(words, style) + 3.0;
     for (const IsolinePiece& piece : pieces) {
       const Pixel at = view.at(piece.start);
-      const PixelBox box{at.x - half_px, at.y - 8, at.x + half_px, at.y + 8};
       const bool is_near = std::any_of(labelled.begin(), labelled.end(), [&](const Pixel& other) {
         return std::hypot(other.x - at.x, other.y - at.y) < apart_px;
       });
-      if (is_near || !board.is_free(box)) continue;
-      board.keep_free(box);
+      if (is_near || !board.is_free(canvas.text_box(at, words, style))) continue;
       labelled.push_back(at);
       canvas.text(at, words, style);
     }
@@ -64,6 +73,8 @@ void mark_extreme(Canvas& canvas, const Pixel& at) {
     canvas.line({at.x - half_px, at.y + half_px}, {at.x + half_px, at.y - half_px}, width_px, colour);
   }
 }
+
+PixelBox cross_box(const Pixel& at) { return {at.x - 7, at.y - 7, at.x + 7, at.y + 7}; }
 
 /// Part numbers are those of the picture of the parts.
 LegendGroup extremes_legend(const SectionPicture& picture, const std::vector<Extremes>& extremes) {
@@ -115,24 +126,26 @@ void mark_hottest(Canvas& canvas, const View& view, const SectionPicture& pictur
   for (const std::size_t part : marked) {
     const Pixel at = place_of(part);
     mark_extreme(canvas, at);
-    board.keep_free({at.x - 7, at.y - 7, at.x + 7, at.y + 7});
+    board.keep_free(cross_box(at));
   }
   for (std::size_t i = 0; i < marked.size(); ++i) {
     const std::string number = std::to_string(marked[i] + 1);
     const std::string whole =
         number + " " + picture.spindle.parts[marked[i]].name + " " + fixed(most(marked[i]), 2) + " K";
-    board.add(place_of(marked[i]), i == 0 ? whole : number, {i == 0 ? 19.0 : 15.0, true, Align::centre, ink, true});
+    board.add(cross_box(place_of(marked[i])), i == 0 ? whole : number,
+              {i == 0 ? 19.0 : 15.0, true, Align::centre, ink, true});
   }
 }
 
 }  // namespace
 
-void draw_rise_picture(const SectionPicture& picture, const std::string& path) {
+std::unique_ptr<Canvas> draw_rise_picture(const SectionPicture& picture) {
   const View view = make_view(picture.lattice.nodes, picture.spindle.geometry);
   const std::vector<Extremes> extremes = extremes_of(picture, picture.rises_K);
   const std::vector<LegendGroup> groups = legends(picture, extremes);
   const double legend_top = view.frame.y1 + below_section_px;
-  Canvas canvas(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, 4));
+  auto made = std::make_unique<Canvas>(picture_width_px, static_cast<int>(legend_top) + legend_height_px(groups, 4));
+  Canvas& canvas = *made;
   draw_title(canvas, picture.spindle.name + ": temperature rise", picture.state.title);
 
   const std::vector<LatticeTriangle> triangles = triangles_of(picture.lattice);
@@ -142,14 +155,16 @@ void draw_rise_picture(const SectionPicture& picture, const std::string& path) {
   draw_axes(canvas, view);
 
   LabelBoard board(canvas, {view.frame.x0, 95, view.frame.x1, view.frame.y1});
-  draw_key_points(canvas, view, picture.spindle, board);
+  add_key_points(view, picture.spindle, board);
+  board.place();
+  const Isolines lines = draw_isolines(canvas, view, picture, triangles, scale);
   mark_hottest(canvas, view, picture, extremes, board);
-  draw_isolines(canvas, view, picture, triangles, scale, board);
   board.draw();
+  label_isolines(canvas, view, lines, scale, board);
   const std::string datum = fixed(picture.state.datum_K - rom::zero_degC_K, 2);
   draw_colour_bar(canvas, bar_box(view), scale, "rise in K above " + datum + " °C");
   draw_legend(canvas, legend_top, groups, 4);
-  canvas.save(path);
+  return made;
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -228,11 +228,11 @@ void draw_circuits(Canvas& canvas, const View& view, const SectionPicture& pictu
       canvas.arrow({way[i].x + ux, way[i].y + uy}, {way[i + 1].x - ux, way[i + 1].y - uy}, colour);
     }
     for (std::size_t i = 0; i < way.size(); ++i) {
-      canvas.text(way[i], std::to_string(i + 1), {15.0, true, Align::centre, colour, true});
-      board.keep_free({way[i].x - 12, way[i].y - 10, way[i].x + 12, way[i].y + 10});
+      board.add_on(way[i], std::to_string(i + 1), {15.0, true, Align::centre, colour, true});
     }
-    board.add(way.front(), circuit.name + (circuit.flow_kg_per_s == 0.0 ? ", no flow" : " in"), style);
-    if (way.size() > 1 && circuit.flow_kg_per_s != 0.0) board.add(way.back(), circuit.name + " out", style);
+    const auto around = [](const Pixel& at) { return PixelBox{at.x - 12, at.y - 10, at.x + 12, at.y + 10}; };
+    board.add(around(way.front()), circuit.name + (circuit.flow_kg_per_s == 0.0 ? ", no flow" : " in"), style);
+    if (way.size() > 1 && circuit.flow_kg_per_s != 0.0) board.add(around(way.back()), circuit.name + " out", style);
   }
 }
 

@@ -10,7 +10,7 @@
 #include "tests/bench/rows.hpp"
 
 /// bench_rows: our own rows of the table that tests/bench/run prints, as lines of JSON; or one of our times beside a
-/// time of another program, as one number.
+/// time of another program, as one number; or a bare factor's cost.
 namespace spindle_twin::bench {
 namespace {
 
@@ -19,6 +19,7 @@ struct Options {
   std::string group;
   std::string daemon;
   std::string spindle;
+  std::string factored;
   std::vector<std::string> schedule;
 };
 
@@ -29,6 +30,12 @@ void print(const Options& options) {
   }
   if (!options.schedule.empty()) {
     std::printf("%.9f\n", schedule_seconds(options.schedule[0], options.schedule[1]));
+    return;
+  }
+  if (!options.factored.empty()) {
+    const FactorCost cost = factor_cost(options.factored);
+    std::printf("{\"unknowns\": %ld, \"factor_s\": %.9f, \"solve_s\": %.9f, \"bytes\": %.0f}\n", cost.unknowns,
+                cost.factor_s, cost.solve_s, cost.bytes);
     return;
   }
   const RowPrinter printer(options.run);
@@ -51,6 +58,8 @@ int run(int argc, char** argv) {
   run->needs(group);
   app.add_option("--daemon", options.daemon, "spindle-twind, for the group registers")->needs(group);
   app.add_option("--step", options.spindle, "processor seconds of one transient step of this spindle, 0.5 s long");
+  app.add_option("--factor", options.factored,
+                 "what a bare CHOLMOD takes for the thermal matrix of this spindle, as JSON");
   app.add_option("--schedule", options.schedule,
                  "NETWORK.rom SCHEDULE.csv: processor seconds of the network over the schedule in cycles of 1 s")
       ->expected(2);

@@ -64,6 +64,15 @@ std::string with_commas(long count);
 /// Processor seconds of one transient step with its factor kept, at the operating state.
 double step_seconds(const std::string& spindle_path);
 
+/// What a bare CHOLMOD takes for the thermal matrix of a spindle as it is described, at its operating state.
+struct FactorCost {
+  long unknowns = 0;
+  double factor_s = 0.0;  ///< one numeric factorisation, processor seconds
+  double solve_s = 0.0;   ///< one back-substitution
+  double bytes = 0.0;     ///< of the factor
+};
+FactorCost factor_cost(const std::string& spindle_path);
+
 /// Processor seconds of a network over a schedule in cycles of 1 s, without reading the file.
 double schedule_seconds(const std::string& network_path, const std::string& schedule_path);
 

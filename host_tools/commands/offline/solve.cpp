@@ -76,7 +76,7 @@ void write_fields(const FeModel& model, const SolveOptions& options, const Eigen
   }
   if (!options.png_directory.empty()) {
     for (const std::string& path :
-         fem_offline::write_pictures(options.png_directory, name, model, temperatures_K, shown)) {
+         fem_offline::write_pictures(options.png_directory, name, picture_of(model, temperatures_K, shown))) {
       std::fprintf(stderr, "picture in %s\n", path.c_str());
     }
   }

@@ -82,7 +82,7 @@ function showBars() {
 function showTable() {
   const table = byId("all");
   const last = () => table.rows[table.rows.length - 1].cells[0];
-  addRow(table, [left("row"), "ours", "other", left("other is"), left("ours / other"), left("goal"), left("seconds of")], "th");
+  addRow(table, [left("row"), "ours", "other", left("other is"), left("ours / other"), left("goal"), left("measured")], "th");
   for (const group of bench.groups) {
     addRow(table, [left(group.name)], "td", "sum");
     last().colSpan = table.rows[0].cells.length;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs everything that gives a row, prints the table of this run and writes it as a page. Called by tests/bench/run.
 
-  tests/bench/run [--only NAME,...]     names: fem, solvers, network, ngspice, estimator, cycle, registers
+  tests/bench/run [--only NAME,...]     names: fem, solvers, network, build, ngspice, estimator, cycle, registers
 
 Only what is printed by a program started here, and carries this run's name, becomes a row. A peer that is missing or fails
 is a row that says so; a program of ours that fails is one too, and makes this end with 1.
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 
+import builds
 import machine
 import page
 import peers
@@ -22,8 +23,9 @@ import rows
 import table
 
 OWN = {"fem": "FE model", "network": "Network", "estimator": "Daemon", "cycle": "Daemon", "registers": "Registers by Modbus/TCP"}
-PEERS = {"solvers": (peers.solver_rows, peers.SOLVERS), "ngspice": (peers.netlist_rows, peers.NETLISTS)}
-ORDER = ("fem", "solvers", "network", "ngspice", "estimator", "cycle", "registers")
+PEERS = {"solvers": (peers.solver_rows, peers.SOLVERS), "ngspice": (peers.netlist_rows, peers.NETLISTS),
+         "build": (builds.build_rows, builds.GROUP)}
+ORDER = ("fem", "solvers", "network", "ngspice", "build", "estimator", "cycle", "registers")
 
 
 class Failed(Exception):

@@ -4,8 +4,7 @@ import json
 import math
 
 KINDS = {"peer": "another way to the same result", "bound": "the bare operation that it stands on"}
-UNITS = ("s",)
-CLOCKS = ("processor", "wall")
+UNITS = {"s": ("processor", "wall"), "B": ("resident",)}  # which seconds, which bytes
 TEXTS = ("run", "group", "name", "kind", "other_name")
 
 
@@ -57,7 +56,8 @@ def _check(fields, place):
     allow("detail", lambda value: value in (None, True, False), "true or false")
     if not fields.get("not_measured"):
         allow("unit", UNITS.__contains__, " or ".join(UNITS))
-        allow("clock", CLOCKS.__contains__, " or ".join(CLOCKS))
+        clocks = UNITS[fields["unit"]]
+        allow("clock", clocks.__contains__, " or ".join(clocks))
     for name in ("ours", "other", "goal"):
         if name in needed or fields.get(name) is not None:
             allow(name, _is_positive, "a finite number above 0")

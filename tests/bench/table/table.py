@@ -1,8 +1,9 @@
 """The table as text, and what its numbers look like there and on the page."""
 import math
 
-SCALES = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
-HEAD = ("", "ours", "other", "", "ours / other", "goal", "seconds")
+SCALES = {"s": ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")), "B": ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))}
+WORDS = {"s": ("as long", "as quick"), "B": ("as much", "as little")}  # ours above the other, and below
+HEAD = ("", "ours", "other", "", "ours / other", "goal", "measured")
 
 
 def three_digits(value):
@@ -12,27 +13,31 @@ def three_digits(value):
     return f"{rounded:,.{places}f}"
 
 
-def time_text(time_s):
-    scale, unit = next(((scale, unit) for scale, unit in SCALES if time_s >= 0.9995 * scale), SCALES[-1])
-    return f"{three_digits(time_s / scale)} {unit}"
+def value_text(value, unit="s"):
+    scales = SCALES[unit]
+    scale, name = next(((scale, name) for scale, name in scales if value >= 0.9995 * scale), scales[-1])
+    return f"{three_digits(value / scale)} {name}"
 
 
-def ratio_text(ratio):
-    """Below 1 as how many times as quick we are."""
-    return f"{three_digits(ratio)} x as long" if ratio >= 1 else f"{three_digits(1 / ratio)} x as quick"
+def ratio_text(ratio, unit="s"):
+    """Below 1 as how many times as quick we are, or as little we take."""
+    more, less = WORDS[unit]
+    return f"{three_digits(ratio)} x {more}" if ratio >= 1 else f"{three_digits(1 / ratio)} x {less}"
 
 
-def goal_text(goal):
+def goal_text(goal, unit="s"):
     if goal is None:
         return ""
-    return f"≤ {three_digits(goal)} x as long" if goal > 1 else f"≥ {three_digits(1 / goal)} x as quick"
+    more, less = WORDS[unit]
+    return f"≤ {three_digits(goal)} x {more}" if goal > 1 else f"≥ {three_digits(1 / goal)} x {less}"
 
 
 def cells(row):
     if row.not_measured:
-        return (row.name, "", "", row.other_name, f"not measured: {row.not_measured}", goal_text(row.goal), "")
-    return (row.name, time_text(row.ours), time_text(row.other), row.other_name, ratio_text(row.ratio), goal_text(row.goal),
-            row.clock)
+        return (row.name, "", "", row.other_name, f"not measured: {row.not_measured}", goal_text(row.goal, row.unit),
+                "")
+    return (row.name, value_text(row.ours, row.unit), value_text(row.other, row.unit), row.other_name,
+            ratio_text(row.ratio, row.unit), goal_text(row.goal, row.unit), row.clock)
 
 
 def by_group(rows):

@@ -10,6 +10,7 @@ from unittest import mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
+import builds  # noqa: E402
 import collect  # noqa: E402
 import page  # noqa: E402
 import peers  # noqa: E402
@@ -58,6 +59,7 @@ class Rows(unittest.TestCase):
     def test_unknown_words_are_refused_with_what_is_allowed(self):
         for name, allowed in (("kind", "peer or bound"), ("clock", "processor or wall"), ("unit", "s")):
             self.assertIn(f"'{name}' is \"old\", must be {allowed}", self.error({**GOOD, name: "old"}))
+        self.assertIn("'clock' is \"wall\", must be resident", self.error({**GOOD, "unit": "B", "clock": "wall"}))
         self.assertIn("unknown field 'stored'; known are", self.error({**GOOD, "stored": 1}))
 
     def test_what_is_no_row_is_refused_with_its_line(self):
@@ -73,7 +75,11 @@ class Table(unittest.TestCase):
     def test_numbers_have_three_digits_and_a_unit_that_fits(self):
         for time_s, text in ((1.0, "1.00 s"), (0.9996, "1.00 s"), (0.0123, "12.3 ms"), (3.456e-5, "34.6 µs"), (2e-9, "2.00 ns"),
                              (4e-10, "0.400 ns"), (1234.0, "1,230 s")):
-            self.assertEqual(table.time_text(time_s), text)
+            self.assertEqual(table.value_text(time_s), text)
+        for size, text in ((5.9e8, "590 MB"), (1e9, "1.00 GB"), (12300.0, "12.3 kB"), (500.0, "0.500 kB")):
+            self.assertEqual(table.value_text(size, "B"), text)
+        self.assertEqual([table.ratio_text(r, "B") for r in (6.0, 0.004)], ["6.00 x as much", "250 x as little"])
+        self.assertEqual(table.goal_text(140.0, "B"), "≤ 140 x as much")
         self.assertEqual([table.ratio_text(r) for r in (1.0, 6.0, 9.999, 0.004)],
                          ["1.00 x as long", "6.00 x as long", "10.0 x as long", "250 x as quick"])
         self.assertEqual([table.goal_text(g) for g in (None, 400.0, 0.05)], ["", "≤ 400 x as long", "≥ 20.0 x as quick"])
@@ -130,6 +136,27 @@ class Collected(unittest.TestCase):
         (row,), failed = self.rows_of("fem")
         self.assertTrue(failed)
         self.assertEqual((row.group, row.not_measured), ("FE model", "no memory"))
+
+    def test_a_build_costs_what_its_process_took_and_a_missed_tolerance_is_no_failure(self):
+        spent = "import sys, time; kept = bytearray(200_000_000)\nwhile time.process_time() < 0.3: pass\nprint('{}'); sys.exit(3)"
+        said, code, seconds, peak_bytes = builds.cost_of([sys.executable, "-c", spent], self.folder)
+        self.assertEqual((said.strip(), code), ("{}", builds.TOLERANCE_MISSED))
+        self.assertGreaterEqual(seconds, 0.3)
+        self.assertGreater(peak_bytes, 2e8)
+        self.assertLess(peak_bytes, 4e8)
+        with self.assertRaisesRegex(peers.NotMeasured, "sh ended with 2: no mesh"):
+            builds.cost_of(["sh", "-c", "echo no mesh >&2; exit 2"], self.folder)
+
+    def test_a_build_is_held_against_the_bare_factor_of_its_own_matrix(self):
+        bare = {"unknowns": 20000, "factor_s": 0.02, "solve_s": 0.001, "bytes": 6e6}
+        made = [{"run": "this", **fields} for fields in builds.rows_of("reference", {"nodes": 220}, 3, 80.0, 3e8, bare)]
+        factors, solutions, memory = read(*made)
+        self.assertAlmostEqual(factors.ratio, 4000.0)
+        self.assertAlmostEqual(solutions.ratio, 80000.0)
+        self.assertAlmostEqual(memory.ratio, 50.0)
+        self.assertAlmostEqual(memory.goal, 100.0)
+        self.assertIn("75 s", factors.means)
+        self.assertIn("misses", factors.means)
 
     def test_a_peer_that_is_not_installed_is_a_row_that_says_so(self):
         with mock.patch.object(peers.shutil, "which", return_value=None):

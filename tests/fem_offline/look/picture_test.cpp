@@ -237,7 +237,8 @@ TEST(Picture, parts_and_rise_of_a_model_are_written_in_their_colours) {
   for (const LatticeCell& cell : lattice.cells) {
     for (const int node : cell.nodes) warm_K[node] = cell.part == 0 ? 303.15 : 301.15;
   }
-  const auto written = write_pictures(temporary.path(), "warm", reference(), warm_K, {"warm shaft", 300.15});
+  const auto written =
+      write_pictures(temporary.path(), "warm", picture_of(reference(), warm_K, {"warm shaft", 300.15}));
   ASSERT_EQ(written.size(), 2U);
   const View view = make_view(lattice.nodes, Geometry::axisymmetric);
   double cells_m2 = 0.0, shaft_m2 = 0.0;
@@ -296,7 +297,7 @@ TEST(Picture, point_supports_springs_and_radiation_stand_beside_the_part) {
     const FeModel model(spindle, build_section(spindle));
     const Eigen::VectorXd warm_K =
         Eigen::VectorXd::Constant(static_cast<Eigen::Index>(model.affine().places.size()), 300.15);
-    return std::pair(write_pictures(folder, name, model, warm_K, {"uniform rise", 293.15}),
+    return std::pair(write_pictures(folder, name, picture_of(model, warm_K, {"uniform rise", 293.15})),
                      make_view(lattice_of(model).nodes, Geometry::planar));
   };
   const auto [with, view] = drawn("with", bracket_supports);
@@ -322,7 +323,7 @@ TEST(Picture, unwritable_folder_is_an_error_that_names_the_file) {
   const Eigen::VectorXd warm_K =
       Eigen::VectorXd::Constant(static_cast<Eigen::Index>(reference().affine().places.size()), 301.15);
   try {
-    write_pictures("/nowhere/at/all", "warm", reference(), warm_K, {"", 300.15});
+    write_pictures("/nowhere/at/all", "warm", picture_of(reference(), warm_K, {"", 300.15}));
     FAIL() << "no error";
   } catch (const rom::InputError& error) {
     EXPECT_NE(std::string(error.what()).find("/nowhere/at/all/warm_parts.png"), std::string::npos) << error.what();
