@@ -35,10 +35,11 @@ class TestPredictor {
 
   const ParameterModel& parameters() const { return parameters_; }
 
-  /// The model from start_K and θ's start shapes on, with factors and biases of θ, by CVODE from instant to instant (in
-  /// pieces of at most held_s), and S = dx/dθ beside it by the estimator's own Sensitivities. A channel's readings of
-  /// one held period become one TestReading, at most one each interval_s. lag_s: one per sensor, >= 0. The same bits
-  /// from any thread. Throws rom::InputError naming the test where the model cannot be integrated.
+  /// The model from start_K and θ's start shapes on, with factors and biases of θ, in the steps of test_steps, and the
+  /// exact derivatives of what comes out (SteppedState): places of sensors and outputs run straight from step to step,
+  /// and sensors follow their places with lag_s, one per sensor, >= 0. A channel's readings of one period of held_s,
+  /// or until inputs change, become one TestReading, at most one each interval_s. The same bits from any thread. Throws
+  /// rom::InputError naming the test where the model cannot be integrated.
   TestPrediction predict(const ThermalTest& test, const Eigen::VectorXd& theta, const Eigen::VectorXd& lag_s) const;
 
  private:

@@ -41,14 +41,14 @@ struct CalibrateOptions {
   std::vector<EstimatorSensor> sensors;  ///< permanent and temporary ones
   double lag_deviation_s = 14.0;
   double interval_s = 60.0;          ///< between the readings of a channel that count
-  double held_s = 10.0;              ///< over which readings are averaged and inputs held
+  double held_s = 10.0;              ///< over which readings are averaged
+  double longest_step_s = 20.0;      ///< of the model (test_steps)
   double probe_noise_m = 1e-6;       ///< of one reading
   double probe_drift_m = 0.5e-6;     ///< slow, over memory_s
   double sensor_error_K = 0.05;      ///< of the model at a sensor
   double sensor_error_share = 0.01;  ///< of the rise besides
   double joint_wander = 0.12;        ///< ln of each contact about its mean, over memory_s
   double memory_s = 3600.0;
-  double tolerance_K = 1e-5;  ///< of CVODE
 };
 
 }  // namespace spindle_twin::correction

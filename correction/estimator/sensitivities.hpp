@@ -35,8 +35,7 @@ struct HeldInterval {
 ///   (c + γhA) Y₁ = c S + γhD,   (c + γhA) S' = c (S + (1 − γ)/γ (Y₁ − S)) + γhD,   c = 1 without such factors
 /// D is taken in the middle of the period. S is stored as Sᵀ (p x N): a state's sensitivities lie together, and
 /// a block of states, which substitution works on, is one piece of memory. With
-/// coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly), and a film's derivative
-/// leaves out what it does to the segments downstream.
+/// coolant circuits the liquid's way from segment to segment goes in at the old S (explicitly).
 class Sensitivities {
  public:
   /// Allocates; nothing else here does.
@@ -53,6 +52,12 @@ class Sensitivities {
   void set_start(const Eigen::VectorXd& column_K, const ParameterModel& parameters);
   /// Forgets nothing on failure: returns false and leaves S when the factor is not positive definite.
   bool advance(const HeldInterval& held, const ParameterModel& parameters);
+  /// D of the middle of the period, N x p, for who steps S itself; with start_K and end_K the same, that of these
+  /// temperatures, and 0 of the capacities. S stays.
+  Eigen::Ref<const Eigen::MatrixXd> drive_at(const HeldInterval& held, const ParameterModel& parameters) {
+    drive(held, parameters);
+    return drive_.leftCols(count_);
+  }
 
   /// Per kelvin of a row on node temperatures, the row on x: row·(T − T_ref) = internal·x.
   void internal_row(const Eigen::VectorXd& row, Eigen::VectorXd& internal) const;

@@ -185,7 +185,7 @@ void plan_sensors(const TestWorth& worth, const TestPrediction& prediction, cons
 CalibrateOptions thinned(CalibrateOptions options, double interval_s) {
   const double share = std::sqrt(options.interval_s / interval_s);
   options.interval_s = interval_s;
-  options.held_s = std::min(60.0, interval_s);
+  options.held_s = options.longest_step_s = std::min(60.0, interval_s);
   options.probe_noise_m *= share;
   options.sensor_error_K *= share;
   options.sensor_error_share *= share;

@@ -18,35 +18,6 @@ double true_value(const ParameterModel& parameters, const Eigen::VectorXd& truth
   return 0.0;
 }
 
-TEST(Calibrate, sensitivities_equal_differences_of_the_predicted_readings) {
-  const rom::Network network = plates();
-  CalibrateOptions options = calibrate_options(network);
-  options.tolerance_K = 1e-7;
-  options.held_s = 2.0;
-  const TestPredictor predictor(network, options);
-  const ParameterModel& parameters = predictor.parameters();
-  const ThermalTest test = record(network, parameters, drawn(parameters, 3), {});
-  const Eigen::VectorXd theta = drawn(parameters, 4), no_lag = Eigen::VectorXd::Zero(4);
-  const TestPrediction at = predictor.predict(test, theta, no_lag);
-  ASSERT_GT(at.readings.size(), 250u);
-  for (Eigen::Index i = 0; i < theta.size(); ++i) {
-    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
-    const double step = 1e-2 * parameter.deviation;
-    Eigen::VectorXd high = theta, low = theta;
-    high[i] += step;
-    low[i] -= step;
-    const TestPrediction above = predictor.predict(test, high, no_lag), below = predictor.predict(test, low, no_lag);
-    double squares = 0.0, differences = 0.0;
-    for (std::size_t r = 0; r < at.readings.size(); ++r) {
-      if (at.readings[r].channel >= 4) continue;  // kelvin only
-      const double difference = (below.readings[r].residual - above.readings[r].residual) / (2.0 * step);
-      squares += difference * difference;
-      differences += std::pow(at.sensitivities(static_cast<Eigen::Index>(r), i) - difference, 2.0);
-    }
-    EXPECT_LT(std::sqrt(differences), 5e-3 * std::sqrt(squares) + 1e-4 / step) << parameter.name;
-  }
-}
-
 TEST(Calibrate, hidden_parameters_are_found_within_their_deviations_and_the_probe_to_its_noise) {
   const rom::Network network = plates();
   const CalibrateOptions options = calibrate_options(network);
