@@ -6,6 +6,8 @@
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/fmu/write_fmu.hpp"
 #include "host_tools/network_files/matrix_files.hpp"
+#include "host_tools/network_files/reduced_network.hpp"
+#include "host_tools/network_files/schedule_course.hpp"
 #include "host_tools/network_files/spice_netlist.hpp"
 #include "rom/boundary_values/schedule.hpp"
 #include "rom/file/rom_file.hpp"
@@ -24,7 +26,7 @@ namespace {
 struct ExportOptions {
   std::string input;
   std::string netlist;
-  std::string spice_states;
+  std::string spice_nodes;
   std::string schedule;
   std::string matrices;
   std::string fmu;
@@ -35,21 +37,36 @@ struct ExportOptions {
   bool of_description() const { return !calculix_directory.empty() || !freefem_directory.empty(); }
 };
 
+// With more nodes a reduced netlist pays: ngspice's time goes with the square of their number.
+constexpr std::size_t most_nodes_as_they_are = 60;
+constexpr double reduction_tolerance_K = 5e-4;
+
+void export_netlist(const rom::Network& network, const ExportOptions& options) {
+  const rom::Schedule schedule = options.schedule.empty()
+                                     ? rom::constant_schedule(network.boundaries, rom::seconds_per_hour)
+                                     : rom::read_schedule(options.schedule, network.boundaries);
+  const ScheduleCourse course = course_of(network.boundaries, schedule);
+  const bool reduce =
+      options.spice_nodes.empty() ? network.nodes.size() > most_nodes_as_they_are : options.spice_nodes == "reduced";
+  const ReducedNetwork written =
+      reduce ? reduced_network(network, course, reduction_tolerance_K) : ReducedNetwork{network, 0.0};
+  SpiceTarget target{std::filesystem::path(options.netlist).stem().string() + ".data", options.schedule, {}};
+  std::string nodes = std::to_string(network.nodes.size()) + " nodes";
+  if (written.network.nodes.size() < network.nodes.size()) {
+    char error_K[16];
+    std::snprintf(error_K, sizeof error_K, "%.1g", written.largest_error_K);
+    nodes = std::to_string(written.network.nodes.size()) + " of " + nodes + ", along this schedule within " + error_K +
+            " K of all";
+    target.remark = nodes;
+  }
+  rom::write_whole_file(options.netlist, spice_netlist(written.network, course, target));
+  std::printf("ngspice netlist in %s: %s, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(), nodes.c_str(),
+              schedule.end_s, options.netlist.c_str(), target.data_file.c_str());
+}
+
 void export_network(const ExportOptions& options) {
   const rom::Network network = rom::read_network(options.input);
-  if (!options.netlist.empty()) {
-    const rom::Schedule schedule = options.schedule.empty()
-                                       ? rom::constant_schedule(network.boundaries, rom::seconds_per_hour)
-                                       : rom::read_schedule(options.schedule, network.boundaries);
-    const std::string data_file = std::filesystem::path(options.netlist).stem().string() + ".data";
-    const SpiceStates states = options.spice_states.empty()      ? usual_states(network)
-                               : options.spice_states == "modes" ? SpiceStates::modes
-                                                                 : SpiceStates::nodes;
-    rom::write_whole_file(options.netlist, spice_netlist(network, schedule, {data_file, options.schedule, states}));
-    std::printf("ngspice netlist in %s: %zu nodes as %s, %g s; ngspice -b %s writes %s\n", options.netlist.c_str(),
-                network.nodes.size(), states == SpiceStates::modes ? "modes" : "nodes", schedule.end_s,
-                options.netlist.c_str(), data_file.c_str());
-  }
+  if (!options.netlist.empty()) export_netlist(network, options);
   if (!options.matrices.empty()) {
     write_matrix_files(network, options.matrices);
     std::printf("Matrix Market files in %s: %zu nodes\n", options.matrices.c_str(), network.nodes.size());
@@ -109,10 +126,10 @@ void add_export(CLI::App& app) {
                    "what the netlist runs: CSV as for simulate; without it an hour of the operating state")
       ->needs(spice);
   command
-      ->add_option(
-          "--spice-states", options->spice_states,
-          "what the netlist's capacitors stand for; nodes up to 60 of them, beyond modes, which run much faster")
-      ->check(CLI::IsMember({"nodes", "modes"}))
+      ->add_option("--spice-nodes", options->spice_nodes,
+                   "the network's nodes in the netlist: all, or reduced to the few that follow this schedule alike; up "
+                   "to 60 all, beyond reduced, which runs in a small part of the time")
+      ->check(CLI::IsMember({"all", "reduced"}))
       ->needs(spice);
   command->add_option("--matrices", options->matrices, "new folder for Matrix Market files");
   command->add_option("--fmu", options->fmu, "FMU to write: FMI 2.0, co-simulation");

@@ -1,6 +1,5 @@
 #include "host_tools/network_files/spice_netlist.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -9,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/network_files/modal_form.hpp"
+#include "host_tools/network_files/driven_terms.hpp"
 #include "host_tools/network_files/schedule_course.hpp"
 #include "rom/boundary_values/environments.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
@@ -22,11 +21,11 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double step_s = 1e-3;                       // what a jump of the schedule takes
-constexpr double smallest_column_share = 1e-10;       // of the largest, of a term that follows the schedule
-constexpr double smallest_modal_column_share = 1e-4;  // the same in modes: most of the columns carry next to nothing
-constexpr double smallest_weight_share = 1e-9;        // of the largest in its row or column
-constexpr double fastest_rate_per_s = 20.0;           // a mode above it is in balance with its inputs at every instant
+constexpr double step_s = 1e-3;                  // what a jump of the schedule takes
+constexpr double smallest_weight_share = 1e-9;  // of the largest in its row or column
+// A capacitor's heat counts in ngspice's choice of a step as if it were at least that of this rise of a mean node:
+// else the step follows the smallest of the mutual capacitors.
+constexpr double smallest_rise_K = 0.1;
 
 std::string number(double value) {
   char text[40];
@@ -45,14 +44,10 @@ std::string node(Index i) { return joined("n", std::to_string(i + 1)); }
 
 class Netlist {
  public:
-  Netlist(const rom::Network& network, const rom::Schedule& schedule, SpiceStates states)
-      : network_(network), course_(course_of(network.boundaries, schedule)) {
-    uniform_.setOnes(network.capacity_J_per_K.rows());
-    contained_W_per_m2K_.setZero(static_cast<Index>(network.factors_m.size()));
-    if (states == SpiceStates::modes) take_modes();
-  }
+  Netlist(const rom::Network& network, const ScheduleCourse& course)
+      : network_(network), course_(course), driven_(driven_terms(network, course)) {}
 
-  std::string write(const std::string& data_file, const std::string& file);
+  std::string write(const SpiceTarget& target);
 
  private:
   template <class... Texts>
@@ -64,19 +59,17 @@ class Netlist {
   void source(const std::string& name, const std::vector<double>& at_rows, bool linear);
   /// A node whose voltage is row . V(n1..nN).
   void weighted(const std::string& name, const Eigen::VectorXd& row);
-  void take_modes();
-  bool is_modal() const { return rates_per_s_.size() > 0; }
-  /// Follows its inputs at once, without a capacity.
-  bool is_instant(Index state) const { return is_modal() && rates_per_s_[state] > fastest_rate_per_s; }
   void pair(char kind, Index i, Index j, double value);
-  bool follows_schedule(std::size_t conductance) const;
   void capacities();
   void inputs();
   void held_conductances();
-  void modes_in_themselves();
-  void driven_conductance(std::size_t conductance, const std::string& environment_node);
+  /// A current I = expression, of which every node gets `share`.
+  void shared_current(const std::string& name, const std::string& expression, const Eigen::VectorXd& share);
+  void driven_term(const DrivenTerm& term, const std::string& number);
   void circuits(const std::string& file);
+  void segment(const rom::CoolantCircuit& circuit, Index index, int conductance, const std::string& liquid);
   void outputs();
+  void run(const std::string& data_file);
   std::string output_node(const char* kind, const std::string& name);
 
   template <class Get>
@@ -86,11 +79,9 @@ class Netlist {
     return at_rows;
   }
 
-  rom::Network network_;
-  ScheduleCourse course_;
-  Eigen::VectorXd rates_per_s_;          // of modes; empty where states are nodes
-  Eigen::VectorXd uniform_;              // the states when everything is 1 K warmer
-  Eigen::VectorXd contained_W_per_m2K_;  // of every conductance, what the conduction matrix has of it
+  const rom::Network& network_;
+  const ScheduleCourse& course_;
+  DrivenTerms driven_;
   std::string text_;
   std::vector<std::string> output_nodes_;
   std::set<std::string> used_names_;
@@ -134,7 +125,6 @@ void Netlist::capacities() {
   add("\n* Capacities, J/K: to the reference, and between nodes");
   const Eigen::MatrixXd& capacity = network_.capacity_J_per_K;
   for (Index i = 0; i < capacity.rows(); ++i) {
-    if (is_instant(i)) continue;
     add("C", node(i), " ", node(i), " 0 ", number(capacity.row(i).sum()));
     for (Index j = i + 1; j < capacity.cols(); ++j) pair('C', i, j, -capacity(i, j));
   }
@@ -162,54 +152,6 @@ void Netlist::inputs() {
   }
 }
 
-bool Netlist::follows_schedule(std::size_t conductance) const {
-  for (const rom::CoolantCircuit& circuit : network_.boundaries.circuits) {
-    const auto& segments = circuit.segments;
-    if (std::find(segments.begin(), segments.end(), static_cast<int>(conductance)) != segments.end()) return true;
-  }
-  const auto j = static_cast<Index>(conductance);
-  return std::any_of(course_.values.begin(), course_.values.end(), [&](const rom::BoundaryValues& values) {
-    return values.conductance_W_per_m2K[j] != course_.values.front().conductance_W_per_m2K[j];
-  });
-}
-
-/// States in which only the conductances that follow the schedule couple, by as much as they differ from their means.
-/// Of a circuit's segments the matrix has nothing: their liquid's temperature is not an environment's.
-void Netlist::take_modes() {
-  contained_W_per_m2K_ = course_.mean_conductances();
-  for (const rom::CoolantCircuit& circuit : network_.boundaries.circuits) {
-    for (const int segment : circuit.segments) contained_W_per_m2K_[segment] = 0.0;
-  }
-  ModalForm form = modal_form(network_, contained_W_per_m2K_);
-  network_ = std::move(form.network);
-  rates_per_s_ = std::move(form.rates_per_s);
-  uniform_ = std::move(form.uniform);
-}
-
-void Netlist::modes_in_themselves() {
-  add("\n* What every mode loses by itself, and what environments give through the mean of their films");
-  for (Index i = 0; i < rates_per_s_.size(); ++i) {
-    if (rates_per_s_[i] > 0.0) add("R", node(i), " ", node(i), " 0 ", number(1.0 / rates_per_s_[i]));
-  }
-  const rom::Boundaries& boundaries = network_.boundaries;
-  Eigen::MatrixXd from_environment =
-      Eigen::MatrixXd::Zero(rates_per_s_.size(), static_cast<Index>(boundaries.environments.size()));
-  for (std::size_t j = 0; j < network_.factors_m.size(); ++j) {
-    const int environment = boundaries.conductances[j].environment;
-    if (environment < 0) continue;
-    const Eigen::MatrixXd& factor = network_.factors_m[j];
-    from_environment.col(environment) +=
-        contained_W_per_m2K_[static_cast<Index>(j)] * factor * (factor.transpose() * uniform_);
-  }
-  for (Index e = 0; e < from_environment.cols(); ++e) {
-    const std::string environment = joined("env", std::to_string(e + 1));
-    for (Index i = 0; i < rates_per_s_.size(); ++i) {
-      if (from_environment(i, e) == 0.0) continue;
-      add("G", environment, "_", node(i), " 0 ", node(i), " ", environment, " 0 ", number(from_environment(i, e)));
-    }
-  }
-}
-
 void Netlist::held_conductances() {
   const rom::Boundaries& boundaries = network_.boundaries;
   const Index nodes = network_.conduction_W_per_K.rows();
@@ -217,15 +159,15 @@ void Netlist::held_conductances() {
   Eigen::MatrixXd to_environment =
       Eigen::MatrixXd::Zero(nodes, static_cast<Index>(boundaries.environments.size()));  // W/K
   for (std::size_t j = 0; j < network_.factors_m.size(); ++j) {
-    if (follows_schedule(j)) continue;
+    const double held_W_per_m2K = driven_.held_W_per_m2K[static_cast<Index>(j)];
+    if (held_W_per_m2K == 0.0) continue;
     const Eigen::MatrixXd& factor = network_.factors_m[j];
-    const double held_W_per_m2K = course_.values.front().conductance_W_per_m2K[static_cast<Index>(j)];
     conduction += held_W_per_m2K * factor * factor.transpose();
     const int environment = boundaries.conductances[j].environment;
     if (environment < 0) continue;
-    to_environment.col(environment) += held_W_per_m2K * factor * (factor.transpose() * uniform_);
+    to_environment.col(environment) += held_W_per_m2K * factor * factor.colwise().sum().transpose();
   }
-  add("\n* Conduction, contacts and films that stay constant along the schedule");
+  add("\n* Conduction, and what of contacts and films stays constant along the schedule");
   for (Index i = 0; i < nodes; ++i) {
     for (Index j = i + 1; j < nodes; ++j) pair('R', i, j, -conduction(i, j));
   }
@@ -238,35 +180,50 @@ void Netlist::held_conductances() {
   }
 }
 
-void Netlist::driven_conductance(std::size_t conductance, const std::string& environment_node) {
-  const auto j = static_cast<Index>(conductance);
-  const std::string g = joined("g", std::to_string(conductance + 1));
-  add("\n* ", g, ": ", network_.boundaries.conductances[conductance].name, ", W/m2K");
-  source(g, along([&](const rom::BoundaryValues& values) {
-           return values.conductance_W_per_m2K[j] - contained_W_per_m2K_[j];
+void Netlist::shared_current(const std::string& name, const std::string& expression, const Eigen::VectorXd& share) {
+  add("R", name, " ", name, " 0 1");
+  add("B", name, " 0 ", name, " I=", expression);
+  const double smallest = smallest_weight_share * share.lpNorm<Eigen::Infinity>();
+  for (Index i = 0; i < share.size(); ++i) {
+    if (std::abs(share[i]) > smallest)
+      add("G", name, "_", node(i), " 0 ", node(i), " ", name, " 0 ", number(share[i]));
+  }
+}
+
+void Netlist::driven_term(const DrivenTerm& term, const std::string& number_of_term) {
+  const std::string a = joined("a", number_of_term);
+  add("\n* ", a, ": ", term.what, "; times y", number_of_term, "_<i> the heat that leaves node i");
+  source(a, term.course, false);
+  for (Index i = 0; i < term.matrix.rows(); ++i) {
+    if (term.matrix.row(i).isZero(0.0)) continue;
+    const std::string flow = joined("y", number_of_term, "_", std::to_string(i + 1));
+    weighted(flow, term.matrix.row(i));
+    for (Index e = 0; e < term.from_environment.cols(); ++e) {
+      const double share = -term.from_environment(i, e);
+      const std::string environment = joined("env", std::to_string(e + 1));
+      if (share != 0.0) add("G", flow, "_", environment, " 0 ", flow, " ", environment, " 0 ", number(share));
+    }
+    add("B", flow, " ", node(i), " 0 I=V(", a, ")*V(", flow, ")");
+  }
+}
+
+/// The liquid t<k> that enters a segment warms or cools its wall by what it differs from the inlet.
+void Netlist::segment(const rom::CoolantCircuit& circuit, Index index, int conductance, const std::string& liquid) {
+  const std::string k = std::to_string(conductance + 1);
+  const std::string inlet = joined("env", std::to_string(circuit.environment + 1));
+  const Eigen::MatrixXd& factor = network_.factors_m[static_cast<std::size_t>(conductance)];
+  const Eigen::VectorXd wall_m2 = factor * factor.colwise().sum().transpose();
+  const double area_m2 = wall_m2.sum();
+  weighted(joined("u", k), wall_m2 / area_m2);
+  source(joined("e", k), along([&](const rom::BoundaryValues& values) {
+           const double flow_W_per_K = std::abs(values.coolant_W_per_K[index]);
+           return flow_W_per_K > 0.0 ? values.conductance_W_per_m2K[conductance] * area_m2 / flow_W_per_K : 1.0;
          }),
          false);
-  // Fewest columns that give the same F Fᵀ.
-  const Eigen::JacobiSVD<Eigen::MatrixXd> modes(network_.factors_m[conductance], Eigen::ComputeThinU);
-  const Eigen::VectorXd& strength = modes.singularValues();
-  for (Index k = 0; k < strength.size(); ++k) {
-    const double share = is_modal() ? smallest_modal_column_share : smallest_column_share;
-    if (strength[k] * strength[k] < share * strength[0] * strength[0]) break;
-    const Eigen::VectorXd column = strength[k] * modes.matrixU().col(k);
-    const std::string mean = joined("w", std::to_string(conductance + 1), "_", std::to_string(k + 1));
-    const std::string flow = joined("p", std::to_string(conductance + 1), "_", std::to_string(k + 1));
-    weighted(mean, column);
-    std::string difference = joined("V(", mean, ")");
-    if (!environment_node.empty())
-      difference += joined("-(", number(column.dot(uniform_)), ")*V(", environment_node, ")");
-    add("R", flow, " ", flow, " 0 1");
-    add("B", flow, " 0 ", flow, " I=V(", g, ")*(", difference, ")");
-    const double smallest = smallest_weight_share * column.lpNorm<Eigen::Infinity>();
-    for (Index i = 0; i < column.size(); ++i) {
-      if (std::abs(column[i]) > smallest)
-        add("G", flow, "_", node(i), " ", node(i), " 0 ", flow, " 0 ", number(column[i]));
-    }
-  }
+  if (liquid == inlet) return;
+  source(joined("g", k),
+         along([&](const rom::BoundaryValues& values) { return values.conductance_W_per_m2K[conductance]; }), false);
+  shared_current(joined("x", k), joined("V(g", k, ")*(V(", liquid, ")-V(", inlet, "))"), wall_m2);
 }
 
 void Netlist::circuits(const std::string& file) {
@@ -287,22 +244,10 @@ void Netlist::circuits(const std::string& file) {
     if (backward) std::reverse(segments.begin(), segments.end());
     std::string liquid = joined("env", std::to_string(circuit.environment + 1));
     add("\n* Coolant circuit ", circuit.name, ": t<k> is the liquid that enters segment k, u<k> its wall, e<k> the ",
-        "share of the way from one to the other that it goes");
+        "share of the way from one to the other that it goes, g<k> W/m2K, x<k> W/m2 besides those of the inlet");
     for (std::size_t s = 0; s < segments.size(); ++s) {
-      const auto conductance = static_cast<std::size_t>(segments[s]);
-      driven_conductance(conductance, liquid);
-      const std::string k = joined(std::to_string(conductance + 1));
-      const Eigen::MatrixXd& factor = network_.factors_m[conductance];
-      const Eigen::VectorXd wall = factor * (factor.transpose() * uniform_);
-      const double area_m2 = wall.dot(uniform_);
-      weighted(joined("u", k), wall / area_m2);
-      source(joined("e", k), along([&](const rom::BoundaryValues& values) {
-               const double flow_W_per_K = std::abs(values.coolant_W_per_K[index]);
-               return flow_W_per_K > 0.0
-                          ? values.conductance_W_per_m2K[static_cast<Index>(conductance)] * area_m2 / flow_W_per_K
-                          : 1.0;
-             }),
-             false);
+      segment(circuit, index, segments[s], liquid);
+      const std::string k = std::to_string(segments[s] + 1);
       const std::string next = s + 1 < segments.size() ? joined("t", std::to_string(segments[s + 1] + 1))
                                                        : output_node("outlet", circuit.name);
       add("B", next, " ", next, " 0 V=V(", liquid, ")+V(e", k, ")*(V(u", k, ")-V(", liquid, "))");
@@ -334,12 +279,26 @@ void Netlist::outputs() {
   }
 }
 
-std::string Netlist::write(const std::string& data_file, const std::string& file) {
+void Netlist::run(const std::string& data_file) {
+  const double start_rise_K = rom::rest_temperature_K(network_.boundaries, course_.states.front()) -
+                              network_.boundaries.reference_temperature_K;
+  const Eigen::MatrixXd& capacity = network_.capacity_J_per_K;
+  add("");
+  for (Index i = 0; i < capacity.rows(); ++i) add(".ic v(", node(i), ")=", number(start_rise_K));
+  const double least_heat_J = smallest_rise_K * capacity.sum() / static_cast<double>(capacity.rows());
+  add(".options method=gear maxord=2 reltol=1e-6 vntol=1e-6 abstol=1e-6 chgtol=", number(least_heat_J));
+  const double longest_step_s = std::min(10.0, course_.time_s.back() / 50.0);
+  add(".tran ", number(longest_step_s), " ", number(course_.time_s.back()), " 0 ", number(longest_step_s), " uic");
+  add(".control\nset numdgt=12\nset wr_singlescale\nset wr_vecnames\nrun\nwrdata ", data_file);
+  text_.pop_back();
+  for (const std::string& name : output_nodes_) text_ += " v(" + name + ")";
+  add("\nquit\n.endc\n.end");
+}
+
+std::string Netlist::write(const SpiceTarget& target) {
   const rom::Boundaries& boundaries = network_.boundaries;
   add("* Thermal network of spindle '", network_.spindle, "', ", std::to_string(network_.nodes.size()), " nodes");
-  if (is_modal()) {
-    add("* States are modes of the mean conductances, not nodes: voltages of outputs are what they are called");
-  }
+  if (!target.remark.empty()) add("* ", target.remark);
   add("* Voltage: rise over ", number(boundaries.reference_temperature_K), " K; current: W. Run: ngspice -b FILE");
   add("* Description SHA-256 ", network_.description_hash);
   if (rom::has_physics(boundaries)) add("* Physical laws are held at their nominal temperatures");
@@ -348,44 +307,18 @@ std::string Netlist::write(const std::string& data_file, const std::string& file
   }
   inputs();
   capacities();
-  is_modal() ? modes_in_themselves() : held_conductances();
-  std::set<std::size_t> in_circuits;
-  for (const rom::CoolantCircuit& circuit : boundaries.circuits) {
-    for (const int segment : circuit.segments) in_circuits.insert(static_cast<std::size_t>(segment));
-  }
-  for (std::size_t j = 0; j < network_.factors_m.size(); ++j) {
-    if (in_circuits.contains(j) || !follows_schedule(j)) continue;
-    const int environment = boundaries.conductances[j].environment;
-    driven_conductance(j, environment < 0 ? std::string() : joined("env", std::to_string(environment + 1)));
-  }
-  circuits(file);
+  held_conductances();
+  for (std::size_t m = 0; m < driven_.terms.size(); ++m) driven_term(driven_.terms[m], std::to_string(m + 1));
+  circuits(target.file);
   outputs();
-
-  const double start_rise_K =
-      rom::rest_temperature_K(boundaries, course_.states.front()) - boundaries.reference_temperature_K;
-  add("");
-  for (Index i = 0; i < network_.capacity_J_per_K.rows(); ++i) {
-    if (!is_instant(i)) add(".ic v(", node(i), ")=", number(start_rise_K * uniform_[i]));
-  }
-  add(".options method=gear maxord=2 reltol=1e-5 vntol=1e-6 abstol=1e-6 chgtol=1e-6");
-  const double longest_step_s = std::min(10.0, course_.time_s.back() / 50.0);
-  add(".tran ", number(longest_step_s), " ", number(course_.time_s.back()), " 0 ", number(longest_step_s), " uic");
-  add(".control\nset numdgt=12\nset wr_singlescale\nset wr_vecnames\nrun\nwrdata ", data_file);
-  text_.pop_back();
-  for (const std::string& name : output_nodes_) text_ += " v(" + name + ")";
-  add("\nquit\n.endc\n.end");
+  run(target.data_file);
   return std::move(text_);
 }
 
 }  // namespace
 
-SpiceStates usual_states(const rom::Network& network) {
-  constexpr std::size_t most_nodes = 60;
-  return network.nodes.size() > most_nodes ? SpiceStates::modes : SpiceStates::nodes;
-}
-
-std::string spice_netlist(const rom::Network& network, const rom::Schedule& schedule, const SpiceTarget& target) {
-  return Netlist(network, schedule, target.states).write(target.data_file, target.file);
+std::string spice_netlist(const rom::Network& network, const ScheduleCourse& course, const SpiceTarget& target) {
+  return Netlist(network, course).write(target);
 }
 
 }  // namespace spindle_twin::host_tools

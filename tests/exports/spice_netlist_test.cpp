@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-
 #include <cctype>
 #include <cmath>
 #include <map>
@@ -54,7 +52,8 @@ rom::Network two_nodes() {
 }
 
 std::string netlist_of(const rom::Network& network) {
-  return spice_netlist(network, rom::constant_schedule(network.boundaries, 3600.0), {"net.data", "day.csv"});
+  const rom::Schedule schedule = rom::constant_schedule(network.boundaries, 3600.0);
+  return spice_netlist(network, course_of(network.boundaries, schedule), {"net.data", "day.csv", {}});
 }
 
 TEST(SpiceNetlist, elements_are_the_entries_of_the_matrices) {
@@ -99,26 +98,11 @@ TEST(SpiceNetlist, flow_that_turns_along_the_schedule_is_refused) {
   schedule.rows[1].time_s = 1800.0;
   schedule.rows[1].state.flow_kg_per_s[0] = -0.01;
   try {
-    spice_netlist(network, schedule, {"net.data", "day.csv"});
+    spice_netlist(network, course_of(network.boundaries, schedule), {"net.data", "day.csv", {}});
     FAIL() << "a netlist for a flow that turns";
   } catch (const rom::InputError& error) {
     EXPECT_NE(std::string(error.what()).find("helix_kg_per_s"), std::string::npos) << error.what();
   }
-}
-
-TEST(SpiceNetlist, modes_are_a_capacitor_and_a_resistor_each_where_nothing_follows_the_schedule) {
-  const rom::Network network = two_nodes();
-  const rom::Schedule schedule = rom::constant_schedule(network.boundaries, 3600.0);
-  const auto all = elements(spice_netlist(network, schedule, {"net.data", "day.csv", SpiceStates::modes}));
-  EXPECT_DOUBLE_EQ(value(all, "Cn1", "n1 0"), 1.0);
-  EXPECT_DOUBLE_EQ(value(all, "Cn2", "n2 0"), 1.0);
-  EXPECT_EQ(all.count("Cn1_n2") + all.count("Rn1_n2"), 0u);
-  // Rates: eigenvalues of C⁻¹K, whose sum and product are its trace and determinant.
-  const Eigen::Matrix2d conduction = (Eigen::Matrix2d() << 29.0, -4.0, -4.0, 4.0).finished();
-  const Eigen::Matrix2d rates = network.capacity_J_per_K.inverse() * conduction;
-  const double first = 1.0 / value(all, "Rn1", "n1 0"), second = 1.0 / value(all, "Rn2", "n2 0");
-  EXPECT_NEAR(first + second, rates.trace(), 1e-12);
-  EXPECT_NEAR(first * second, rates.determinant(), 1e-12);
 }
 
 }  // namespace spice_netlist_test
