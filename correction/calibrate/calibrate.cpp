@@ -88,7 +88,9 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
   CalibrationResult result;
   const FitTask task{network, predictor, options, tests};
   result.held_out = channels_from(task, judge_tests(task, first.z, first.covariance), seen_share);
-  result.fit = fit_tests(task, &first.z, say("fit of all readings"));
+  SeveralStarts several = fit_from_several(task, first.z, say("fit of all readings"));
+  result.fit = std::move(several.fit);
+  result.starts = std::move(several.starts);
   result.fit.evaluations += first.evaluations;
   for (const ThermalTest& test : tests) {
     result.before.push_back(

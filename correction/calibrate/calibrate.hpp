@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "correction/calibrate/fit.hpp"
+#include "correction/calibrate/several_starts.hpp"
 #include "correction/calibration/calibration.hpp"
 
 namespace spindle_twin::correction {
@@ -20,6 +21,7 @@ struct CalibrationResult {
   Calibration calibration;             ///< without file names, hash and time
   TestFit fit;                         ///< of all readings
   std::vector<ChannelFit> held_out;    ///< the last part, predicted by a fit of what is before it
+  std::vector<StartedFit> starts;      ///< of the fit of all readings
   std::vector<std::string> misfits;    ///< in words, each with channel and number; empty: it fits
   std::vector<Parameter> machine;      ///< the calibrated parameters, as the priors have them
   std::vector<TestPrediction> before;  ///< of each test with the priors' means

@@ -179,9 +179,48 @@ TestFit finish(const FitTask& task, Evaluated at, const Eigen::VectorXd& z, cons
     fit.expected.push_back(weights[test] + at.rows[test] * covariance * at.rows[test].transpose());
   }
   fit.chi_square_per_reading = squares / count;
+  fit.weights = covariances(at, task, true);
+  for (std::size_t test = 0; test < at.left.size(); ++test) {
+    const Eigen::LLT<Eigen::MatrixXd> root(fit.weights[test]);
+    fit.cost += 0.5 * root.matrixL().solve(at.left[test]).squaredNorm();
+    fit.cost += root.matrixLLT().diagonal().array().log().sum();
+  }
   fit.readings = std::move(at.predictions);
   fit.left = std::move(at.left);
   fit.channels = channels_from(task, fit, 0.0);
+  return fit;
+}
+
+Eigen::VectorXd in_deviations(const TestUnknowns& unknowns, const Eigen::VectorXd& z) {
+  return unknowns.root().triangularView<Eigen::Lower>().solve(z - unknowns.mean());
+}
+
+/// u goes to the minimum with this W; its covariance there, of z.
+Eigen::MatrixXd minimise(Evaluator& evaluate, const TestUnknowns& unknowns, const std::vector<Eigen::MatrixXd>& weights,
+                         Eigen::VectorXd& u) {
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> roots;
+  for (const Eigen::MatrixXd& each : weights) roots.emplace_back(each);
+  WhitenedProblem problem(evaluate, unknowns, std::move(roots));
+  Eigen::LevenbergMarquardt<WhitenedProblem> solver(problem);
+  solver.parameters.factor = largest_step;
+  solver.parameters.ftol = value_tolerance;
+  solver.parameters.xtol = step_tolerance;
+  solver.parameters.maxfev = most_evaluations;
+  solver.minimize(u);
+  Eigen::MatrixXd jacobian;
+  problem.df(u, jacobian);
+  const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+  const Eigen::MatrixXd half =
+      Eigen::LLT<Eigen::MatrixXd>(information).matrixL().solve(unknowns.root().transpose()).eval();
+  return half.transpose() * half;
+}
+
+TestFit finished(const FitTask& task, const TestUnknowns& unknowns, Evaluator& evaluate, const Eigen::VectorXd& u,
+                 const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd z = unknowns.mean() + unknowns.root() * u;
+  TestFit fit = finish(task, evaluate(z), z, covariance);
+  fit.cost += 0.5 * u.squaredNorm();
+  fit.evaluations = evaluate.count();
   return fit;
 }
 
@@ -204,32 +243,21 @@ TestFit fit_tests(const FitTask& task, const Eigen::VectorXd* start, const std::
   const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
   Evaluator evaluate(task, unknowns, progress);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(unknowns.count());
-  if (start != nullptr) u = unknowns.root().triangularView<Eigen::Lower>().solve(*start - unknowns.mean());
+  if (start != nullptr) u = in_deviations(unknowns, *start);
   Eigen::MatrixXd covariance;
   for (int refresh = 0; refresh < refreshes; ++refresh) {
     const Evaluated at = evaluate(unknowns.mean() + unknowns.root() * u);
-    std::vector<Eigen::LLT<Eigen::MatrixXd>> weights;
-    for (const Eigen::MatrixXd& each : covariances(at, task, refresh > 0)) {
-      weights.emplace_back(each);
-    }
-    WhitenedProblem problem(evaluate, unknowns, std::move(weights));
-    Eigen::LevenbergMarquardt<WhitenedProblem> solver(problem);
-    solver.parameters.factor = largest_step;
-    solver.parameters.ftol = value_tolerance;
-    solver.parameters.xtol = step_tolerance;
-    solver.parameters.maxfev = most_evaluations;
-    solver.minimize(u);
-    Eigen::MatrixXd jacobian;
-    problem.df(u, jacobian);
-    const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
-    const Eigen::MatrixXd half =
-        Eigen::LLT<Eigen::MatrixXd>(information).matrixL().solve(unknowns.root().transpose()).eval();
-    covariance = half.transpose() * half;
+    covariance = minimise(evaluate, unknowns, covariances(at, task, refresh > 0), u);
   }
-  const Eigen::VectorXd z = unknowns.mean() + unknowns.root() * u;
-  TestFit fit = finish(task, evaluate(z), z, covariance);
-  fit.evaluations = evaluate.count();
-  return fit;
+  return finished(task, unknowns, evaluate, u, covariance);
+}
+
+TestFit fit_tests_once(const FitTask& task, const Eigen::VectorXd& start, const std::vector<Eigen::MatrixXd>& weights) {
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  Evaluator evaluate(task, unknowns, {});
+  Eigen::VectorXd u = in_deviations(unknowns, start);
+  const Eigen::MatrixXd covariance = minimise(evaluate, unknowns, weights, u);
+  return finished(task, unknowns, evaluate, u, covariance);
 }
 
 TestFit judge_tests(const FitTask& task, const Eigen::VectorXd& z, const Eigen::MatrixXd& covariance) {

@@ -39,7 +39,9 @@ struct TestFit {
   std::vector<Eigen::VectorXd> left;      ///< residual − offset of each reading
   std::vector<Eigen::MatrixXd> expected;  ///< covariance of what is left: W + h P hᵀ
   std::vector<ChannelFit> channels;
-  double chi_square_per_reading = 0.0;  ///< of the whitened residuals; 1 of a model that is as good as assumed
+  double chi_square_per_reading = 0.0;   ///< of the whitened residuals; 1 of a model that is as good as assumed
+  std::vector<Eigen::MatrixXd> weights;  ///< W of each test at z, outliers wider
+  double cost = 0.0;  ///< -ln of the posterior at z but for a constant: ½ (left W⁻¹ left + ln det W + |u|²)
   int evaluations = 0;
 };
 
@@ -52,6 +54,9 @@ struct TestFit {
 /// Several tests run in threads of their own; the result does not depend on how many. Throws rom::InputError where the
 /// model cannot be integrated, and for a test without a reading. `progress`: after each evaluation of all tests.
 TestFit fit_tests(const FitTask& task, const Eigen::VectorXd* start, const std::function<void(int)>& progress);
+
+/// One pass of it from `start` on with W as it is in `weights`: where this start leads to, at a third of the cost.
+TestFit fit_tests_once(const FitTask& task, const Eigen::VectorXd& start, const std::vector<Eigen::MatrixXd>& weights);
 
 /// The tests predicted with z: what is left, and what covariance of z and W allow for. For data that z was not made of.
 TestFit judge_tests(const FitTask& task, const Eigen::VectorXd& z, const Eigen::MatrixXd& covariance);

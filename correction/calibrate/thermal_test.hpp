@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ inline EstimatorPriors test_priors(EstimatorPriors priors) {
 }
 
 /// What is assumed of readings, model and machine. Deviations are 1σ.
-struct CalibrateOptions {
+struct CalibrateOptions {  // NOLINT(public-members): a table of options
   EstimatorPriors priors;                ///< of an unknown machine
   std::vector<EstimatorSensor> sensors;  ///< permanent and temporary ones
   double lag_deviation_s = 14.0;
@@ -49,6 +50,8 @@ struct CalibrateOptions {
   double sensor_error_share = 0.01;  ///< of the rise besides
   double joint_wander = 0.12;        ///< ln of each contact about its mean, over memory_s
   double memory_s = 3600.0;
+  int starts = 5;                ///< from which the fit begins (fit_from_several), 1 to 50
+  std::uint64_t start_seed = 1;  ///< of their draws
 };
 
 }  // namespace spindle_twin::correction

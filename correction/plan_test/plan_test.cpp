@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <initializer_list>
 #include <iterator>
 #include <thread>
 
@@ -12,8 +13,10 @@ namespace {
 constexpr double usual_stage_s = 1200.0;
 constexpr std::size_t most_stages = 8, least_stages = 4;
 constexpr int rounds = 2;
-constexpr double worth_while = 0.998;  // of the best so far: less is no gain
-constexpr double early_weight = 0.25;  // of the first part of a test
+constexpr double worth_while = 0.998;      // of the best so far: less is no gain
+constexpr double worth_refining = 0.9995;  // the same of small moves
+constexpr int most_cycles = 400;           // from which on nothing is refined
+constexpr double early_weight = 0.1;       // of the first part of a test
 
 /// Cycles with their worth, evaluated in threads, remembered.
 class CycleSearch {
@@ -33,7 +36,7 @@ class CycleSearch {
   };
 
   /// Takes the best of these where it is better than what was.
-  bool improve(const std::vector<DriveCycle>& cycles) {
+  bool improve(const std::vector<DriveCycle>& cycles, double enough = worth_while) {
     bool better = false;
     const std::size_t at_once = std::max(1u, std::thread::hardware_concurrency());
     for (std::size_t first = 0; first < cycles.size(); first += at_once) {
@@ -50,7 +53,7 @@ class CycleSearch {
       for (std::size_t i = first; i < end; ++i) {
         const Found found = running[i - first].get();
         ++count_;
-        const double gain = cycle_.empty() ? 1.0 : worth_while;
+        const double gain = cycle_.empty() ? 1.0 : enough;
         if (!cycle_.empty() && found.score_m() >= gain * best_.score_m()) continue;
         best_ = found;
         cycle_ = cycles[i];
@@ -95,17 +98,58 @@ std::vector<DriveCycle> other_speeds(const DriveCycle& cycle, std::size_t stage,
   return others;
 }
 
-std::vector<DriveCycle> other_times(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits) {
+/// The switch after `stage` earlier and later by these times, as far as both stages stay long enough.
+std::vector<DriveCycle> other_times(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits,
+                                    std::initializer_list<double> steps_s) {
   std::vector<DriveCycle> others;
-  const double step_s = std::floor(0.5 * std::min(cycle[stage].length_s, cycle[stage + 1].length_s) / 60.0) * 60.0;
-  for (const double shift_s : {-step_s, step_s}) {
-    DriveCycle other = cycle;
-    other[stage].length_s += shift_s;
-    other[stage + 1].length_s -= shift_s;
-    const bool allowed = std::min(other[stage].length_s, other[stage + 1].length_s) >= limits.shortest_s;
-    if (shift_s != 0.0 && allowed) others.push_back(std::move(other));
+  for (const double step_s : steps_s) {
+    for (const double shift_s : {-step_s, step_s}) {
+      DriveCycle other = cycle;
+      other[stage].length_s += shift_s;
+      other[stage + 1].length_s -= shift_s;
+      const bool allowed = std::min(other[stage].length_s, other[stage + 1].length_s) >= limits.shortest_s;
+      if (shift_s != 0.0 && allowed) others.push_back(std::move(other));
+    }
   }
   return others;
+}
+
+double half_of(double length_s) { return std::floor(0.5 * length_s / 60.0) * 60.0; }
+
+/// Another speed in the first or last part of a stage: as short as allowed, or half of it.
+std::vector<DriveCycle> splits(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits) {
+  std::vector<DriveCycle> others;
+  const Stage whole = cycle[stage];
+  for (const double part_s : {limits.shortest_s, half_of(whole.length_s)}) {
+    if (std::min(part_s, whole.length_s - part_s) < limits.shortest_s) continue;
+    for (const double share : limits.shares) {
+      const Stage added{part_s, share * limits.top_rpm}, kept{whole.length_s - part_s, whole.speed_rpm};
+      if (added.speed_rpm == whole.speed_rpm) continue;
+      for (const bool first : {true, false}) {
+        DriveCycle other = cycle;
+        other[stage] = first ? added : kept;
+        other.insert(other.begin() + static_cast<std::ptrdiff_t>(stage) + 1, first ? kept : added);
+        others.push_back(joined(other));
+      }
+    }
+  }
+  return others;
+}
+
+/// Stage by stage: another speed in a part of it, another speed in all of it, another time to switch to the next one.
+/// Whether anything was gained.
+bool refine(CycleSearch& evaluate, const DriveLimits& limits) {
+  bool gained = false;
+  const auto improve = [&](const std::vector<DriveCycle>& cycles) {
+    gained = evaluate.improve(cycles, worth_refining) || gained;
+  };
+  const auto now = [&] { return joined(evaluate.cycle()); };
+  for (std::size_t stage = 0; stage < now().size() && evaluate.count() < most_cycles; ++stage) {
+    improve(splits(now(), stage, limits));
+    if (stage < now().size()) improve(other_speeds(now(), stage, limits));
+    if (stage + 1 < now().size()) improve(other_times(now(), stage, limits, {120.0, 300.0}));
+  }
+  return gained;
 }
 
 TakenReadings with(const std::vector<std::size_t>& permanent, const std::vector<SensorWorth>& temporary) {
@@ -143,7 +187,11 @@ TestPlan plan_cycle(const TestWorth& worth, const DriveLimits& limits, const rom
   const std::size_t shifts = joined(evaluate.cycle()).size();
   for (std::size_t stage = 0; stage + 1 < shifts; ++stage) {
     const DriveCycle now = joined(evaluate.cycle());
-    if (stage + 1 < now.size()) evaluate.improve(other_times(now, stage, limits));
+    if (stage + 1 >= now.size()) continue;
+    const double step_s = half_of(std::min(now[stage].length_s, now[stage + 1].length_s));
+    evaluate.improve(other_times(now, stage, limits, {step_s}));
+  }
+  while (evaluate.count() < most_cycles && refine(evaluate, limits)) {
   }
   TestPlan plan;
   plan.cycle = joined(evaluate.cycle());
@@ -185,7 +233,8 @@ void plan_sensors(const TestWorth& worth, const TestPrediction& prediction, cons
 CalibrateOptions thinned(CalibrateOptions options, double interval_s) {
   const double share = std::sqrt(options.interval_s / interval_s);
   options.interval_s = interval_s;
-  options.held_s = options.longest_step_s = std::min(60.0, interval_s);
+  options.held_s = std::min(60.0, interval_s);
+  options.longest_step_s = interval_s;
   options.probe_noise_m *= share;
   options.sensor_error_K *= share;
   options.sensor_error_share *= share;

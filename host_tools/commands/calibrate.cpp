@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -38,6 +39,7 @@ struct CalibrateCommand {
   double longest_gap_s = 60.0;
   double probe_noise_um = 1.0;
   double held_out_um = 2.0;
+  int starts = 5;
   bool accept = false;
   bool json = false;
 };
@@ -73,7 +75,11 @@ void print_json(const correction::CalibrateOptions& options, const correction::C
                               {"chi_square_per_reading", result.fit.chi_square_per_reading},
                               {"promised_um", rom::um_per_m * calibration.promised_m},
                               {"fits", result.misfits.empty()},
-                              {"misfits", result.misfits}};
+                              {"misfits", result.misfits},
+                              {"start_seed", options.start_seed}};
+  for (const correction::StartedFit& start : result.starts) {
+    json["starts"].push_back({{"cost", start.cost}, {"apart", start.apart}, {"other_minimum", start.is_other}});
+  }
   for (std::size_t i = 0; i < calibration.names.size(); ++i) {
     const auto slot = static_cast<Eigen::Index>(i);
     const double deviation = calibration.root.row(slot).norm();
@@ -101,6 +107,24 @@ void print_channels(const char* title, const correction::CalibrateOptions& optio
   }
 }
 
+void print_starts(const correction::CalibrateOptions& options, const std::vector<correction::StartedFit>& starts) {
+  double farthest = 0.0;
+  std::size_t others = 0;
+  for (const correction::StartedFit& start : starts) {
+    farthest = std::max(farthest, start.apart);
+    others += start.is_other ? 1 : 0;
+  }
+  std::printf("%zu starts (seed %llu), no parameter ends further than %.1f of its deviations from the best\n",
+              starts.size(), static_cast<unsigned long long>(options.start_seed), farthest);
+  for (std::size_t k = 0; others > 0 && k < starts.size(); ++k) {
+    if (!starts[k].is_other) continue;
+    std::printf(
+        "  start %zu ends elsewhere, about as good (cost +%.2f, %.1f deviations away): "
+        "the deviations above cover both\n",
+        k + 1, starts[k].cost, starts[k].apart);
+  }
+}
+
 void print_table(const correction::CalibrateOptions& options, const correction::CalibrationResult& result) {
   const correction::Calibration& calibration = result.calibration;
   std::printf("%s, %.2f h of test\n\n%-44s %8s %9s %8s %9s\n", calibration.spindle.c_str(),
@@ -121,6 +145,7 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   print_channels("last quarter, predicted from the rest", options, result.held_out);
   std::printf("\nchi-square per reading %.2f (1: model and readings are as good as assumed)\n",
               result.fit.chi_square_per_reading);
+  print_starts(options, result.starts);
   std::printf("promised after this drive: nose within %.2f um (1 sigma), drift since the test included\n",
               rom::um_per_m * calibration.promised_m);
   std::printf("%s\n", result.misfits.empty() ? "It fits." : "It does not fit:");
@@ -138,6 +163,7 @@ void run_calibrate(const CalibrateCommand& command) {
   }
   correction::CalibrateOptions options = test_options(file.network, command.config);
   options.probe_noise_m = command.probe_noise_um * rom::m_per_um;
+  options.starts = command.starts;
   correction::CalibrateLimits limits;
   limits.held_out_m = command.held_out_um * rom::m_per_um;
   const bool shows = isatty(STDERR_FILENO) == 1;
@@ -183,6 +209,11 @@ void add_calibrate(CLI::App& app) {
   command->add_option("--held-out-um", options->held_out_um, "most rms of a probe in the last quarter, predicted")
       ->capture_default_str()
       ->check(finite_range(0.01, 1000.0, "0.01 to 1000 um"));
+  command
+      ->add_option("--starts", options->starts,
+                   "points from which the fit begins: the means of the priors, then seeded draws of them")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 50));
   command->add_option("--html", options->page,
                       "write a page: readings, model before and after, what is left, +-2 sigma");
   command->add_flag("--accept", options->accept, "write it although it does not fit");

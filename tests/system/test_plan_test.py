@@ -42,6 +42,9 @@ class TestPlan(unittest.TestCase):
             self.assertLessEqual(proposed, row["whole"]["with_sensors_um"], name)
             self.assertLessEqual(row["whole"]["with_sensors_um"], row["first"]["with_sensors_um"] * (1 + 1e-9))
         self.assertLess(proposed, plan["untested"]["with_sensors_um"])
+        constant = [row["whole"]["with_sensors_um"] for name, row in by_name.items() if name.startswith("constant")]
+        early = next(row for row in plan["compared"] if row["name"] == "proposed")["first"]["with_sensors_um"]
+        self.assertLess(early, min(constant))
 
         rows = list(csv.DictReader(schedule.read_text().splitlines()))
         self.assertEqual([(float(row["time_s"]), float(row["speed_rpm"])) for row in rows[:-1]],

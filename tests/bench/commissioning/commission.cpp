@@ -72,6 +72,7 @@ correction::Calibration calibrated(const rom::Network& network, const correction
   const correction::CalibrationResult found = correction::calibrate(network, options, {test}, {});
   result.fit_s[set] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   result.evaluations[set] = found.fit.evaluations;
+  result.starts[set] = found.starts;
   result.chi_square[set] = found.fit.chi_square_per_reading;
   result.refused[set] = !found.misfits.empty();
   const auto probe = [&](const std::vector<correction::ChannelFit>& channels) {
@@ -99,13 +100,13 @@ Commissioned commission(const rom::Network& network, const fem_offline::AffineMo
   of_test.speed_exponent = speed_exponent;
   of_test.drive = base_drive(plan.test_s);
   const Truth tested = make_truth(truth_model, parameters, seed, heats, of_test);
-  std::array<correction::Calibration, permanent_sensors.size()> calibrations;
+  result.theta = tested.theta;
   for (std::size_t set = 0; set < permanent_sensors.size(); ++set) {
     correction::CalibrateOptions options;
     options.priors = correction::test_priors(priors_of(heats));
     options.sensors = correction::key_point_sensors(network, {});
     options.sensors.resize(static_cast<std::size_t>(permanent_sensors[set]));
-    calibrations[set] =
+    result.calibrations[set] =
         calibrated(network, log_of(network, tested, permanent_sensors[set], plan), options, set, result);
   }
   for (std::size_t d = 0; d < drifts.size(); ++d) {
@@ -122,7 +123,7 @@ Commissioned commission(const rom::Network& network, const fem_offline::AffineMo
       options.priors = priors_of(heats);
       day.without_test[set] = run_estimator(network, truth, permanent_sensors[set], false, options);
       options.priors.calibrated =
-          correction::prior_of(calibrations[set], {drifts[d].heat, drifts[d].contact, drifts[d].film});
+          correction::prior_of(result.calibrations[set], {drifts[d].heat, drifts[d].contact, drifts[d].film});
       day.with_test[set] = run_estimator(network, truth, permanent_sensors[set], false, options);
       day.blind[set] = run_blind(network, truth, options);
       day.bound_um[set] = bound_um(network, truth, permanent_sensors[set], false, options);

@@ -38,6 +38,9 @@ struct Commissioned {
   std::array<double, permanent_sensors.size()> hold_out_um{};  ///< rms of the probe in the last quarter, predicted
   std::array<double, permanent_sensors.size()> chi_square{};
   std::array<bool, permanent_sensors.size()> refused{};  ///< by the limits of calibrate
+  std::array<correction::Calibration, permanent_sensors.size()> calibrations;
+  std::array<std::vector<correction::StartedFit>, permanent_sensors.size()> starts;
+  Eigen::VectorXd theta;  ///< hidden parameters at the start of the test
   std::array<Service, drifts.size()> days;
 };
 

@@ -8,12 +8,14 @@
 
 #include "tests/bench/campaign/models.hpp"
 #include "tests/bench/commissioning/commission.hpp"
+#include "tests/bench/commissioning/hidden_pairs.hpp"
 
 namespace spindle_twin::bench {
 namespace {
 
 struct Options : CampaignOptions {
   TestPlan plan;
+  bool hidden_pairs = false;
 };
 
 double median_of(std::vector<double> values) {
@@ -135,6 +137,7 @@ int run(const Options& options) {
   std::printf("seed %llu, %d machines of each of A and B; twin: %zu nodes; truth: %g mm\n",
               static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(), options.truth_mm);
   std::fflush(stdout);
+  if (options.hidden_pairs) return check_hidden_pairs(network, fe.affine(), options.twin.threads);
   std::vector<Commissioned> machines(static_cast<std::size_t>(2 * options.runs));
   std::mutex printing;
   in_parallel(options.twin.threads, 2 * options.runs, [&](int i) {
@@ -172,6 +175,8 @@ int main(int argc, char** argv) {
   app.add_option("--test-s", options.plan.test_s, "length of the test")->capture_default_str();
   app.add_option("--service-s", options.plan.service_s, "length of a day of service")->capture_default_str();
   app.add_flag("--touch-offs", options.plan.touch_offs, "a touch-off each half hour instead of the probe");
+  app.add_flag("--hidden-pairs", options.hidden_pairs,
+               "only the two spindles of the twin campaign in which a contact and a heat hide each other");
   CLI11_PARSE(app, argc, argv);
   settle(options);
   if (options.is_short) options.plan.test_s = options.plan.service_s = 3600.0;

@@ -1,0 +1,99 @@
+#include "tests/bench/commissioning/hidden_pairs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "tests/bench/commissioning/commission.hpp"
+#include "tests/bench/in_parallel.hpp"
+
+namespace spindle_twin::bench {
+namespace {
+
+constexpr std::array<std::uint64_t, 2> hiding_seeds{1026, 2002};
+constexpr double day_s = 7200.0;
+constexpr double least_inside = 0.9;  // of a day's samples, and of a machine's hidden parameters
+
+/// Off by how many of its deviations; contacts as they are in the middle of the test.
+std::vector<double> off_by(const correction::ParameterModel& parameters, const Commissioned& machine, std::size_t set,
+                           const TestPlan& plan) {
+  const correction::Calibration& found = machine.calibrations[set];
+  Conditions of_test;
+  of_test.run_s = plan.test_s;
+  std::vector<double> off;
+  for (std::size_t i = 0; i < found.names.size(); ++i) {
+    for (Eigen::Index k = 0; k < parameters.count(); ++k) {
+      const correction::Parameter& parameter = parameters.list()[static_cast<std::size_t>(k)];
+      if (parameter.name != found.names[i]) continue;
+      const bool is_contact = parameter.kind == correction::ParameterKind::contact;
+      const double truth = machine.theta[k] + (is_contact ? drift(of_test, 0.5 * plan.test_s) : 0.0);
+      const auto slot = static_cast<Eigen::Index>(i);
+      off.push_back((found.mean[slot] - truth) / found.root.row(slot).norm());
+    }
+  }
+  return off;
+}
+
+bool hides(const std::string& name) {
+  return name == "heat front_bearings" ||
+         (name.starts_with("contact") && name.find("front_balls") != std::string::npos);
+}
+
+int keeps(const char* what, double reached, double least) {
+  std::printf("    %-52s %6.2f  at least %4.2f  %s\n", what, reached, least, reached >= least ? "kept" : "MISSED");
+  return reached >= least ? 0 : 1;
+}
+
+int judge(const correction::ParameterModel& parameters, const Commissioned& machine, std::size_t set,
+          const TestPlan& plan) {
+  const Service& day = machine.days[0];
+  std::printf(
+      "  %d sensors: nose %.2f um without a test (inside %.2f), %.2f um with it, sigma %.2f; %d runs of the model\n",
+      permanent_sensors[set], day.without_test[set].error_um, day.without_test[set].inside, day.with_test[set].error_um,
+      day.with_test[set].deviation_um, machine.evaluations[set]);
+  std::printf("    starts, cost and deviations from the best:");
+  for (const correction::StartedFit& start : machine.starts[set]) {
+    std::printf("  %.2f %.2f%s", start.cost, start.apart, start.is_other ? " (another minimum)" : "");
+  }
+  std::printf("\n");
+  const std::vector<double> off = off_by(parameters, machine, set, plan);
+  double inside = 0.0, hiding = 0.0, hiding_inside = 0.0;
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    const std::string& name = machine.calibrations[set].names[i];
+    const bool is_inside = std::abs(off[i]) <= 2.0;
+    inside += is_inside ? 1.0 : 0.0;
+    if (hides(name)) {
+      hiding += 1.0;
+      hiding_inside += is_inside ? 1.0 : 0.0;
+    }
+    if (!is_inside || hides(name)) std::printf("    %-60s %+5.1f sigma\n", name.c_str(), off[i]);
+  }
+  return keeps("nose inside +-2 sigma, share of the day", day.with_test[set].inside, least_inside) +
+         keeps("front bearing's heat and ball contacts inside", hiding_inside / hiding, 1.0) +
+         keeps("hidden parameters inside", inside / static_cast<double>(off.size()), least_inside);
+}
+
+}  // namespace
+
+int check_hidden_pairs(const rom::Network& network, const fem_offline::AffineModel& truth_model, int threads) {
+  TestPlan plan;
+  plan.service_s = day_s;
+  std::array<Commissioned, hiding_seeds.size()> machines;
+  in_parallel(threads, static_cast<int>(machines.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    machines[at] = commission(network, truth_model, hiding_seeds[at], HeatErrors::independent, plan);
+  });
+  const correction::ParameterModel parameters(network, priors_of(HeatErrors::independent));
+  int missed = 0;
+  for (const Commissioned& machine : machines) {
+    std::printf("spindle %llu\n", static_cast<unsigned long long>(machine.seed));
+    for (std::size_t set = 0; set < permanent_sensors.size(); ++set) missed += judge(parameters, machine, set, plan);
+  }
+  std::printf("%d limits missed\n", missed);
+  return missed;
+}
+
+}  // namespace spindle_twin::bench

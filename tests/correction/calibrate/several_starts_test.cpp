@@ -1,0 +1,114 @@
+#include "correction/calibrate/several_starts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "correction/calibrate/unknowns.hpp"
+#include "tests/correction/calibrate/recorded_run.hpp"
+#include "tests/rom/synthetic_network.hpp"
+
+namespace spindle_twin::correction::test {
+namespace calibrate_several_starts_test {
+
+constexpr double hidden = 0.8;  // ln of the joint's factor
+
+/// 1000 W at the first node; 25 W/K from each node to the surroundings; a joint of 25 e^y W/K that leads from the first
+/// node to the second one and from there on, so that the second one's steady rise is the same for y and −y:
+///   rise = 1000 W / (75 W/K + 25 W/K (e^y + e^−y))
+rom::Network with_two_answers() {
+  rom::Network network = rom::tests::make_single_node();
+  network.nodes = {{"first", "first", 0.0, 0.0}, {"second", "second", 0.0, 0.0}};
+  network.capacity_J_per_K = 100.0 * Eigen::MatrixXd::Identity(2, 2);
+  network.conduction_W_per_K = 25.0 * Eigen::MatrixXd::Identity(2, 2);
+  network.source_distribution = Eigen::Vector2d(1.0, 0.0);
+  network.boundaries.sources[0].nominal_W = 1000.0;
+  rom::Conductance& joint = network.boundaries.conductances[0];
+  joint.name = "joint";
+  joint.kind = rom::ConductanceKind::contact;
+  joint.environment = -1;
+  Eigen::MatrixXd factor(2, 2);
+  factor << 1.0, 0.0, -1.0, 1.0;
+  network.factors_m = {std::sqrt(0.5) * factor};
+  network.key_points = {{"second", "second", 0.0, 0.0, Eigen::Vector2d(0.0, 1.0)}};
+  network.parts.clear();
+  network.deformations.clear();
+  return network;
+}
+
+CalibrateOptions joint_alone(const rom::Network& network) {
+  CalibrateOptions options = calibrate_options(network);
+  options.priors.heat = options.priors.environment_K = options.priors.start_K = 0.0;
+  options.joint_wander = 0.0;
+  return options;
+}
+
+ThermalTest steady(const rom::Network& network) {
+  const double rise_K = 1000.0 / (75.0 + 25.0 * (std::exp(hidden) + std::exp(-hidden)));
+  ThermalTest test;
+  test.name = "steady";
+  test.start_K = network.boundaries.reference_temperature_K;
+  for (int k = 0; k <= 60; ++k) {
+    test.time_s.push_back(60.0 * k);
+    test.operating.push_back(network.boundaries.operating);
+  }
+  test.measured_K = Eigen::MatrixXd::Constant(61, 1, test.start_K + rise_K);
+  test.measured_K.topRows(2).setConstant(std::numeric_limits<double>::quiet_NaN());
+  test.deformation_m.resize(61, 0);
+  return test;
+}
+
+TEST(SeveralStarts, where_two_answers_are_about_as_good_both_are_covered) {
+  const rom::Network network = with_two_answers();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    CalibrateOptions options = joint_alone(network);
+    options.start_seed = seed;
+    const TestPredictor predictor(network, options);
+    const std::vector<ThermalTest> tests{steady(network)};
+    const FitTask task{network, predictor, options, tests};
+    const Eigen::VectorXd mean = TestUnknowns(network, predictor.parameters(), options, 1).mean();
+    ASSERT_EQ(predictor.parameters().count(), 1);
+    options.starts = 1;
+    const SeveralStarts one = fit_from_several(task, mean, {});
+    // The prior's mean lies nearer to the wrong one.
+    EXPECT_NEAR(one.fit.z[0], -hidden, 0.05);
+    EXPECT_GT(hidden - one.fit.z[0], 10.0 * std::sqrt(one.fit.covariance(0, 0)));
+    options.starts = 5;
+    const SeveralStarts five = fit_from_several(task, mean, {});
+    ASSERT_EQ(five.starts.size(), 5u);
+    EXPECT_NEAR(std::abs(five.fit.z[0]), hidden, 0.05);
+    EXPECT_LT(std::abs(hidden - five.fit.z[0]), 2.02 * std::sqrt(five.fit.covariance(0, 0)));
+    EXPECT_TRUE(std::any_of(five.starts.begin(), five.starts.end(), [](const auto& start) { return start.is_other; }));
+    // ½ (y − mean)²/σ² of the prior is all that tells them apart.
+    const double prior_mean = mean[0], deviation = options.priors.contact;
+    const double expected =
+        (std::pow(hidden - prior_mean, 2.0) - std::pow(hidden + prior_mean, 2.0)) / 2.0 / (deviation * deviation);
+    for (const StartedFit& start : five.starts) {
+      if (!start.is_other) continue;
+      EXPECT_NEAR(start.cost, expected, 0.1);
+    }
+  }
+}
+
+TEST(SeveralStarts, of_a_test_with_one_answer_all_lead_to_it) {
+  const rom::Network network = plates();
+  CalibrateOptions options = calibrate_options(network);
+  options.starts = 5;
+  const TestPredictor predictor(network, options);
+  const std::vector<ThermalTest> tests{record(network, predictor.parameters(), drawn(predictor.parameters(), 11), {})};
+  const FitTask task{network, predictor, options, tests};
+  const Eigen::VectorXd mean = TestUnknowns(network, predictor.parameters(), options, 1).mean();
+  const SeveralStarts found = fit_from_several(task, mean, {});
+  ASSERT_EQ(found.starts.size(), 5u);
+  for (const StartedFit& start : found.starts) {
+    EXPECT_LT(start.apart, 0.5);
+    EXPECT_FALSE(start.is_other);
+  }
+  EXPECT_EQ(found.fit.covariance, fit_tests(task, &mean, {}).covariance);
+  EXPECT_EQ(found.fit.z, fit_from_several(task, mean, {}).fit.z);
+}
+
+}  // namespace calibrate_several_starts_test
+}  // namespace spindle_twin::correction::test
