@@ -24,9 +24,6 @@ void Cycle::begin_beside(const Cycle& running) {
   judgement_.signals = running.judgement_.signals;
   judgement_.believed_ns = running.judgement_.believed_ns;
   watch_.tare = running.watch_.tare;  // the estimator has no offsets yet
-  const bool same_prior = parameters() != nullptr && running.parameters() != nullptr &&
-                          parameters()->calibration_origin() == running.parameters()->calibration_origin();
-  if (same_prior) corrector_.estimator->begin_with(running.corrector_.estimator->known());
   watch_.orders = running.watch_.orders;
   compensation_ = running.compensation_;
 }

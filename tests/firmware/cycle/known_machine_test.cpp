@@ -2,8 +2,6 @@
 
 #include <filesystem>
 
-#include "firmware/cycle/exchange.hpp"
-#include "firmware/cycle/start_field.hpp"
 #include "firmware/keep/keeper.hpp"
 #include "tests/firmware/support/machine.hpp"
 
@@ -146,23 +144,6 @@ TEST(KnownMachine, written_before_names_were_kept_says_nothing) {
   before = remembered;
   before.nominal[0] = not_a_value;
   EXPECT_FALSE(known_of_machine(before));
-}
-
-TEST(KnownMachine, is_what_a_network_on_trial_begins_with) {
-  const rom::Network network = tests::small_network();
-  rom::Network renewed = network;
-  for (rom::HeatSource& source : renewed.boundaries.sources) source.nominal_W *= 2.0;
-  Cycle runs(network, estimated(), runtime), comes(renewed, estimated(), runtime);
-  Machine machine(network, true_heat);
-  Snapshot last;
-  for (int n = 0; n < 3600; ++n) {
-    last = runs.step(machine.frame(at_s(n)), {}, at_s(n), 0);
-    machine.advance(1.0);
-  }
-  comes.start_at(start_field(renewed, last));
-  comes.begin_beside(runs);
-  const Snapshot& first = comes.step(machine.frame(at_s(3600)), {}, at_s(3600), 0);
-  EXPECT_NEAR(first.heat_factor[0], 0.5 * last.heat_factor[0], 0.02);
 }
 
 }  // namespace cycle_known_machine_test
