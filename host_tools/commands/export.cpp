@@ -38,8 +38,8 @@ struct ExportOptions {
 };
 
 // With more nodes a reduced netlist pays: ngspice's time goes with the square of their number.
-constexpr std::size_t most_nodes_as_they_are = 60;
-constexpr double reduction_tolerance_K = 5e-4;
+constexpr std::size_t most_nodes_as_they_are = 30;
+constexpr double reduction_tolerance_K = 2e-3;
 
 void export_netlist(const rom::Network& network, const ExportOptions& options) {
   const rom::Schedule schedule = options.schedule.empty()
@@ -49,7 +49,7 @@ void export_netlist(const rom::Network& network, const ExportOptions& options) {
   const bool reduce =
       options.spice_nodes.empty() ? network.nodes.size() > most_nodes_as_they_are : options.spice_nodes == "reduced";
   const ReducedNetwork written =
-      reduce ? reduced_network(network, course, reduction_tolerance_K) : ReducedNetwork{network, 0.0};
+      reduce ? reduced_network(network, course, reduction_tolerance_K) : ReducedNetwork{network};
   SpiceTarget target{std::filesystem::path(options.netlist).stem().string() + ".data", options.schedule, {}};
   std::string nodes = std::to_string(network.nodes.size()) + " nodes";
   if (written.network.nodes.size() < network.nodes.size()) {
@@ -128,7 +128,7 @@ void add_export(CLI::App& app) {
   command
       ->add_option("--spice-nodes", options->spice_nodes,
                    "the network's nodes in the netlist: all, or reduced to the few that follow this schedule alike; up "
-                   "to 60 all, beyond reduced, which runs in a small part of the time")
+                   "to 30 all, beyond reduced, which runs in a small part of the time")
       ->check(CLI::IsMember({"all", "reduced"}))
       ->needs(spice);
   command->add_option("--matrices", options->matrices, "new folder for Matrix Market files");

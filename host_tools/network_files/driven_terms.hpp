@@ -23,10 +23,10 @@ struct DrivenTerms {
   std::vector<DrivenTerm> terms;   ///< the rest
 };
 
-/// Splits the conductances of a course. Either a term is one conductance, a its W/m²K; or, where that gives more entries
-/// of matrices, conductances are their means over the time of the schedule, and terms what they do besides, together:
-/// of gⱼ(t) − mean = Σ_m Uⱼₘ aₘ(t) (singular values) one term per m. Speed laws of one speed have few of these,
-/// whatever the number of conductances. A circuit's segments count as films to its inlet.
+/// Splits the conductances of a course. Either a term is one conductance, a its W/m²K; or, where that gives more
+/// entries of matrices, conductances are their means over the time of the schedule, and terms what they do besides,
+/// together: of gⱼ(t) − mean = Σ_m Uⱼₘ aₘ(t) (singular values) one term per m. Speed laws of one speed have few of
+/// these, whatever the number of conductances. A circuit's segments count as films to its inlet.
 DrivenTerms driven_terms(const rom::Network& network, const ScheduleCourse& course);
 
 }  // namespace spindle_twin::host_tools

@@ -22,7 +22,7 @@ using Index = Eigen::Index;
 constexpr double first_interval_s = 0.05;
 constexpr double interval_growth = 1.5;
 constexpr double longest_interval_s = 60.0;
-constexpr double projection_share = 0.5;  // of the tolerance, where the search for the number of nodes begins
+constexpr double node_tolerances = 4.0;   // what a node may be off, which no output shows
 constexpr double worthwhile_share = 0.8;  // of the nodes: with more of them nothing is gained
 
 /// Rises over the reference temperature, one column per instant; from rest, all but the environments held between rows.
@@ -127,20 +127,34 @@ Projection project(const rom::Network& full, const Eigen::MatrixXd& shapes) {
   return made;
 }
 
+/// Rows of the key points and of the parts' means.
+Eigen::MatrixXd temperature_rows(const rom::Network& network) {
+  Eigen::MatrixXd rows(static_cast<Index>(network.key_points.size() + network.parts.size()),
+                       network.capacity_J_per_K.rows());
+  Index row = 0;
+  for (const rom::KeyPoint& point : network.key_points) rows.row(row++) = point.row;
+  for (const rom::PartOutput& part : network.parts) rows.row(row++) = part.mean_row;
+  return rows;
+}
+
 }  // namespace
 
 ReducedNetwork reduced_network(const rom::Network& network, const ScheduleCourse& course, double tolerance_K) {
   const Eigen::MatrixXd rises_K = rises_along(network, course);
   const Eigen::MatrixXd shapes = shapes_of(rises_K);
   const auto most = static_cast<Index>(worthwhile_share * static_cast<double>(network.capacity_J_per_K.rows()));
-  Index count = count_for(rises_K, shapes, projection_share * tolerance_K);
+  Index count = count_for(rises_K, shapes, tolerance_K);
+  const Eigen::MatrixXd rows = temperature_rows(network);
   for (; count <= most; count += 1 + count / 16) {
     Projection reduced = project(network, shapes.leftCols(count));
     const Eigen::MatrixXd error_K = reduced.interpolation * rises_along(reduced.network, course) - rises_K;
-    const double largest_K = error_K.cwiseAbs().maxCoeff();
-    if (largest_K <= tolerance_K) return {std::move(reduced.network), largest_K};
+    const double node_K = error_K.cwiseAbs().maxCoeff();
+    const double output_K = rows.rows() > 0 ? (rows * error_K).cwiseAbs().maxCoeff() : node_K;
+    if (output_K <= tolerance_K && node_K <= node_tolerances * tolerance_K) {
+      return {std::move(reduced.network), output_K, node_K};
+    }
   }
-  return {network, 0.0};
+  return {network};
 }
 
 }  // namespace spindle_twin::host_tools

@@ -21,11 +21,15 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double step_s = 1e-3;                  // what a jump of the schedule takes
+constexpr double step_s = 1e-3;                 // what a jump of the schedule takes
 constexpr double smallest_weight_share = 1e-9;  // of the largest in its row or column
-// A capacitor's heat counts in ngspice's choice of a step as if it were at least that of this rise of a mean node:
-// else the step follows the smallest of the mutual capacitors.
-constexpr double smallest_rise_K = 0.1;
+
+/// How much wider ngspice's tolerances are than where rows are 15 min long: what its steps take behind a jump is most
+/// of its time where rows are short, and errors of a few steps in a row fade before they add up.
+double wider(const ScheduleCourse& course) {
+  const double mean_row_s = course.time_s.back() / static_cast<double>(course.time_s.size() - 1);
+  return std::clamp(900.0 / mean_row_s, 1.0, 15.0);
+}
 
 std::string number(double value) {
   char text[40];
@@ -185,8 +189,7 @@ void Netlist::shared_current(const std::string& name, const std::string& express
   add("B", name, " 0 ", name, " I=", expression);
   const double smallest = smallest_weight_share * share.lpNorm<Eigen::Infinity>();
   for (Index i = 0; i < share.size(); ++i) {
-    if (std::abs(share[i]) > smallest)
-      add("G", name, "_", node(i), " 0 ", node(i), " ", name, " 0 ", number(share[i]));
+    if (std::abs(share[i]) > smallest) add("G", name, "_", node(i), " 0 ", node(i), " ", name, " 0 ", number(share[i]));
   }
 }
 
@@ -285,8 +288,11 @@ void Netlist::run(const std::string& data_file) {
   const Eigen::MatrixXd& capacity = network_.capacity_J_per_K;
   add("");
   for (Index i = 0; i < capacity.rows(); ++i) add(".ic v(", node(i), ")=", number(start_rise_K));
-  const double least_heat_J = smallest_rise_K * capacity.sum() / static_cast<double>(capacity.rows());
-  add(".options method=gear maxord=2 reltol=1e-6 vntol=1e-6 abstol=1e-6 chgtol=", number(least_heat_J));
+  const double mean_capacity_J_per_K = capacity.sum() / static_cast<double>(capacity.rows());
+  // chgtol: the heat that a capacitor's counts as at the least when ngspice chooses a step. Without it the step follows
+  // the smallest of the mutual capacitors. trtol: how many times its tolerances a step's estimated error may be.
+  add(".options method=gear maxord=2 reltol=", number(1e-6 * wider(course_)),
+      " vntol=1e-6 abstol=1e-6 trtol=2 chgtol=", number(0.1 * wider(course_) * mean_capacity_J_per_K));
   const double longest_step_s = std::min(10.0, course_.time_s.back() / 50.0);
   add(".tran ", number(longest_step_s), " ", number(course_.time_s.back()), " 0 ", number(longest_step_s), " uic");
   add(".control\nset numdgt=12\nset wr_singlescale\nset wr_vecnames\nrun\nwrdata ", data_file);

@@ -30,8 +30,8 @@ Eigen::MatrixXd flows_W_per_K(const rom::Network& network, const Eigen::VectorXd
   const Index nodes = network.capacity_J_per_K.rows();
   Eigen::MatrixXd flows = Eigen::MatrixXd::Zero(nodes, nodes + 2);
   for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
-    const Eigen::MatrixXd matrix = conductance_W_per_m2K[static_cast<Index>(j)] * network.factors_m[j] *
-                                   network.factors_m[j].transpose();
+    const Eigen::MatrixXd matrix =
+        conductance_W_per_m2K[static_cast<Index>(j)] * network.factors_m[j] * network.factors_m[j].transpose();
     flows.leftCols(nodes) += matrix;
     const int environment = network.boundaries.conductances[j].environment;
     if (environment >= 0) flows.col(nodes + environment) -= matrix.rowwise().sum();
@@ -76,8 +76,7 @@ TEST(DrivenTerms, conductances_of_one_course_become_one_term) {
 
 TEST(DrivenTerms, nothing_follows_a_schedule_that_holds) {
   const rom::Network network = rom::tests::make_network_with_circuit({}, 14);
-  const ScheduleCourse course =
-      course_of(network.boundaries, rom::constant_schedule(network.boundaries, 3600.0));
+  const ScheduleCourse course = course_of(network.boundaries, rom::constant_schedule(network.boundaries, 3600.0));
   const DrivenTerms driven = driven_terms(network, course);
   EXPECT_TRUE(driven.terms.empty());
   EXPECT_EQ(driven.held_W_per_m2K, course.values.front().conductance_W_per_m2K);

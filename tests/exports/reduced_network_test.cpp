@@ -68,8 +68,8 @@ Compared compare(const rom::Network& full, const rom::Network& reduced, const ro
     const Eigen::VectorXd full_rise = full_K.array() - full.boundaries.reference_temperature_K;
     const Eigen::VectorXd reduced_rise = reduced_K.array() - full.boundaries.reference_temperature_K;
     for (std::size_t i = 0; i < full.deformations.size(); ++i) {
-      const double error_m = reduced.deformations[i].row_m_per_K.dot(reduced_rise) -
-                             full.deformations[i].row_m_per_K.dot(full_rise);
+      const double error_m =
+          reduced.deformations[i].row_m_per_K.dot(reduced_rise) - full.deformations[i].row_m_per_K.dot(full_rise);
       worst.deformations_m = std::max(worst.deformations_m, std::abs(error_m));
     }
   }
@@ -85,8 +85,9 @@ TEST(ReducedNetwork, follows_the_full_one_also_between_the_instants_that_it_was_
   ASSERT_LT(reduced.network.nodes.size(), full.nodes.size() / 2);
   EXPECT_GT(reduced.largest_error_K, 0.0);
   EXPECT_LE(reduced.largest_error_K, tolerance_K);
+  EXPECT_LE(reduced.largest_node_error_K, 4.0 * tolerance_K);
   const Compared worst = compare(full, reduced.network, schedule);
-  EXPECT_LT(worst.nodes_K, 2.0 * tolerance_K);
+  EXPECT_LT(worst.nodes_K, 8.0 * tolerance_K);
   EXPECT_LT(worst.key_points_K, 2.0 * tolerance_K);
   double stiffest_m_per_K = 0.0;
   for (const rom::DeformationOutput& output : full.deformations) {

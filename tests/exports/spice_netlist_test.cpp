@@ -76,6 +76,26 @@ TEST(SpiceNetlist, elements_are_the_entries_of_the_matrices) {
   EXPECT_EQ(text.substr(text.size() - 5), ".end\n");
 }
 
+TEST(SpiceNetlist, a_film_that_follows_the_speed_is_its_matrix_times_its_course) {
+  rom::Network network = two_nodes();
+  network.boundaries.reference_speed_rpm = 6000.0;
+  network.boundaries.conductances[0].law = {0.0, {{1.0, 1.0}}};
+  rom::Schedule schedule = rom::constant_schedule(network.boundaries, 3600.0);
+  schedule.rows.front().state.speed_rpm = 6000.0;
+  schedule.rows.insert(schedule.rows.begin() + 1, schedule.rows.front());
+  schedule.rows[1].time_s = 1800.0;
+  schedule.rows[1].state.speed_rpm = 12000.0;
+  const ScheduleCourse course = course_of(network.boundaries, schedule);
+  const std::string text = spice_netlist(network, course, {"net.data", "day.csv", {}});
+  const auto all = elements(text);
+  EXPECT_EQ(all.count("Renv1_n1"), 0u);
+  EXPECT_NE(text.find("Va1 a1 0 PWL(0 50\n+ 1800 50 1800.001 100\n+ )"), std::string::npos) << text;  // W/m2K
+  EXPECT_DOUBLE_EQ(value(all, "Gy1_1_n1", "0 y1_1 n1 0"), 0.5);                                       // m2
+  EXPECT_DOUBLE_EQ(value(all, "Gy1_1_env1", "0 y1_1 env1 0"), -0.5);
+  EXPECT_EQ(all.at("By1_1"), "n1 0 I=V(a1)*V(y1_1)");
+  EXPECT_EQ(all.count("By1_2"), 0u);
+}
+
 TEST(SpiceNetlist, liquid_goes_from_segment_to_segment) {
   const rom::Network network = rom::tests::make_network_with_circuit({}, 9);
   const auto all = elements(netlist_of(network));
@@ -86,6 +106,11 @@ TEST(SpiceNetlist, liquid_goes_from_segment_to_segment) {
     std::string next = "outlet_helix";
     if (s + 1 < segments.size()) next = std::string("t").append(std::to_string(segments[s + 1] + 1));
     ASSERT_EQ(all.count("B" + next), 1u);
+    // What comes from upstream warms the wall by the film's W/m2K; of the first segment that is nothing.
+    EXPECT_EQ(all.count("Bx" + k), s > 0 ? 1u : 0u);
+    if (s > 0) {
+      EXPECT_EQ(all.at("Bx" + k), "0 x" + k + " I=V(g" + k + ")*(V(" + liquid + ")-V(env1))");
+    }
     EXPECT_EQ(all.at("B" + next), next + " 0 V=V(" + liquid + ")+V(e" + k + ")*(V(u" + k + ")-V(" + liquid + "))");
     liquid = next;
   }

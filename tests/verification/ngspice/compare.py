@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Rises and deformations of ngspice on an exported netlist beside those of spindle-twin simulate.
-compare.py NAME NETWORK.json NGSPICE.data SIMULATION.csv LIMIT_K LIMIT_UM: prints the largest differences; 1 if one is over
-its limit."""
+"""Rises, outlets of coolant and deformations of ngspice on an exported netlist beside those of spindle-twin simulate.
+compare.py NAME NETWORK.json NGSPICE.data SIMULATION.csv LIMIT_K LIMIT_UM: prints the largest difference of each output and
+of all temperatures; 1 if one is over its limit."""
 import bisect
 import csv
 import json
@@ -42,7 +42,8 @@ with open(simulation, newline="") as file:
         if time_s == 0.0:
             continue
         for column, text in row.items():
-            for kind, suffix, shift in (("key", "_degC", reference_degC), ("deformation", "_um", 0.0)):
+            for kind, suffix, shift in (("key", "_degC", reference_degC), ("outlet", "_outlet_degC", reference_degC),
+                                        ("deformation", "_um", 0.0)):
                 wanted = node(kind, column.removesuffix(suffix))
                 if column.endswith(suffix) and wanted in names:
                     error = abs(spice_at(names.index(wanted), time_s) - (float(text) - shift))
@@ -53,4 +54,6 @@ for wanted, error in worst.items():
     unit, limit = ("um", float(limit_um)) if wanted.startswith("v(deformation") else ("K", float(limit_K))
     failed |= not error <= limit
     print(f"{name:10} {wanted:28} largest difference {error:.2e} {unit} over {times[-1]:.0f} s, {len(times)} points")
+largest_K = max((error for wanted, error in worst.items() if not wanted.startswith("v(deformation")), default=0.0)
+print(f"{name}: largest difference {largest_K:.2e} K")
 sys.exit(1 if failed else 0)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""ngspice through a schedule, row by row: between two rows speed and load stand still, so every netlist has constant films,
-which costs ngspice a small part of what films that follow the schedule do. Each part starts from ngspice's own node
+"""ngspice through a schedule with all nodes of a network, row by row: between two rows speed and load stand still, so every
+netlist has constant films, which costs ngspice a small part of what films that follow the schedule do. Each part starts from ngspice's own node
 voltages at the end of the one before.
 in_parts.py SPINDLE-TWIN NETWORK.rom SCHEDULE.csv OUT.data: prints the processor seconds of ngspice. Works in the present folder."""
 import csv
@@ -36,8 +36,8 @@ with open(out, "w") as collected:
         with open(name + ".csv", "w", newline="") as file:
             csv.writer(file).writerows(
                 [header, ["0", *rows[part][1:]], [repr(times[part + 1] - times[part]), *rows[part + 1][1:]]])
-        # Nodes are the same from part to part, modes are not.
-        run([twin, "export", network, "--spice", name + ".cir", "--spice-states", "nodes", "--schedule", name + ".csv"],
+        # All nodes: those that a netlist is reduced to differ from part to part.
+        run([twin, "export", network, "--spice", name + ".cir", "--spice-nodes", "all", "--schedule", name + ".csv"],
             name + ".export.log")
         text = pathlib.Path(name + ".cir").read_text()
         text = re.sub(r"^\.ic v\((n\d+)\)=(\S+)$",
