@@ -37,7 +37,7 @@ inline EstimatorPriors test_priors(EstimatorPriors priors) {
 }
 
 /// What is assumed of readings, model and machine. Deviations are 1σ.
-struct CalibrateOptions {  // NOLINT(public-members): a table of options
+struct CalibrateOptions {                // NOLINT(public-members): a table of options
   EstimatorPriors priors;                ///< of an unknown machine
   std::vector<EstimatorSensor> sensors;  ///< permanent and temporary ones
   double lag_deviation_s = 14.0;

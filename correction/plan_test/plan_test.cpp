@@ -15,7 +15,7 @@ constexpr std::size_t most_stages = 8, least_stages = 4;
 constexpr int rounds = 2;
 constexpr double worth_while = 0.998;      // of the best so far: less is no gain
 constexpr double worth_refining = 0.9995;  // the same of small moves
-constexpr int most_cycles = 400;           // from which on nothing is refined
+constexpr int most_cycles = 300;           // from which on nothing is refined
 constexpr double early_weight = 0.1;       // of the first part of a test
 
 /// Cycles with their worth, evaluated in threads, remembered.

@@ -30,7 +30,7 @@ struct TestPlan {
 /// σ^0.9 σ_first^0.1, σ after the whole test and σ_first after its first `early_s`, as a test may be broken off.
 /// Steps: the best of a few known forms in equal stages; each stage at each other speed, one after another, the best is
 /// kept, until nothing is gained or twice round; each switching time half a stage earlier and later, likewise; then,
-/// again and again until nothing is gained or 400 cycles were evaluated, stage by stage another speed in a part of it,
+/// again and again until nothing is gained or 300 cycles were evaluated, stage by stage another speed in a part of it,
 /// in all of it, and the switch to the next one 2 and 5 min earlier and later. A search of a family, no proof of an
 /// optimum. The same result every time, whatever the number of threads. `progress`: after each batch of cycles, how
 /// many were evaluated and the best deviation in m.
