@@ -15,7 +15,7 @@
 namespace spindle_twin::correction {
 
 /// What a commissioning test has left of the parameters of one machine.
-struct Calibration {
+struct Calibration {           // NOLINT(public-members): a file as it is written, field by field
   std::string spindle;         ///< name of the network
   std::string network_sha256;  ///< hex, of the network that it was made with
   double made_unix_s = 0.0;

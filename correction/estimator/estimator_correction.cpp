@@ -75,7 +75,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   recall_ = CalibrationRecall(parameters_, n);
   made_.unknowns = made_.displacement_row = Eigen::VectorXd::Zero(n);
   made_.rows = Eigen::MatrixXd::Zero(n, m);
-  made_.innovation_K = made_.noise_K2 = Eigen::VectorXd::Zero(m);
+  made_.innovation_K = made_.noise_K2 = tare_deviation_K_ = Eigen::VectorXd::Zero(m);
   keep_ = Eigen::VectorXd::Ones(n);
   growth_ = row_ = gain_ = Eigen::VectorXd::Zero(n);
   theta_ = theta_step_ = place_ = curvature_ = Eigen::VectorXd::Zero(p);
@@ -85,7 +85,6 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   bias_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
   rises_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.sources.size()));
   corrected_K_ = nodes_K_ = Eigen::VectorXd::Zero(nodes);
-  tare_deviation_K_ = Eigen::VectorXd::Zero(m);
   known_flow_kg_per_s_ = network.boundaries.operating.flow_kg_per_s;
   Eigen::VectorXd internal = Eigen::VectorXd::Zero(nodes);
   for (const EstimatorSensor& sensor : options_.sensors) {

@@ -13,6 +13,7 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double seconds_per_minute = 60.0;
+const double per_root_s = 1.0 / std::sqrt(seconds_per_minute);  // of what walks per root minute
 // The box that a network's basis is made for reaches a factor of ten for contacts and five for films.
 constexpr double largest_contact = 2.302585092994046;
 constexpr double largest_film = 1.6094379124341003;
@@ -28,6 +29,17 @@ constexpr std::size_t most_groups = 8;
 /// Its pressure is that of a fit, by the published law or by a law of physics.
 bool has_fit(const rom::Conductance& conductance) {
   return conductance.fit.has_value() || (conductance.physics && conductance.physics->pressure >= 0);
+}
+
+/// Own and shared causes together.
+double heat_deviation(const rom::HeatSource& source, const EstimatorPriors& priors) {
+  const bool electric = priors.heat_by_current > 0.0 && rom::reads_electricity(source);
+  const double shared = std::hypot(priors.heat_common, source.friction ? priors.friction_common : 0.0);
+  return std::hypot(electric ? priors.heat_by_current : priors.heat, shared);
+}
+
+double contact_deviation(const rom::Conductance& contact, const EstimatorPriors& priors) {
+  return has_fit(contact) ? std::hypot(priors.contact, priors.fit_common) : priors.contact;
 }
 
 }  // namespace
@@ -78,37 +90,32 @@ double nominal_shift(double nominal, double own) {
 }
 
 ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPriors& priors)
-    : reference_speed_rpm_(network.boundaries.reference_speed_rpm) {
+    : reference_speed_rpm_(network.boundaries.reference_speed_rpm),
+      all_heats_{{}, priors.heat_common},
+      frictions_{{}, priors.friction_common},
+      fits_{{}, priors.fit_common} {
   EstimatorPriors::each(priors, rom::CheckOptions("prior."));
 
   const rom::Boundaries& boundaries = network.boundaries;
-  const double per_root_s = 1.0 / std::sqrt(seconds_per_minute);
   heat_.assign(boundaries.sources.size(), -1);
   exponent_.assign(boundaries.sources.size(), -1);
   conductance_.assign(boundaries.conductances.size(), -1);
   environment_.assign(boundaries.environments.size(), -1);
-
-  all_heats_.deviation = priors.heat_common;
-  frictions_.deviation = priors.friction_common;
-  fits_.deviation = priors.fit_common;
   for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
     const rom::HeatSource& source = boundaries.sources[i];
     friction_.push_back(source.friction);
-    const bool electric = priors.heat_by_current > 0.0 && rom::reads_electricity(source);
-    const double shared = std::hypot(priors.heat_common, source.friction ? priors.friction_common : 0.0);
-    const double deviation = std::hypot(electric ? priors.heat_by_current : priors.heat, shared);
+    const double deviation = heat_deviation(source, priors);
     const double mean = priors.centred ? 0.5 * deviation * deviation : 0.0;
-    add({"heat " + boundaries.sources[i].name, ParameterKind::heat, static_cast<int>(i), mean, deviation,
-         priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat,
-         std::abs(boundaries.sources[i].nominal_W)},
+    add({"heat " + source.name, ParameterKind::heat, static_cast<int>(i), mean, deviation,
+         priors.heat_walk_per_root_min * per_root_s, 0.0, -largest_heat, largest_heat, std::abs(source.nominal_W)},
         heat_[i]);
-    if (heat_[i] >= 0) all_heats_.slots.push_back(heat_[i]);
-    if (heat_[i] >= 0 && source.friction) frictions_.slots.push_back(heat_[i]);
+    if (heat_[i] < 0) continue;
+    all_heats_.slots.push_back(heat_[i]);
+    if (source.friction) frictions_.slots.push_back(heat_[i]);
   }
   for (std::size_t j = 0; j < boundaries.conductances.size(); ++j) {
     const bool contact = boundaries.conductances[j].kind == rom::ConductanceKind::contact;
-    const bool fitted = contact && has_fit(boundaries.conductances[j]);
-    const double deviation = std::hypot(contact ? priors.contact : priors.film, fitted ? priors.fit_common : 0.0);
+    const double deviation = contact ? contact_deviation(boundaries.conductances[j], priors) : priors.film;
     const double largest = contact ? largest_contact : largest_film;
     const double walk = (contact ? priors.contact_walk_per_root_min : priors.film_walk_per_root_min) * per_root_s;
     add({(contact ? "contact " : "film ") + boundaries.conductances[j].name,
@@ -116,7 +123,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
          priors.centred ? -0.5 * deviation * deviation : 0.0, deviation, walk, 0.0, -largest, largest,
          boundaries.conductances[j].nominal_W_per_m2K * boundaries.conductances[j].area_m2},
         conductance_[j]);
-    if (fitted && conductance_[j] >= 0) fits_.slots.push_back(conductance_[j]);
+    if (conductance_[j] >= 0 && contact && has_fit(boundaries.conductances[j])) fits_.slots.push_back(conductance_[j]);
   }
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     add({"bias " + boundaries.environments[e].name, ParameterKind::environment, static_cast<int>(e), 0.0,
