@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -106,8 +107,13 @@ struct EstimatorState {
   std::vector<double> channels;   ///< per sensor: slope of what it shows by its lag, floor
   std::vector<double> start;      ///< of the start's widening after a pause, and of the unexplained heats
   std::vector<double> scale;      ///< prior deviations that `root` is counted in
+  std::vector<double> nominal;    ///< as in KnownParameters
   bool knows_calibration = true;  ///< false: readings have contradicted the machine that was calibrated
 };
+
+/// What a state says of the unknowns that are called so, in its order; nothing where sizes do not fit or a number is
+/// none. Allocates.
+std::optional<KnownParameters> known_from(std::vector<std::string> unknowns, const EstimatorState& state);
 
 /// The estimator: a filter over the unknowns z = (θ, b, τ): parameters θ (ln factors of heats, contacts and films,
 /// environment biases, bearing temperature coefficient, speed exponents, heats that no source explains, the start),
@@ -140,8 +146,6 @@ class EstimatorCorrection {
   /// explains) nothing is taken. No deviation becomes larger than that of its prior. Gives how many were taken: 0, and
   /// nothing changed, where no name fits or a number is none. Allocates.
   int begin_with(const KnownParameters& known);
-  /// What is known now of the machine and its sensors' lags; allocates.
-  KnownParameters known() const;
   /// Names of the unknowns z: parameters, "offset SENSOR", "lag SENSOR".
   std::vector<std::string> unknowns() const;
 

@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "correction/estimator/estimator_correction.hpp"
 
@@ -15,6 +16,11 @@ constexpr double unseen_memory_s = 600.0;
 
 constexpr std::size_t per_channel = 2;  // lag slope, floor
 constexpr std::size_t of_start = 3;     // and one per start parameter
+
+bool fits(const std::vector<double>& numbers, std::size_t count) {
+  return numbers.size() == count &&
+         std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
+}
 
 }  // namespace
 
@@ -44,16 +50,14 @@ void EstimatorCorrection::save(EstimatorState& state) const {
   copy(start_missed_, state.start, of_start);
   state.scale.resize(n);
   copy(filter_.scale(), state.scale, 0);
+  state.nominal.resize(n, 1.0);
+  for (std::size_t i = 0; i < p; ++i) state.nominal[i] = parameters_.list()[i].nominal;
   state.knows_calibration = knows_calibration_;
 }
 
 bool EstimatorCorrection::restore(const EstimatorState& state) {
   const auto n = static_cast<std::size_t>(filter_.size());
   const auto p = static_cast<std::size_t>(parameters_.count());
-  const auto fits = [](const std::vector<double>& numbers, std::size_t count) {
-    return numbers.size() == count &&
-           std::all_of(numbers.begin(), numbers.end(), [](double number) { return std::isfinite(number); });
-  };
   if (!started_ || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, channels_.size() * p) ||
       !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
       !fits(state.channels, channels_.size() * per_channel) ||
@@ -139,12 +143,17 @@ bool EstimatorCorrection::stays(Eigen::Index unknown) const {
   return is_of_the_machine(parameters_.list()[static_cast<std::size_t>(unknown)].kind);
 }
 
-KnownParameters EstimatorCorrection::known() const {
-  KnownParameters known{unknowns(), filter_.mean(), filter_.covariance(), Eigen::VectorXd::Ones(filter_.size())};
-  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
-    known.nominal[i] = parameters_.list()[static_cast<std::size_t>(i)].nominal;
+std::optional<KnownParameters> known_from(std::vector<std::string> unknowns, const EstimatorState& state) {
+  const std::size_t count = unknowns.size();
+  if (count == 0 || !fits(state.mean, count) || !fits(state.scale, count) || !fits(state.root, count * count) ||
+      !fits(state.nominal, count)) {
+    return std::nullopt;
   }
-  return known;
+  const auto n = static_cast<Eigen::Index>(count);
+  const auto vector = [n](const std::vector<double>& of) { return Eigen::Map<const Eigen::VectorXd>(of.data(), n); };
+  const Eigen::MatrixXd root =
+      vector(state.scale).asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(state.root.data(), n, n);
+  return KnownParameters{std::move(unknowns), vector(state.mean), root * root.transpose(), vector(state.nominal)};
 }
 
 int EstimatorCorrection::begin_with(const KnownParameters& known) {

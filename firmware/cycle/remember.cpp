@@ -53,19 +53,10 @@ bool fits(const std::vector<double>& numbers, Eigen::Index size) {
 }  // namespace
 
 std::optional<correction::KnownParameters> known_of_machine(const Remembered& from) {
-  const correction::EstimatorState& state = from.estimator;
   std::vector<std::string> names;
   std::istringstream lines(from.unknowns);
   for (std::string name; std::getline(lines, name);) names.push_back(name);
-  const auto n = static_cast<Eigen::Index>(names.size());
-  if (n == 0 || !fits(state.mean, n) || !fits(state.scale, n) || !fits(state.root, n * n) || !fits(from.nominal, n)) {
-    return std::nullopt;
-  }
-  const auto vector = [n](const std::vector<double>& of) { return Eigen::Map<const Eigen::VectorXd>(of.data(), n); };
-  const Eigen::MatrixXd root =
-      vector(state.scale).asDiagonal() * Eigen::Map<const Eigen::MatrixXd>(state.root.data(), n, n);
-  return correction::KnownParameters{std::move(names), vector(state.mean), root * root.transpose(),
-                                     vector(from.nominal)};
+  return correction::known_from(std::move(names), from.estimator);
 }
 
 const correction::ParameterModel* Cycle::parameters() const {
@@ -89,9 +80,7 @@ void Cycle::remember(Remembered& to) const {
     to.layout = layout_of(estimator);
     to.spindle = network_.spindle;
     to.calibration = estimator.parameters().calibration_origin();
-    const correction::KnownParameters known = estimator.known();
-    for (const std::string& name : known.names) to.unknowns.append(name).append(1, '\n');
-    copy(known.nominal, to.nominal);
+    for (const std::string& name : estimator.unknowns()) to.unknowns.append(name).append(1, '\n');
   }
   estimator.save(to.estimator);
   to.parameters.resize(static_cast<std::size_t>(estimator.parameters().count()));
@@ -146,8 +135,8 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
 int Cycle::begin_with_machine(const Remembered& from) {
   if (parameters() == nullptr || from.spindle != network_.spindle) return 0;
   correction::EstimatorCorrection& estimator = *corrector_.estimator;
-  if (from.calibration != estimator.parameters().calibration_origin())
-    return 0;  // the calibration is the newer knowledge, or was revoked
+  // Another calibration is the newer knowledge, and one that is gone was revoked.
+  if (from.calibration != estimator.parameters().calibration_origin()) return 0;
   std::optional<correction::KnownParameters> known = known_of_machine(from);
   if (!known) return 0;
   correction::add_drift(plan_.drift, *known);

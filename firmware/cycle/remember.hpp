@@ -26,11 +26,10 @@ struct Remembered {            // NOLINT(public-members): a checkpoint as it is 
   std::array<double, signal_count> signals = not_values;
   std::vector<double> nodes_K;
   std::vector<double> uncorrected_K;
-  std::string layout;           ///< names of the estimator's parameters and sensors; empty without one that corrects
-  std::string spindle;          ///< that the network is of; empty in what was written before it was kept
-  std::string calibration;      ///< origin of the one that the estimator began with; empty: none
-  std::string unknowns;         ///< names of the estimator's, a line each, in its order
-  std::vector<double> nominal;  ///< of each, as in correction::KnownParameters
+  std::string layout;       ///< names of the estimator's parameters and sensors; empty without one that corrects
+  std::string spindle;      ///< that the network is of; empty in what was written before it was kept
+  std::string calibration;  ///< origin of the one that the estimator began with; empty: none
+  std::string unknowns;     ///< names of the estimator's, a line each, in its order
   correction::EstimatorState estimator;
   std::vector<correction::ParameterEstimate> parameters;
 };

@@ -40,7 +40,7 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.spindle = attach<way>(remembered.spindle);
   message.calibration = attach<way>(remembered.calibration);
   message.unknowns = attach<way>(remembered.unknowns);
-  message.nominal = attach<way>(remembered.nominal);
+  message.nominal = attach<way>(remembered.estimator.nominal);
   message.sensor_tare_K = attach<way>(remembered.sensor_tare.offset_K);
   message.sensor_tare_deviation_K = attach<way>(remembered.sensor_tare.deviation_K);
   message.sensor_health = attach<way>(remembered.sensor_health);

@@ -211,7 +211,8 @@ void add_calibrate(CLI::App& app) {
       ->check(finite_range(0.01, 1000.0, "0.01 to 1000 um"));
   command
       ->add_option("--starts", options->starts,
-                   "points from which the fit begins: the means of the priors, then seeded draws of them")
+                   "points from which the fit begins: where a fit of the first three quarters ended, then seeded draws "
+                   "of the priors")
       ->capture_default_str()
       ->check(CLI::Range(1, 50));
   command->add_option("--html", options->page,

@@ -37,7 +37,7 @@ struct ExportOptions {
   bool of_description() const { return !calculix_directory.empty() || !freefem_directory.empty(); }
 };
 
-// With more nodes a reduced netlist pays: ngspice's time goes with the square of their number.
+// With more nodes a reduced netlist pays: ngspice factorises in every step, which goes with the cube of their number.
 constexpr std::size_t most_nodes_as_they_are = 30;
 constexpr double reduction_tolerance_K = 2e-3;
 
@@ -55,8 +55,8 @@ void export_netlist(const rom::Network& network, const ExportOptions& options) {
   if (written.network.nodes.size() < network.nodes.size()) {
     char error_K[16];
     std::snprintf(error_K, sizeof error_K, "%.1g", written.largest_error_K);
-    nodes = std::to_string(written.network.nodes.size()) + " of " + nodes + ", along this schedule within " + error_K +
-            " K of all";
+    nodes = std::to_string(written.network.nodes.size()) + " of " + nodes + ", within " + error_K +
+            " K of the whole network along this schedule";
     target.remark = nodes;
   }
   rom::write_whole_file(options.netlist, spice_netlist(written.network, course, target));

@@ -10,6 +10,7 @@
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace plausible_inputs_test {
@@ -125,7 +126,8 @@ std::string described(const std::string& from = {}, const std::string& to = {}) 
 }
 
 TEST(PlausibleRanges, go_from_the_description_into_the_network_file_and_back) {
-  const std::string path = testing::TempDir() + "/plausible_ranges.rom";
+  const spindle_twin::tests::TemporaryFolder folder;
+  const std::string path = folder.file("plausible_ranges.rom");
   write_network(parse_by_hand(described(), "own.toml"), path);
   const Boundaries read = read_network(path).boundaries;
   ASSERT_EQ(read.plausible.size(), 3U);

@@ -12,12 +12,6 @@
 namespace spindle_twin::correction::test {
 namespace calibrate_gradient_test {
 
-rom::Network written_by_hand() {
-  rom::Network network = spindle_twin::tests::small_network();
-  network.hand_written = true;
-  return network;
-}
-
 /// A circuit whose films, and heats and joints whose laws follow temperatures, pressures and lengths; and a bearing
 /// whose friction falls besides.
 rom::Network with_circuit_and_laws() {
@@ -130,7 +124,7 @@ void expect_exact_gradient(const rom::Network& network) {
 TEST(CalibrateGradient, is_that_of_the_predicted_readings_in_a_reduced_network) { expect_exact_gradient(plates()); }
 
 TEST(CalibrateGradient, is_that_of_the_predicted_readings_in_a_hand_written_network) {
-  const rom::Network network = written_by_hand();
+  const rom::Network network = spindle_twin::tests::small_network_by_hand();
   ASSERT_TRUE(ParameterModel(network, {}).has_capacities());
   ASSERT_TRUE(ParameterModel(network, {}).has_disturbances());
   expect_exact_gradient(network);
@@ -142,7 +136,8 @@ TEST(CalibrateGradient, is_that_of_the_predicted_readings_with_a_circuit_and_law
 
 /// Steps follow from the log alone: what they miss must be far below what readings are believed to.
 TEST(CalibrateSteps, of_20_s_come_within_a_hundredth_of_a_kelvin_and_of_a_micrometre_of_those_of_1_s) {
-  for (const rom::Network& network : {plates(), written_by_hand(), with_circuit_and_laws()}) {
+  for (const rom::Network& network :
+       {plates(), spindle_twin::tests::small_network_by_hand(), with_circuit_and_laws()}) {
     CalibrateOptions options = options_of(network);
     const ThermalTest test = drive(network, options);
     const Eigen::VectorXd lag_s = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(options.sensors.size()), 7.0);

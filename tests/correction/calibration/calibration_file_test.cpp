@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "correction/calibration/calibration.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
@@ -20,9 +22,11 @@ Calibration some_calibration(const rom::Network& network) {
   calibration.mean = Eigen::VectorXd::LinSpaced(count, -0.3, 0.4);
   calibration.prior_mean = Eigen::VectorXd::Constant(count, 0.1);
   calibration.prior_deviation = Eigen::VectorXd::Constant(count, 0.5);
+  calibration.nominal.resize(count);
   calibration.root = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     calibration.names.push_back(parameters.list()[static_cast<std::size_t>(i)].name);
+    calibration.nominal[i] = parameters.list()[static_cast<std::size_t>(i)].nominal;
     for (Eigen::Index k = 0; k <= i; ++k) calibration.root(i, k) = 0.1 + 0.01 * static_cast<double>(i + 2 * k);
   }
   calibration.promised_m = 0.9e-6;
@@ -50,6 +54,7 @@ TEST(CalibrationFile, comes_back_as_it_was) {
   EXPECT_EQ(read.mean, written.mean);
   EXPECT_EQ(read.root, written.root);
   EXPECT_EQ(read.prior_deviation, written.prior_deviation);
+  EXPECT_EQ(read.nominal, written.nominal);
   EXPECT_EQ(read.made_unix_s, written.made_unix_s);
   EXPECT_EQ(read.tested_s, written.tested_s);
   EXPECT_EQ(read.promised_m, written.promised_m);
@@ -123,6 +128,29 @@ TEST(CalibrationFile, of_another_spindle_or_of_parameters_it_does_not_have_is_re
   EstimatorPriors without_heats;
   without_heats.heat = 0.0;
   EXPECT_NE(refusal([&] { check_fits(some_calibration(network), network, without_heats, "x"); }), "taken");
+}
+
+TEST(CalibratedPrior, keeps_watts_and_conductances_where_the_network_has_other_nominal_values) {
+  const rom::Network network = plates();
+  Calibration calibration = some_calibration(network);
+  calibration.mean *= 0.5;
+  rom::Network renewed = network;
+  for (rom::HeatSource& source : renewed.boundaries.sources) source.nominal_W *= 1.25;
+  for (rom::Conductance& conductance : renewed.boundaries.conductances) conductance.nominal_W_per_m2K *= 0.8;
+  EstimatorPriors priors;
+  const auto moved = [&] {
+    priors.calibrated = prior_of(calibration, {});
+    const Eigen::VectorXd now = ParameterModel(renewed, priors).mean().head(3);
+    return Eigen::VectorXd(now - calibration.mean);
+  };
+  const Eigen::VectorXd shift = moved();
+  const ParameterModel model(renewed, priors);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const bool heat = model.list()[static_cast<std::size_t>(i)].kind == ParameterKind::heat;
+    EXPECT_NEAR(shift[i], heat ? -std::log(1.25) : std::log(1.25), 1e-12) << i;
+  }
+  calibration.nominal.resize(0);  // a file of before says nothing of them
+  EXPECT_TRUE(moved().isZero(1e-12));
 }
 
 TEST(CalibratedPrior, takes_the_place_of_the_priors_with_drift_on_the_diagonal_and_leaves_the_others) {

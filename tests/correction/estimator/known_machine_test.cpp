@@ -19,14 +19,16 @@ struct Experienced {
   Pair pair;
 };
 
-Eigen::Index slot(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) - names.begin();
+KnownParameters known_of(const EstimatorCorrection& estimator) {
+  EstimatorState state;
+  estimator.save(state);
+  return known_from(estimator.unknowns(), state).value();
 }
 
 TEST(KnownMachine, stays_and_what_is_of_the_day_does_not) {
   const rom::Network network = plates();
   const Experienced experienced(network);
-  const KnownParameters known = experienced.pair.estimator.known();
+  const KnownParameters known = known_of(experienced.pair.estimator);
   EstimatorCorrection next(network, {});
   const EstimatorCorrection fresh(network, {});
   const int taken = next.begin_with(known);
@@ -61,7 +63,7 @@ TEST(KnownMachine, is_begun_with_once) {
   const Experienced experienced(network);
   const int motor = experienced.pair.parameter("heat motor");
   EstimatorCorrection next(network, {});
-  ASSERT_GT(next.begin_with(experienced.pair.estimator.known()), 0);
+  ASSERT_GT(next.begin_with(known_of(experienced.pair.estimator)), 0);
   const Eigen::VectorXd& nodes_K = experienced.pair.twin.stepper.temperatures_K();
   next.reset(0.0, nodes_K, experienced.pair.operating);
   EXPECT_NEAR(next.estimate(motor).value, std::log(1.6), 0.2);
@@ -76,7 +78,7 @@ TEST(KnownMachine, keeps_watts_and_conductances_where_another_network_has_other_
   for (rom::HeatSource& source : other.boundaries.sources) source.nominal_W *= 1.25;
   for (rom::Conductance& conductance : other.boundaries.conductances) conductance.nominal_W_per_m2K *= 0.8;
   EstimatorCorrection next(other, {});
-  ASSERT_GT(next.begin_with(experienced.pair.estimator.known()), 0);
+  ASSERT_GT(next.begin_with(known_of(experienced.pair.estimator)), 0);
   next.reset(0.0, experienced.pair.twin.stepper.temperatures_K(), experienced.pair.operating);
   for (Eigen::Index i = 0; i < next.parameters().count(); ++i) {
     const Parameter& parameter = next.parameters().list()[static_cast<std::size_t>(i)];
@@ -93,7 +95,7 @@ TEST(KnownMachine, keeps_watts_and_conductances_where_another_network_has_other_
 TEST(KnownMachine, is_never_less_sure_than_the_priors_of_an_unknown_one) {
   const rom::Network network = plates();
   EstimatorCorrection filter(network, {});
-  KnownParameters vague = filter.known();
+  KnownParameters vague = known_of(filter);
   vague.covariance *= 9.0;
   EstimatorCorrection next(network, {});
   ASSERT_GT(next.begin_with(vague), 0);
@@ -107,7 +109,7 @@ TEST(KnownMachine, is_never_less_sure_than_the_priors_of_an_unknown_one) {
 TEST(KnownMachine, of_which_a_number_is_none_or_no_name_fits_changes_nothing) {
   const rom::Network network = plates();
   const EstimatorCorrection filter(network, {});
-  const KnownParameters good = filter.known();
+  const KnownParameters good = known_of(filter);
   KnownParameters bad = good;
   bad.covariance(1, 1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(EstimatorCorrection(network, {}).begin_with(bad), 0);
@@ -120,6 +122,36 @@ TEST(KnownMachine, of_which_a_number_is_none_or_no_name_fits_changes_nothing) {
   bad = good;
   bad.covariance(0, 0) = -1.0;
   EXPECT_EQ(EstimatorCorrection(network, {}).begin_with(bad), 0);
+}
+
+TEST(KnownMachine, that_was_calibrated_is_known_so_until_readings_contradict_it_twice_within_an_hour) {
+  const rom::Network network = plates();
+  auto test = std::make_shared<CalibratedPrior>();
+  test->names = {"heat motor"};
+  test->mean = Eigen::VectorXd::Constant(1, 0.1);
+  test->covariance = Eigen::MatrixXd::Constant(1, 1, 0.01);
+  EstimatorOptions options;
+  options.priors.calibrated = test;
+  Pair pair(network, options);
+  const auto knows = [&] {
+    EstimatorState state;
+    pair.estimator.save(state);
+    return state.knows_calibration;
+  };
+  pair.run_until(100.0);
+  EXPECT_TRUE(knows());
+  pair.estimator.note_contradiction();
+  pair.run_until(200.0);
+  EXPECT_TRUE(knows());
+  pair.estimator.note_contradiction();
+  pair.run_until(300.0);
+  EXPECT_FALSE(knows());
+  EstimatorState state;
+  pair.estimator.save(state);
+  pair.estimator.reset(0.0, pair.twin.stepper.temperatures_K(), pair.operating);
+  EXPECT_TRUE(knows());
+  ASSERT_TRUE(pair.estimator.restore(state));
+  EXPECT_FALSE(knows()) << "a restart does not forget that";
 }
 
 TEST(KnownMachine, restored_with_other_priors_has_the_same_covariance) {

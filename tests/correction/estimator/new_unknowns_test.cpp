@@ -11,13 +11,6 @@
 namespace spindle_twin::correction::test {
 namespace estimator_new_unknowns_test {
 
-rom::Network small_by_hand() {
-  rom::Network network = spindle_twin::tests::small_network();
-  network.hand_written = true;
-  network.certificate = {};
-  return network;
-}
-
 /// Two nodes in line: 60 W into the first, a film of 10 W/K to the surroundings on the second; a sensor on each.
 rom::Network two_nodes() {
   constexpr double start_K = 300.15;
@@ -74,7 +67,7 @@ void expect_within_two_sigma(const Pair& pair, int parameter) {
 }
 
 TEST(UnexplainedHeatParameter, a_heat_of_known_watts_into_a_group_of_a_hand_written_network_is_found) {
-  const rom::Network network = small_by_hand();
+  const rom::Network network = spindle_twin::tests::small_network_by_hand();
   for (const double heat_W : {20.0, -20.0}) {
     Pair pair(network, small_floor());
     pair.noise_K = 0.03;
@@ -113,7 +106,7 @@ TEST(UnexplainedHeatParameter, of_a_certified_network_is_shut_until_readings_con
 }
 
 TEST(UnexplainedHeatParameter, is_told_where_it_is_more_than_two_deviations_and_the_surest_one) {
-  const rom::Network network = small_by_hand();
+  const rom::Network network = spindle_twin::tests::small_network_by_hand();
   Pair pair(network, small_floor());
   pair.noise_K = 0.03;
   pair.truth = pair.estimator.parameters().mean();
@@ -188,7 +181,7 @@ TEST(CapacityParameter, belongs_to_hand_written_networks_with_lumped_nodes_only)
   const auto has_capacities = [](const rom::Network& network) {
     return ParameterModel(network, EstimatorPriors{}).has_capacities();
   };
-  EXPECT_TRUE(has_capacities(small_by_hand()));
+  EXPECT_TRUE(has_capacities(spindle_twin::tests::small_network_by_hand()));
   EXPECT_FALSE(has_capacities(plates()));
   rom::Network full = plates();
   full.hand_written = true;

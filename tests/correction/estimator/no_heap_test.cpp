@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 
 #include "tests/correction/estimator/plant_and_twin.hpp"
@@ -11,9 +12,21 @@ namespace estimator_no_heap_test {
 /// 201 nodes, as large as a spindle's network; the second with as many parameters as one has, too.
 class EstimatorOfShape : public testing::TestWithParam<rom::tests::SyntheticShape> {};
 
+/// Which a service recalls in every update.
+std::shared_ptr<const CalibratedPrior> two_parameters_of_a_test(const rom::Network& network) {
+  const ParameterModel parameters(network, {});
+  auto test = std::make_shared<CalibratedPrior>();
+  test->names = {parameters.list()[0].name, parameters.list()[1].name};
+  test->mean = Eigen::Vector2d::Zero();
+  test->covariance = 0.04 * Eigen::Matrix2d::Identity();
+  return test;
+}
+
 TEST_P(EstimatorOfShape, step_never_calls_the_heap) {
   const rom::Network network = rom::tests::make_synthetic_network(GetParam(), 5);
-  EstimatorCorrection estimator(network, {});
+  EstimatorOptions options;
+  options.priors.calibrated = two_parameters_of_a_test(network);
+  EstimatorCorrection estimator(network, options);
   const auto sensors = static_cast<Eigen::Index>(estimator.sensors().size());
   const auto valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(sensors, true).eval();
   rom::OperatingState operating = network.boundaries.operating;

@@ -14,12 +14,6 @@
 namespace spindle_twin::correction::test {
 namespace estimator_parameters_test {
 
-rom::Network by_hand() {
-  rom::Network network = spindle_twin::tests::small_network();
-  network.hand_written = true;
-  return network;
-}
-
 /// What README.md of the estimator states of each kind.
 struct Stated {
   double mean, deviation, minimum, maximum, walk_per_root_min, memory_s;
@@ -50,7 +44,7 @@ Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_writte
 }
 
 TEST(Parameters, of_a_network_have_the_priors_that_are_stated) {
-  for (const rom::Network& network : {plates(), by_hand()}) {
+  for (const rom::Network& network : {plates(), spindle_twin::tests::small_network_by_hand()}) {
     const ParameterModel model(network, EstimatorPriors{});
     double heats_W = 0.0;
     for (const rom::HeatSource& source : network.boundaries.sources) heats_W += source.nominal_W;
@@ -243,7 +237,7 @@ TEST(Parameters, a_watt_into_a_group_warms_all_of_it_alike_and_stays_a_watt) {
 }
 
 TEST(Parameters, without_a_deviation_are_left_out) {
-  const rom::Network network = by_hand();
+  const rom::Network network = spindle_twin::tests::small_network_by_hand();
   EstimatorPriors priors;
   priors.heat = priors.contact = priors.film = priors.environment_K = priors.bearing_per_K = 0.0;
   priors.speed_exponent = priors.start_K = priors.disturbance_by_hand = priors.capacity = 0.0;

@@ -1,9 +1,8 @@
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "firmware/keep/keeper.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace cycle_known_machine_test {
@@ -30,19 +29,19 @@ Snapshot first_of(Cycle& cycle) { return cycle.step({}, {}, at_s(0), 0); }
 
 struct AfterAPause {
   AfterAPause() {
-    plan.checkpoint_path = ::testing::TempDir() + "spindle_twin_known.checkpoint";
+    plan.checkpoint_path = folder.file("machine.checkpoint");
     Checkpoint checkpoint;
     checkpoint.network_sha256 = sha256;
     checkpoint.saved_unix_s = saved_unix_s;
     checkpoint.remembered = hour_of(network, estimated());
     write_checkpoint(checkpoint, plan.checkpoint_path);
   }
-  ~AfterAPause() { std::filesystem::remove(plan.checkpoint_path); }
 
   Resumed resume(Cycle& cycle, double pause_s, const std::string& hash = sha256) const {
     return resume_from_checkpoint(plan, look_for_checkpoint(plan), {hash, 1.0, saved_unix_s + pause_s}, cycle);
   }
 
+  tests::TemporaryFolder folder;
   rom::Network network = tests::small_network();
   KeepPlan plan;
 };
@@ -142,8 +141,25 @@ TEST(KnownMachine, written_before_names_were_kept_says_nothing) {
   before.estimator.scale.clear();
   EXPECT_FALSE(known_of_machine(before));
   before = remembered;
-  before.nominal[0] = not_a_value;
+  before.estimator.nominal[0] = not_a_value;
   EXPECT_FALSE(known_of_machine(before));
+}
+
+/// A checkpoint's value is filled by one cycle after another when a network was exchanged.
+TEST(KnownMachine, is_remembered_with_the_nominal_values_of_the_network_that_runs_now) {
+  const rom::Network network = tests::small_network();
+  rom::Network renewed = network;
+  for (rom::HeatSource& source : renewed.boundaries.sources) source.nominal_W *= 2.0;
+  Cycle before(network, estimated(), runtime), after(renewed, estimated(), runtime);
+  Remembered remembered;
+  for (Cycle* cycle : {&before, &after}) {
+    first_of(*cycle);
+    cycle->remember(remembered);
+  }
+  const std::optional<correction::KnownParameters> known = known_of_machine(remembered);
+  ASSERT_TRUE(known);
+  ASSERT_EQ(known->names[0], "heat " + renewed.boundaries.sources[0].name);
+  EXPECT_EQ(known->nominal[0], renewed.boundaries.sources[0].nominal_W);
 }
 
 }  // namespace cycle_known_machine_test

@@ -19,6 +19,7 @@
 #include "rom/read/input_error.hpp"
 #include "rom/read/sha256.hpp"
 #include "tests/firmware/support/machine.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace keep_checkpoint_test {
@@ -49,8 +50,8 @@ struct Ran {
 };
 
 struct InFolder {
-  InFolder() { plan.checkpoint_path = ::testing::TempDir() + "spindle_twin.checkpoint"; }
-  ~InFolder() { std::remove(plan.checkpoint_path.c_str()); }
+  InFolder() { plan.checkpoint_path = folder.file("machine.checkpoint"); }
+  tests::TemporaryFolder folder;
   KeepPlan plan;
 };
 
@@ -97,7 +98,7 @@ TEST(Checkpoint, comes_back_bit_for_bit) {
   EXPECT_EQ(b.estimator.scale, a.estimator.scale);
   EXPECT_EQ(b.spindle, "small");
   EXPECT_EQ(b.unknowns, a.unknowns);
-  EXPECT_EQ(b.nominal, a.nominal);
+  EXPECT_EQ(b.estimator.nominal, a.estimator.nominal);
 }
 
 TEST(Checkpoint, no_damaged_bit_and_no_cut_is_taken_for_a_checkpoint) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
@@ -15,7 +16,6 @@ const std::string hash = "$argon2id$v=19$m=8,t=1,p=1$c2FsdHNhbHRzYWx0c2FsdA$" + 
 
 class Accounts : public ::testing::Test {
  protected:
-  ~Accounts() override { std::filesystem::remove(path_); }
   void write(const std::string& text, std::filesystem::perms mode = std::filesystem::perms(0640)) const {
     std::ofstream(path_) << text;
     std::filesystem::permissions(path_, mode);
@@ -25,7 +25,8 @@ class Accounts : public ::testing::Test {
     return tests::refusal_of([&] { read_accounts(path_); });
   }
 
-  std::string path_ = ::testing::TempDir() + "page.accounts";
+  tests::TemporaryFolder folder_;
+  std::string path_ = folder_.file("page.accounts");
 };
 
 TEST_F(Accounts, are_lines_of_name_and_hash) {

@@ -90,4 +90,12 @@ inline rom::Network small_network() {
   return network;
 }
 
+/// The same as who wrote it by hand would have it: nobody has measured what it is wrong by.
+inline rom::Network small_network_by_hand() {
+  rom::Network network = small_network();
+  network.hand_written = true;
+  network.certificate = {};
+  return network;
+}
+
 }  // namespace spindle_twin::tests
