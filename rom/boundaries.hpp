@@ -132,6 +132,7 @@ struct CorrectionFactors {
   /// Times each node's capacity, > 0: one per node, or empty where all are 1. Only of a network whose capacity matrix
   /// is diagonal (NetworkOperator::diagonal_capacity): a hand-written one.
   Eigen::VectorXd capacity_factor = {};
+  double expansion = 1.0;  ///< on every deformation output
 };
 
 /// What physical laws read besides temperatures, and the corrections that multiply their values.

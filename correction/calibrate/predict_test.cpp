@@ -42,9 +42,11 @@ class TestRun {
           const AskedTest& asked)
       : options_(options),
         test_(asked.test),
+        theta_(asked.theta),
         lag_s_(asked.lag_s),
         sensors_(static_cast<Eigen::Index>(options.sensors.size())),
         channels_(sensors_ + static_cast<Eigen::Index>(network.deformations.size())),
+        model_(parameters),
         parameters_(parameters.count()),
         state_(network, coordinates, parameters, asked.theta) {
     const double reference_K = network.boundaries.reference_temperature_K;
@@ -96,6 +98,7 @@ class TestRun {
     places.value = at_reference_;
     places.value.noalias() += rows_.transpose() * state_.x();
     places.slope.noalias() = state_.sensitivities().transpose() * rows_;
+    for (Eigen::Index d = sensors_; d < channels_; ++d) model_.expand(theta_, places.value[d], places.slope.col(d));
   }
 
   /// Places at time_s, and what sensors show of them.
@@ -177,8 +180,11 @@ class TestRun {
 
   const CalibrateOptions& options_;
   const ThermalTest& test_;
+  const Eigen::VectorXd& theta_;
   const Eigen::VectorXd& lag_s_;
-  Eigen::Index sensors_, channels_, parameters_;
+  Eigen::Index sensors_, channels_;
+  const ParameterModel& model_;
+  Eigen::Index parameters_;
   SteppedState state_;
   Eigen::MatrixXd rows_;          // of the places on x, N x channels
   Eigen::VectorXd at_reference_;  // what they are at the reference temperature

@@ -281,6 +281,7 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
   factors_.conductance.setOnes();
   factors_.node_heat_W.setZero();
   factors_.capacity_factor.setOnes();
+  factors_.expansion = 1.0;
   bias_K_.setZero();
   if (time_s >= period_.opened_s() + options_.period_s - due_slack_s || time_s < fresh_until_s_ ||
       period_.differs(operating)) {

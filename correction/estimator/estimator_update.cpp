@@ -88,10 +88,12 @@ void EstimatorCorrection::measure_displacement() {
   const auto index = static_cast<std::size_t>(displacement_.index);
   const rom::DeformationOutput& output = network_->deformations[index];
   sensitivities_.of_row(displacement_.rows[index], place_);
+  double length_m =
+      output.row_m_per_K.dot(nodes_K_) - output.row_m_per_K.sum() * network_->boundaries.reference_temperature_K;
+  parameters_.expand(theta_, length_m, place_);
   made_.displacement_row.setZero();
   made_.displacement_row.head(parameters_.count()) = place_;
-  made_.displacement_m = displacement_.value_m - output.row_m_per_K.dot(nodes_K_) +
-                         output.row_m_per_K.sum() * network_->boundaries.reference_temperature_K;
+  made_.displacement_m = displacement_.value_m - length_m;
   made_.displacement_variance_m2 = displacement_.variance_m2 + curvature_variance(place_);
 }
 

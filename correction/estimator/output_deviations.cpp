@@ -23,6 +23,7 @@ double certificate_of(const std::vector<rom::OutputError>& list, std::size_t i, 
 DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities,
                                        const ParameterModel& parameters, bool skewed) {
   const rom::Certificate& certificate = network.certificate;
+  expansion_ = parameters.expansion();
   const auto internal = [&](const Eigen::VectorXd& row) {
     Eigen::VectorXd result(row.size());
     sensitivities.internal_row(row, result);
@@ -67,6 +68,10 @@ double DeviationOfOutputs::deviation(const Eigen::Ref<const Eigen::VectorXd>& in
                                      Sensitivities& sensitivities, SquareRootFilter& filter,
                                      const Eigen::VectorXd& bend) {
   sensitivities.of_row(internal, sensitivity_);
+  return deviation(certificate, filter, bend);
+}
+
+double DeviationOfOutputs::deviation(double certificate, SquareRootFilter& filter, const Eigen::VectorXd& bend) {
   const double bent = sensitivity_.cwiseProduct(bend).squaredNorm();
   double alternative = 0.0;
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
@@ -89,11 +94,19 @@ void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities
 
 void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
                                   const Eigen::VectorXd& nodes_K) {
+  sensitivities.to_internal(nodes_K, x_);
   evaluate(key_points_, sensitivities, filter, bend, deviations_.key_points_K);
   evaluate(part_means_, sensitivities, filter, bend, deviations_.part_mean_K);
-  evaluate(deformations_, sensitivities, filter, bend, deviations_.deformations_m);
+  for (std::size_t i = 0; i < deformations_.internal.size(); ++i) {
+    sensitivities.of_row(deformations_.internal[i], sensitivity_);
+    if (expansion_ >= 0) {
+      const double factor = std::exp(filter.mean()[expansion_]);
+      sensitivity_ *= factor;
+      sensitivity_[expansion_] = factor * deformations_.internal[i].dot(x_);
+    }
+    deviations_.deformations_m[static_cast<Eigen::Index>(i)] = deviation(deformations_.certificate[i], filter, bend);
+  }
   evaluate(pressures_, sensitivities, filter, bend, deviations_.contact_pressures_Pa);
-  sensitivities.to_internal(nodes_K, x_);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const Eigen::MatrixXd& candidates = candidates_[i];
     if (candidates.cols() == 0) continue;

@@ -23,6 +23,7 @@ struct OutputDeviations {
 /// An output follows e^θ of a heat and e^−θ of a conductance, so its error is skewed and its long tail lies beyond 2σ.
 /// Published is half the way to the point that a fraction Φ(−2) of a skewed error exceeds (Cornish and Fisher, 1938):
 ///   σ (1 + min(|γ|, 2) / 4),   γ σ³ = 3 Σ ±(l S)_i (P Sᵀ lᵀ)_i²,   + heats, − conductances, 0 what is not an ln factor
+/// Of a deformation L, l S is e^g l S and L itself in the place of g, the ln of its factor (ParameterModel::expand).
 /// Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of a part's maximum the row l
 /// is that of its hottest candidate point, the first of those that are equally hot.
 class DeviationOfOutputs {
@@ -50,7 +51,10 @@ class DeviationOfOutputs {
   double deviation(const Eigen::Ref<const Eigen::VectorXd>& internal, double certificate, Sensitivities& sensitivities,
                    SquareRootFilter& filter, const Eigen::VectorXd& bend);
 
+  double deviation(double certificate, SquareRootFilter& filter, const Eigen::VectorXd& bend);  ///< of sensitivity_
+
   Rows key_points_, part_means_, deformations_, pressures_;
+  Eigen::Index expansion_ = -1;              // its place in θ
   std::vector<Eigen::MatrixXd> candidates_;  // per part, one row on x in each column
   std::vector<double> part_maximum_certificate_;
   Eigen::VectorXd skew_sign_;  // of each parameter

@@ -21,6 +21,7 @@ constexpr double largest_heat = 1.6094379124341003;
 constexpr double widest = 4.0;  // deviations, for everything else
 constexpr double widest_environment_K = 20.0;
 constexpr double slowest_speed = 0.05;
+constexpr double largest_expansion = 0.5;
 constexpr double largest_start_K = 500.0;
 constexpr double largest_capacity = 1.6094379124341003;
 constexpr double most_disturbance = 1.0;  // of all nominal heats together
@@ -58,6 +59,8 @@ const char* name_of(ParameterKind kind) {
       return "bearing temperature";
     case ParameterKind::speed_exponent:
       return "speed exponent";
+    case ParameterKind::expansion:
+      return "expansion";
     case ParameterKind::capacity:
       return "capacity";
     case ParameterKind::disturbance:
@@ -75,6 +78,7 @@ bool is_of_the_machine(ParameterKind kind) {
     case ParameterKind::film:
     case ParameterKind::bearing_temperature:
     case ParameterKind::speed_exponent:
+    case ParameterKind::expansion:
     case ParameterKind::capacity:
       return true;
     case ParameterKind::environment:
@@ -130,17 +134,7 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
          priors.environment_K, 0.0, priors.environment_memory_s, -widest_environment_K, widest_environment_K},
         environment_[e]);
   }
-  if (std::find(friction_.begin(), friction_.end(), true) != friction_.end()) {
-    add({"bearing temperature", ParameterKind::bearing_temperature, 0, priors.bearing_mean_per_K, priors.bearing_per_K,
-         0.0, 0.0, 0.0, priors.bearing_mean_per_K + widest * priors.bearing_per_K},
-        bearing_);
-  }
-  for (std::size_t i = 0; i < boundaries.sources.size(); ++i) {
-    if (boundaries.sources[i].law.speed_terms.empty()) continue;
-    add({"exponent " + boundaries.sources[i].name, ParameterKind::speed_exponent, static_cast<int>(i), 0.0,
-         priors.speed_exponent, 0.0, 0.0, -widest * priors.speed_exponent, widest * priors.speed_exponent},
-        exponent_[i]);
-  }
+  add_laws(network, priors);
   add_capacities(network, priors);
   add_disturbances(network, priors);
   add_starts(network, priors);
@@ -148,6 +142,26 @@ ParameterModel::ParameterModel(const rom::Network& network, const EstimatorPrior
   if (calibrated_) take_calibrated();
   mean_.resize(count());
   for (Eigen::Index i = 0; i < count(); ++i) mean_[i] = list_[static_cast<std::size_t>(i)].mean;
+}
+
+void ParameterModel::add_laws(const rom::Network& network, const EstimatorPriors& priors) {
+  const std::vector<rom::HeatSource>& sources = network.boundaries.sources;
+  if (std::find(friction_.begin(), friction_.end(), true) != friction_.end()) {
+    add({"bearing temperature", ParameterKind::bearing_temperature, 0, priors.bearing_mean_per_K, priors.bearing_per_K,
+         0.0, 0.0, 0.0, priors.bearing_mean_per_K + widest * priors.bearing_per_K},
+        bearing_);
+  }
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (sources[i].law.speed_terms.empty()) continue;
+    add({"exponent " + sources[i].name, ParameterKind::speed_exponent, static_cast<int>(i), 0.0, priors.speed_exponent,
+         0.0, 0.0, -widest * priors.speed_exponent, widest * priors.speed_exponent},
+        exponent_[i]);
+  }
+  if (!network.deformations.empty()) {
+    add({"expansion", ParameterKind::expansion, 0, 0.0, priors.expansion, 0.0, 0.0, -largest_expansion,
+         largest_expansion},
+        expansion_);
+  }
 }
 
 void ParameterModel::add_capacities(const rom::Network& network, const EstimatorPriors& priors) {
@@ -257,6 +271,18 @@ double ParameterModel::log_speed(double speed_rpm) const {
   return std::log(std::max(std::abs(speed_rpm) / reference_speed_rpm_, slowest_speed));
 }
 
+double ParameterModel::expansion_factor(const Eigen::VectorXd& theta) const {
+  return expansion_ < 0 ? 1.0 : std::exp(theta[expansion_]);
+}
+
+void ParameterModel::expand(const Eigen::VectorXd& theta, double& length_m, Eigen::Ref<Eigen::VectorXd> slope) const {
+  if (expansion_ < 0) return;
+  const double factor = expansion_factor(theta);
+  length_m *= factor;
+  slope *= factor;
+  slope[expansion_] = length_m;
+}
+
 void ParameterModel::apply(const Eigen::VectorXd& theta, double speed_rpm, const Eigen::VectorXd& source_rise_K,
                            rom::CorrectionFactors& factors, Eigen::VectorXd& environment_bias_K) const {
   const double log_x = log_speed(speed_rpm);
@@ -270,6 +296,7 @@ void ParameterModel::apply(const Eigen::VectorXd& theta, double speed_rpm, const
     factors.conductance[j] = std::exp(value(conductance(j)));
   }
   for (Eigen::Index e = 0; e < environment_bias_K.size(); ++e) environment_bias_K[e] = value(environment(e));
+  factors.expansion = expansion_factor(theta);
   if (has_disturbances() && factors.node_heat_W.size() > 0) {
     factors.node_heat_W.noalias() =
         node_heat_ * theta.segment(disturbance_.front(), static_cast<Eigen::Index>(disturbance_.size()));

@@ -22,6 +22,7 @@ enum class ParameterKind : std::uint8_t {
   environment,          ///< what has to be added to the reading of an environment [K]
   bearing_temperature,  ///< friction heat falls as exp(−β rise of the bearing) [1/K]
   speed_exponent,       ///< heat · (|n| / n_ref)^δ
+  expansion,            ///< ln of the factor on every deformation at given temperatures
   capacity,             ///< ln of the factor on one node's heat capacity, of hand-written networks
   disturbance,          ///< heat into one thermal group that no source explains [W]
   start,                ///< what the spindle was warmer at the start than the model's start, in one shape [K]
@@ -30,7 +31,7 @@ enum class ParameterKind : std::uint8_t {
 /// As people read it.
 const char* name_of(ParameterKind kind);
 
-/// It is of the machine, not of the day: heats, contacts, films, what their laws do not know, capacities.
+/// It is of the machine, not of the day: heats, contacts, films, what their laws do not know, expansion, capacities.
 bool is_of_the_machine(ParameterKind kind);
 
 /// ln(nominal / own), by which a ln factor of one network moves when another one takes it over; 0 where a nominal value
@@ -69,6 +70,7 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
   double bearing_mean_per_K = 0.010;
   double bearing_per_K = 0.005;
   double speed_exponent = 0.15;
+  double expansion = 0.05;
   double start_K = 0.2;              ///< 0: the start is known, no start parameter at all
   double start_shape_K = 0.05;       ///< of each other way in which it may have been warmer (start_shapes)
   double disturbance = 0.01;         ///< share of all nominal heats together, one heat per thermal group; 0: none
@@ -108,6 +110,9 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
           priors.bearing_mean_per_K);
     visit(zero_or_some("bearing_per_K", "", 0.1), priors.bearing_per_K);
     visit(zero_or_some("speed_exponent", "of each heat's speed law", 1.0), priors.speed_exponent);
+    visit(zero_or_some("expansion", "of all deformations at given temperatures: coefficients of expansion, lengths; ln",
+                       0.5),
+          priors.expansion);
     visit(zero_or_some("start_K", "of the whole spindle at the start; opened where the first readings differ by more",
                        100.0),
           priors.start_K);
@@ -159,6 +164,11 @@ class ParameterModel {
   int conductance(Eigen::Index j) const { return conductance_[static_cast<std::size_t>(j)]; }
   int environment(Eigen::Index e) const { return environment_[static_cast<std::size_t>(e)]; }
   int bearing() const { return bearing_; }
+  int expansion() const { return expansion_; }
+  /// Factor of θ on every deformation. Cycle-safe.
+  double expansion_factor(const Eigen::VectorXd& theta) const;
+  /// A deformation as it is without that factor, and its derivatives by θ: both with it. Cycle-safe.
+  void expand(const Eigen::VectorXd& theta, double& length_m, Eigen::Ref<Eigen::VectorXd> slope) const;
   int capacity(Eigen::Index node) const { return capacity_[static_cast<std::size_t>(node)]; }
   bool has_capacities() const { return !capacity_.empty() && capacity_.front() >= 0; }
   int disturbance(Eigen::Index group) const { return disturbance_[static_cast<std::size_t>(group)]; }
@@ -182,6 +192,8 @@ class ParameterModel {
 
  private:
   void add(Parameter parameter, int& slot);
+  /// What laws of friction, speed and expansion are wrong by.
+  void add_laws(const rom::Network& network, const EstimatorPriors& priors);
   void add_capacities(const rom::Network& network, const EstimatorPriors& priors);
   void add_disturbances(const rom::Network& network, const EstimatorPriors& priors);
   void add_starts(const rom::Network& network, const EstimatorPriors& priors);
@@ -200,7 +212,7 @@ class ParameterModel {
   std::vector<ThermalGroup> groups_;
   std::vector<StartShape> shapes_;
   Eigen::MatrixXd node_heat_;  // N x groups: where a watt into each group goes
-  int bearing_ = -1, start_ = -1;
+  int bearing_ = -1, expansion_ = -1, start_ = -1;
   std::vector<bool> friction_;
   double reference_speed_rpm_ = 0.0;
   SharedCause all_heats_, frictions_, fits_;

@@ -121,6 +121,7 @@ Run run(const rom::Network& network, const ParameterModel& parameters, const rom
     const Eigen::VectorXd& row = network.deformations.front().row_m_per_K;
     result.deformation_m = per_node.transpose() * row;
     result.growth_m = row.dot(start_K) - row.sum() * network.boundaries.reference_temperature_K;
+    parameters.expand(theta, result.growth_m, result.deformation_m);
   }
   return result;
 }
@@ -141,7 +142,7 @@ EstimatorPriors constant_priors() {
   priors.environment_K = 0.0;
   priors.bearing_mean_per_K = 0.0;
   priors.bearing_per_K = 0.0;
-  priors.speed_exponent = 0.0;
+  priors.speed_exponent = priors.expansion = 0.0;
   priors.start_K = priors.disturbance = priors.disturbance_by_hand = 0.0;
   priors.heat_walk_per_root_min = priors.contact_walk_per_root_min = priors.film_walk_per_root_min = 0.0;
   priors.centred = false;

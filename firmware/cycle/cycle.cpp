@@ -35,7 +35,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
         correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, period_s}, model_, corrector_);
     watch_update(network_, operating_, model_, watch_, corrector_);
     note(integrate(network_, inputs.operating, inputs.factors, period_s, model_));
-    predict(network_, model_);
+    predict(network_, model_, inputs.factors.expansion);
     if (plan_.compare_uncorrected) {
       integrate(network_, operating_, corrector_.none, period_s, uncorrected_);
       predict(network_, uncorrected_);

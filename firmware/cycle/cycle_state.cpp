@@ -77,7 +77,7 @@ double Cycle::catch_up(double gap_s) {
         correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, advance_s}, model_, corrector_);
     watch_update(network_, operating_, model_, watch_, corrector_);
     integrate(network_, inputs.operating, inputs.factors, advance_s, model_);
-    predict(network_, model_);
+    predict(network_, model_, inputs.factors.expansion);
     if (plan_.compare_uncorrected) {
       integrate(network_, operating_, corrector_.none, advance_s, uncorrected_);
       predict(network_, uncorrected_);
@@ -196,9 +196,9 @@ void Cycle::guard_prediction() {
   if (implausible) {
     implausible_until_s_ = now_s + shown_for_s;
     model_.stepper->set_temperatures(uncorrected_.stepper->temperatures_K());
-    predict(network_, model_);
     if (corrector_.estimator) corrector_.estimator->reset(now_s, model_.stepper->temperatures_K(), operating_);
     if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
+    predict(network_, model_, corrector_.estimator ? corrector_.estimator->factors().expansion : 1.0);
   }
   snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::implausible_prediction));
   if (now_s < implausible_until_s_) snapshot_.fault |= bits(Fault::implausible_prediction);

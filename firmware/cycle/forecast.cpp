@@ -28,7 +28,7 @@ void Forecast::step(const Model& now, const rom::OperatingState& operating, cons
     change_m_ = settled_after_s_ = std::numeric_limits<double>::quiet_NaN();
     return;
   }
-  predict(network_, model_);
+  predict(network_, model_, factors_.expansion);
   path_m_[++done_] = model_.outputs.deformations_m[0];
   if (static_cast<double>(done_) * stride_s == plan_.ahead_s) change_m_ = path_m_[done_] - path_m_[0];
   if (done_ < strides) return;

@@ -30,7 +30,7 @@ enum class Integrated { by_cvode, by_exact_stepper, not_at_all };
 Integrated integrate(const rom::Network& network, const rom::OperatingState& operating,
                      const rom::CorrectionFactors& factors, double advance_s, Model& model);
 
-/// y = H T, d = L (T − T_ref) at the model's present state. Runs in the cycle.
-void predict(const rom::Network& network, Model& model);
+/// y = H T, d = expansion · L (T − T_ref) at the model's present state. Runs in the cycle.
+void predict(const rom::Network& network, Model& model, double expansion = 1.0);
 
 }  // namespace spindle_twin::firmware

@@ -2,8 +2,8 @@
 
 namespace spindle_twin::firmware {
 
-void predict(const rom::Network& network, Model& model) {
-  rom::evaluate_outputs(network, model.stepper->temperatures_K(), model.outputs);
+void predict(const rom::Network& network, Model& model, double expansion) {
+  rom::evaluate_outputs(network, model.stepper->temperatures_K(), model.outputs, expansion);
 }
 
 }  // namespace spindle_twin::firmware

@@ -17,7 +17,8 @@ NetworkOutputs make_network_outputs(const Network& network) {
   return outputs;
 }
 
-void evaluate_outputs(const Network& network, const Eigen::VectorXd& temperatures_K, NetworkOutputs& outputs) {
+void evaluate_outputs(const Network& network, const Eigen::VectorXd& temperatures_K, NetworkOutputs& outputs,
+                      double expansion) {
   for (Eigen::Index i = 0; i < outputs.key_points_K.size(); ++i) {
     outputs.key_points_K[i] = network.key_points[static_cast<std::size_t>(i)].row.dot(temperatures_K);
   }
@@ -31,7 +32,8 @@ void evaluate_outputs(const Network& network, const Eigen::VectorXd& temperature
   }
   for (Eigen::Index i = 0; i < outputs.deformations_m.size(); ++i) {
     const Eigen::VectorXd& row = network.deformations[static_cast<std::size_t>(i)].row_m_per_K;
-    outputs.deformations_m[i] = row.dot(temperatures_K) - row.sum() * network.boundaries.reference_temperature_K;
+    outputs.deformations_m[i] =
+        expansion * (row.dot(temperatures_K) - row.sum() * network.boundaries.reference_temperature_K);
   }
   for (Eigen::Index i = 0; i < outputs.contact_pressures_Pa.size(); ++i) {
     const ContactPressureOutput& output = network.contact_pressures[static_cast<std::size_t>(i)];

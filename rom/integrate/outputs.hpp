@@ -20,8 +20,9 @@ struct NetworkOutputs {
 /// Sizes the outputs for `network`; the only call here that allocates.
 NetworkOutputs make_network_outputs(const Network& network);
 
-/// y = H T, d = L (T − T_ref), p = p_assembly + P (T − T_ref) with T_ref the boundaries' reference temperature; maximum
-/// and minimum of a part over its candidate points. Cycle-safe.
-void evaluate_outputs(const Network& network, const Eigen::VectorXd& temperatures_K, NetworkOutputs& outputs);
+/// y = H T, d = expansion · L (T − T_ref), p = p_assembly + P (T − T_ref) with T_ref the boundaries' reference
+/// temperature; maximum and minimum of a part over its candidate points. Cycle-safe.
+void evaluate_outputs(const Network& network, const Eigen::VectorXd& temperatures_K, NetworkOutputs& outputs,
+                      double expansion = 1.0);
 
 }  // namespace spindle_twin::rom

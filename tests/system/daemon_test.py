@@ -252,7 +252,7 @@ class BadInput(unittest.TestCase):
         first, second = result.stdout.splitlines()
         self.assertEqual((result.returncode, first), (0, f"{self.config}: ok, small with 5 nodes, certified, not signed"))
         self.assertRegex(second, r"^expected after an hour at 6000 rpm from a cold start: nose \d+\.\d um, standard deviation "
-                                 r"\d+\.\d um without sensors, \d+\.\d um with 3; the sensors determine \d+ of 11 parameters "
+                                 r"\d+\.\d um without sensors, \d+\.\d um with 3; the sensors determine \d+ of 12 parameters "
                                  r"\(.*\) and say nothing of the others \(.*\)$")
         self.config.write_text(self.good.replace('"estimator"', '"paper"'))
         result = run_daemon("--check", self.config)

@@ -32,16 +32,31 @@ fem_offline::Spindle described(double element_size_mm) {
 
 }  // namespace
 
-fem_offline::FeModel model_of(double element_size_mm) {
-  const fem_offline::Spindle spindle = described(element_size_mm);
+fem_offline::FeModel model_of(double element_size_mm, const ChangeSpindle& change) {
+  fem_offline::Spindle spindle = described(element_size_mm);
+  if (change) change(spindle);
   return {spindle, fem_offline::build_section(spindle)};
+}
+
+void add_cutting_heat(fem_offline::Spindle& spindle, double heat_W) {
+  const auto shaft = std::find_if(spindle.parts.begin(), spindle.parts.end(),
+                                  [](const fem_offline::Part& part) { return part.name == "shaft"; });
+  fem_offline::HeatShare share;
+  share.part = static_cast<std::size_t>(shaft - spindle.parts.begin());
+  share.on_face = fem_offline::Box{0.014, 0.042, 0.0, 0.0};
+  fem_offline::HeatSource heat;
+  heat.name = "cutting";
+  heat.heat_W = heat_W;
+  heat.shares.push_back(share);
+  heat.where = spindle.heats.front().where;
+  spindle.heats.push_back(heat);
 }
 
 rom::Network twin_network(const TwinOptions& options) {
   std::string path;
   if (!options.cache.empty()) {
     std::filesystem::create_directories(options.cache);
-    path = options.cache + "/twin_" + std::to_string(options.nodes) + ".rom";
+    path = options.cache + "/twin_" + std::to_string(options.nodes) + options.variant + ".rom";
     if (std::filesystem::exists(path)) return rom::read_network(path);
   }
   fem_offline::ReduceOptions reduce;
@@ -53,7 +68,7 @@ rom::Network twin_network(const TwinOptions& options) {
     reduce.rich_sets = 60;
   }
   reduce.threads = options.threads;
-  rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm).affine(), reduce);
+  rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm, options.change).affine(), reduce);
   if (!path.empty()) rom::write_network(network, path);
   return network;
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/App.hpp>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "fem_offline/model/build_model.hpp"
@@ -11,15 +12,22 @@
 
 namespace spindle_twin::bench {
 
-/// The reference spindle with three more key points: front seat, winding, jacket.
-fem_offline::FeModel model_of(double element_size_mm);
+using ChangeSpindle = std::function<void(fem_offline::Spindle&)>;
+
+/// The reference spindle with three more key points: front seat, winding, jacket; and changed by `change`.
+fem_offline::FeModel model_of(double element_size_mm, const ChangeSpindle& change = {});
+
+/// A heat "cutting" on the shaft's end face, at the nose, that no source of the reference spindle explains. [W]
+void add_cutting_heat(fem_offline::Spindle& spindle, double heat_W);
 
 struct TwinOptions {
   int nodes = 110;
   int threads = 2;
   double element_size_mm = 4.0;
-  bool rough = false;  ///< few snapshots, for a quick look
-  std::string cache;   ///< folder; empty: none
+  bool rough = false;         ///< few snapshots, for a quick look
+  std::string cache;          ///< folder; empty: none
+  std::string variant = {};   ///< name of the change in the cache
+  ChangeSpindle change = {};  ///< of the description
 };
 
 /// The twin's network; kept in the cache.

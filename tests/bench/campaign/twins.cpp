@@ -30,7 +30,9 @@ struct Twin {
         values(rom::make_boundary_values(the_network.boundaries)) {
     evaluate();
   }
-  void evaluate() { rom::evaluate_outputs(network, stepper->temperatures_K(), outputs); }
+  void evaluate(double expansion = 1.0) {
+    rom::evaluate_outputs(network, stepper->temperatures_K(), outputs, expansion);
+  }
   void advance(double period_s, const rom::OperatingState& operating, const rom::CorrectionFactors& factors) {
     rom::evaluate_boundaries(network.boundaries, operating, factors, values);
     if (stepper->advance(period_s, values) != rom::StepStatus::ok) std::abort();
@@ -101,12 +103,12 @@ void follow(const rom::Network& network, const Truth& truth, correction::Estimat
         estimator.step({time_s, measured_K, valid, twin.stepper->temperatures_K(), operating}, step_s);
     if (step.state_corrected) {
       twin.stepper->set_temperatures(estimator.corrected_nodes_K());
-      twin.evaluate();
+      twin.evaluate(estimator.factors().expansion);
     }
     each(k, twin);
     operating.environment_K += estimator.environment_bias_K();
     twin.advance(step_s, operating, estimator.factors());
-    twin.evaluate();
+    twin.evaluate(estimator.factors().expansion);
   }
 }
 

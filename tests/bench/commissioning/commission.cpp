@@ -17,13 +17,31 @@ constexpr double probe_memory_s = 3600.0;
 constexpr double probe_zero_m = 20e-6;
 constexpr double sensor_lag_s = 5.0;
 constexpr double speed_exponent = 0.1;
-constexpr std::uint64_t probe_stream = 7'000'000, day_stream = 8'000'000;
+constexpr std::uint64_t probe_stream = 7'000'000;
 
 std::vector<DriveBlock> base_drive(double test_s) {
   return {{test_s / 3.0, 6000.0, 0.5}, {2.0 * test_s / 3.0, 12000.0, 0.5}, {2.0 * test_s, 3000.0, 0.5}};
 }
 
-/// The test's log: what the sensors and a probe at the nose say.
+}  // namespace
+
+Conditions conditions_of_test(const TestPlan& plan) {
+  Conditions of_test;
+  of_test.run_s = plan.test_s;
+  of_test.lag_s = sensor_lag_s;
+  of_test.speed_exponent = speed_exponent;
+  of_test.drive = base_drive(plan.test_s);
+  return of_test;
+}
+
+Conditions conditions_of_day(const TestPlan& plan, const Eigen::VectorXd& theta) {
+  Conditions of_day;
+  of_day.run_s = plan.service_s;
+  of_day.lag_s = sensor_lag_s;
+  of_day.theta = theta;
+  return of_day;
+}
+
 correction::ThermalTest log_of(const rom::Network& network, const Truth& truth, int sensors, const TestPlan& plan) {
   std::mt19937_64 random(truth.seed + probe_stream);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -50,7 +68,21 @@ correction::ThermalTest log_of(const rom::Network& network, const Truth& truth, 
   return test;
 }
 
-/// The machine on another day.
+correction::CalibrateOptions calibrate_options(const rom::Network& network, int sensors, HeatErrors heats) {
+  correction::CalibrateOptions options;
+  options.priors = correction::test_priors(priors_of(heats));
+  options.sensors = correction::key_point_sensors(network, {});
+  options.sensors.resize(static_cast<std::size_t>(sensors));
+  return options;
+}
+
+double probe_rms_um(const std::vector<correction::ChannelFit>& channels, std::size_t sensors) {
+  for (const correction::ChannelFit& channel : channels) {
+    if (channel.channel == static_cast<int>(sensors)) return rom::um_per_m * channel.rms;
+  }
+  return 0.0;
+}
+
 Eigen::VectorXd drifted(const correction::ParameterModel& parameters, const Eigen::VectorXd& theta, const Drifted& by,
                         std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -66,6 +98,8 @@ Eigen::VectorXd drifted(const correction::ParameterModel& parameters, const Eige
   return other;
 }
 
+namespace {
+
 correction::Calibration calibrated(const rom::Network& network, const correction::ThermalTest& test,
                                    const correction::CalibrateOptions& options, std::size_t set, Commissioned& result) {
   const auto began = std::chrono::steady_clock::now();
@@ -75,14 +109,8 @@ correction::Calibration calibrated(const rom::Network& network, const correction
   result.starts[set] = found.starts;
   result.chi_square[set] = found.fit.chi_square_per_reading;
   result.refused[set] = !found.misfits.empty();
-  const auto probe = [&](const std::vector<correction::ChannelFit>& channels) {
-    for (const correction::ChannelFit& channel : channels) {
-      if (channel.channel == static_cast<int>(options.sensors.size())) return rom::um_per_m * channel.rms;
-    }
-    return 0.0;
-  };
-  result.probe_um[set] = probe(found.fit.channels);
-  result.hold_out_um[set] = probe(found.held_out);
+  result.probe_um[set] = probe_rms_um(found.fit.channels, options.sensors.size());
+  result.hold_out_um[set] = probe_rms_um(found.held_out, options.sensors.size());
   return found.calibration;
 }
 
@@ -94,27 +122,16 @@ Commissioned commission(const rom::Network& network, const fem_offline::AffineMo
   result.seed = seed;
   result.heats = heats;
   const correction::ParameterModel parameters(network, priors_of(heats));
-  Conditions of_test;
-  of_test.run_s = plan.test_s;
-  of_test.lag_s = sensor_lag_s;
-  of_test.speed_exponent = speed_exponent;
-  of_test.drive = base_drive(plan.test_s);
-  const Truth tested = make_truth(truth_model, parameters, seed, heats, of_test);
+  const Truth tested = make_truth(truth_model, parameters, seed, heats, conditions_of_test(plan));
   result.theta = tested.theta;
   for (std::size_t set = 0; set < permanent_sensors.size(); ++set) {
-    correction::CalibrateOptions options;
-    options.priors = correction::test_priors(priors_of(heats));
-    options.sensors = correction::key_point_sensors(network, {});
-    options.sensors.resize(static_cast<std::size_t>(permanent_sensors[set]));
-    result.calibrations[set] =
-        calibrated(network, log_of(network, tested, permanent_sensors[set], plan), options, set, result);
+    const int sensors = permanent_sensors[set];
+    result.calibrations[set] = calibrated(network, log_of(network, tested, sensors, plan),
+                                          calibrate_options(network, sensors, heats), set, result);
   }
   for (std::size_t d = 0; d < drifts.size(); ++d) {
-    Conditions of_day;
-    of_day.run_s = plan.service_s;
-    of_day.lag_s = sensor_lag_s;
-    of_day.theta = drifted(parameters, tested.theta, drifts[d], seed + day_stream + d);
-    const Truth truth = make_truth(truth_model, parameters, seed + day_stream, heats, of_day);
+    const Eigen::VectorXd theta = drifted(parameters, tested.theta, drifts[d], seed + day_stream + d);
+    const Truth truth = make_truth(truth_model, parameters, seed + day_stream, heats, conditions_of_day(plan, theta));
     Service& day = result.days[d];
     day.span_um = rom::um_per_m * (truth.nose_m.maxCoeff() - truth.nose_m.minCoeff());
     day.uncorrected_um = run_open_loop(network, truth).error_um;

@@ -50,6 +50,26 @@ struct TestPlan {
   bool touch_offs = false;  ///< each half hour instead of a probe
 };
 
+inline constexpr std::uint64_t day_stream = 8'000'000;  ///< added to a machine's seed: its days of service
+
+/// Of the test: 6000, 12000 and 3000 rpm, a third each; sensors that lag 5 s, told.
+Conditions conditions_of_test(const TestPlan& plan);
+/// Of a day of service of the machine with these hidden parameters.
+Conditions conditions_of_day(const TestPlan& plan, const Eigen::VectorXd& theta);
+
+/// What the first `sensors` sensors and a probe at the nose, of unknown zero and drifting, say in a test.
+correction::ThermalTest log_of(const rom::Network& network, const Truth& truth, int sensors, const TestPlan& plan);
+
+/// For `calibrate`: priors and places of the first `sensors` sensors.
+correction::CalibrateOptions calibrate_options(const rom::Network& network, int sensors, HeatErrors heats);
+
+/// Hidden parameters of the machine on another day.
+Eigen::VectorXd drifted(const correction::ParameterModel& parameters, const Eigen::VectorXd& theta, const Drifted& by,
+                        std::uint64_t seed);
+
+/// rms of the probe among channels of a fit with that many sensors. [um]
+double probe_rms_um(const std::vector<correction::ChannelFit>& channels, std::size_t sensors);
+
 Commissioned commission(const rom::Network& network, const fem_offline::AffineModel& truth_model, std::uint64_t seed,
                         HeatErrors heats, const TestPlan& plan);
 

@@ -64,11 +64,13 @@ struct Twin {
     stepper = rom::make_runtime_stepper(the_network, settings);
     evaluate();
   }
-  void evaluate() { rom::evaluate_outputs(network, stepper->temperatures_K(), outputs); }
+  void evaluate(double expansion = 1.0) {
+    rom::evaluate_outputs(network, stepper->temperatures_K(), outputs, expansion);
+  }
   void advance(const rom::OperatingState& operating, const rom::CorrectionFactors& factors, double period_s) {
     rom::evaluate_boundaries(network.boundaries, operating, factors, values);
     if (stepper->advance(period_s, values) != rom::StepStatus::ok) std::abort();
-    evaluate();
+    evaluate(factors.expansion);
   }
   const rom::Network& network;
   std::unique_ptr<rom::FallbackStepper> stepper;
@@ -131,7 +133,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
         {time_s, readings.readings_K, valid, twin.stepper->temperatures_K(), operating}, options.cycle_s);
     if (step.state_corrected) {
       twin.stepper->set_temperatures(estimator.corrected_nodes_K());
-      twin.evaluate();
+      twin.evaluate(estimator.factors().expansion);
     }
     corrected_K = twin.outputs.key_points_K;
     if (estimator.updates() != updates) {
@@ -165,7 +167,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
           bank.settle_on(verdict.failed);
         }
         twin.stepper->set_temperatures(estimator.corrected_nodes_K());
-        twin.evaluate();
+        twin.evaluate(estimator.factors().expansion);
         corrected_K = twin.outputs.key_points_K;
       }
     }

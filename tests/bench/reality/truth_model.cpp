@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <mutex>
 
 #include "tests/bench/campaign/models.hpp"
@@ -20,20 +19,6 @@ void add_places(fem_offline::Spindle& spindle) {
       spindle.key_points.push_back(point);
     }
   }
-}
-
-void add_cutting_heat(fem_offline::Spindle& spindle) {
-  const auto shaft = std::find_if(spindle.parts.begin(), spindle.parts.end(),
-                                  [](const fem_offline::Part& part) { return part.name == "shaft"; });
-  fem_offline::HeatShare share;
-  share.part = static_cast<std::size_t>(shaft - spindle.parts.begin());
-  share.on_face = fem_offline::Box{0.014, 0.042, 0.0, 0.0};
-  fem_offline::HeatSource heat;
-  heat.name = "cutting";
-  heat.heat_W = cutting_W;
-  heat.shares.push_back(share);
-  heat.where = spindle.heats.front().where;
-  spindle.heats.push_back(heat);
 }
 
 void change_structure(TruthKind kind, std::uint64_t seed, fem_offline::Spindle& spindle) {
@@ -63,7 +48,7 @@ fem_offline::FeModel truth_model(TruthKind kind, std::uint64_t seed, double elem
   fem_offline::Spindle spindle = described;
   spindle.mesh.element_size_m = 1e-3 * element_size_mm;
   add_places(spindle);
-  add_cutting_heat(spindle);
+  add_cutting_heat(spindle, cutting_W);
   if (kind == TruthKind::structure || kind == TruthKind::structure_10) change_structure(kind, seed, spindle);
   return {spindle, fem_offline::build_section(spindle)};
 }

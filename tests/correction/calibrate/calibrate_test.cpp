@@ -201,7 +201,9 @@ TEST(Calibrate, a_machine_that_has_changed_far_more_than_drift_says_is_followed_
       }
       EXPECT_GE(pair.estimator.loosened(), 1);
       EXPECT_LT(std::sqrt(squares_K2 / count), 0.3) << "seed " << seed << ", change " << change;
-      EXPECT_LT(std::abs(pair.nose_error_m()), 0.02 * std::abs(pair.plant.outputs.deformations_m[0]));
+      // No sensor tells of the expansion: what the test left open of it stays.
+      const double share = 0.02 + 2.0 * pair.estimator.estimate(pair.parameter("expansion")).deviation;
+      EXPECT_LT(std::abs(pair.nose_error_m()), share * std::abs(pair.plant.outputs.deformations_m[0]));
     }
   }
 }

@@ -104,7 +104,7 @@ void expect_exact_gradient(const rom::Network& network) {
   };
   for (Eigen::Index i = 0; i < theta.size(); ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
-    const double step = (parameter.kind == ParameterKind::start ? 1.0 : 2e-3) * parameter.deviation;
+    const double step = (parameter.kind == ParameterKind::start ? 1.0 : 4e-3) * parameter.deviation;
     const Eigen::VectorXd differences = quotient(predictor.predict(test, moved(theta, i, step), lag_s),
                                                  predictor.predict(test, moved(theta, i, -step), lag_s), 2.0 * step);
     EXPECT_GT(differences.cwiseAbs().maxCoeff(), 0.0) << parameter.name << " has no effect";

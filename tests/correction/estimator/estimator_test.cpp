@@ -15,7 +15,7 @@ TEST(Estimator, equals_batch_least_squares_where_the_model_is_linear) {
   const rom::Network network = plates();
   EstimatorOptions options;
   options.priors.heat = options.priors.contact = options.priors.film = options.priors.speed_exponent = 0.0;
-  options.priors.bearing_per_K = options.priors.start_K = options.priors.disturbance = 0.0;
+  options.priors.bearing_per_K = options.priors.expansion = options.priors.start_K = options.priors.disturbance = 0.0;
   options.lag_deviation_s = 0.0;
   options.floor_largest_K = options.floor_K;
   options.priors.environment_K = 0.5;

@@ -16,7 +16,8 @@ namespace estimator_output_deviations_test {
 EstimatorOptions only_heats(double curvature) {
   EstimatorOptions options;
   EstimatorPriors& priors = options.priors;
-  priors.contact = priors.film = priors.environment_K = priors.bearing_per_K = priors.speed_exponent = 0.0;
+  priors.contact = priors.film = priors.environment_K = priors.bearing_per_K = priors.speed_exponent =
+      priors.expansion = 0.0;
   priors.start_K = priors.disturbance = priors.heat_walk_per_root_min = 0.0;
   options.curvature = curvature;
   return options;

@@ -33,6 +33,8 @@ Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_writte
       return {0.010, 0.005, 0.0, 0.030, 0.0, 0.0};
     case ParameterKind::speed_exponent:
       return {0.0, 0.15, -0.6, 0.6, 0.0, 0.0};
+    case ParameterKind::expansion:
+      return {0.0, 0.05, -0.5, 0.5, 0.0, 0.0};
     case ParameterKind::capacity:
       return {0.0, 0.3, -five, five, 0.0, 0.0};
     case ParameterKind::disturbance:
@@ -240,7 +242,7 @@ TEST(Parameters, without_a_deviation_are_left_out) {
   const rom::Network network = spindle_twin::tests::small_network_by_hand();
   EstimatorPriors priors;
   priors.heat = priors.contact = priors.film = priors.environment_K = priors.bearing_per_K = 0.0;
-  priors.speed_exponent = priors.start_K = priors.disturbance_by_hand = priors.capacity = 0.0;
+  priors.speed_exponent = priors.expansion = priors.start_K = priors.disturbance_by_hand = priors.capacity = 0.0;
   const ParameterModel model(network, priors);
   EXPECT_EQ(model.count(), 0);
   EXPECT_EQ(model.heat(0), -1);

@@ -35,7 +35,7 @@ struct Model {
   void advance(double period_s, const rom::OperatingState& operating, const rom::CorrectionFactors& factors) {
     evaluate_boundaries(network.boundaries, operating, factors, values);
     ASSERT_EQ(stepper.advance(period_s, values), rom::StepStatus::ok);
-    rom::evaluate_outputs(network, stepper.temperatures_K(), outputs);
+    rom::evaluate_outputs(network, stepper.temperatures_K(), outputs, factors.expansion);
   }
   const rom::Network& network;
   rom::CvodeStepper stepper;
@@ -78,7 +78,7 @@ struct Pair {
         estimator.step({time_s, measured_K, valid, twin.stepper.temperatures_K(), operating}, cycle_s);
     if (step.state_corrected) {
       twin.stepper.set_temperatures(estimator.corrected_nodes_K());
-      rom::evaluate_outputs(network, twin.stepper.temperatures_K(), twin.outputs);
+      rom::evaluate_outputs(network, twin.stepper.temperatures_K(), twin.outputs, estimator.factors().expansion);
     }
     rom::OperatingState biased = operating;
     biased.environment_K += estimator.environment_bias_K();
