@@ -1,6 +1,6 @@
 #include "host_tools/network_files/driven_terms.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/QR>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -11,7 +11,7 @@ namespace {
 
 using Index = Eigen::Index;
 
-constexpr double smallest_course_share = 1e-9;  // of the largest singular value
+constexpr double smallest_course_share = 1e-9;  // of the largest diagonal entry of R
 
 class Split {
  public:
@@ -81,17 +81,19 @@ DrivenTerms Split::by_course() const {
     scale_m2[i] = network_.factors_m[static_cast<std::size_t>(j)].squaredNorm();
     moves_W_per_K.row(i) = scale_m2[i] * (along_W_per_m2K_.row(j).array() - mean_W_per_m2K[j]);
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> courses(moves_W_per_K, Eigen::ComputeThinU);
-  const Eigen::VectorXd& strength = courses.singularValues();
+  // Orthonormal directions, each of what the ones before it leave most of.
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> courses(moves_W_per_K);
+  const Eigen::VectorXd strength = courses.matrixQR().diagonal().cwiseAbs();
+  const Eigen::MatrixXd directions = courses.householderQ() * Eigen::MatrixXd::Identity(count, strength.size());
   for (Index m = 0; m < strength.size() && strength[m] > smallest_course_share * strength[0]; ++m) {
     DrivenTerm term = empty_term("what films and contacts do together about their means");
     // Row by row from a vector of its own: rows that are the same give the same bits, and so no jump.
     for (Index row = 0; row < moves_W_per_K.cols(); ++row) {
       const Eigen::VectorXd at_row = moves_W_per_K.col(row);
-      term.course.push_back(courses.matrixU().col(m).dot(at_row));
+      term.course.push_back(directions.col(m).dot(at_row));
     }
     for (Index i = 0; i < count; ++i) {
-      add(moving_[static_cast<std::size_t>(i)], courses.matrixU()(i, m) / scale_m2[i], term);
+      add(moving_[static_cast<std::size_t>(i)], directions(i, m) / scale_m2[i], term);
     }
     driven.terms.push_back(std::move(term));
   }
