@@ -54,6 +54,11 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
                                  scale * channel.rms, unit, scale * channel.expected_rms, unit));
     }
   }
+  for (const AskedHeat& heat : result.asked) {
+    if (heat.deviations() <= limits.asked_heat) break;  // the surest stand first
+    misfits.push_back(in_words("the readings ask for %.0f W +- %.0f W in %s that no source explains", heat.heat_W,
+                               heat.deviation_W, heat.group.c_str()));
+  }
   return misfits;
 }
 
@@ -92,6 +97,7 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
   result.fit = std::move(several.fit);
   result.starts = std::move(several.starts);
   result.fit.evaluations += first.evaluations;
+  result.asked = heats_asked_for(task, result.fit);
   for (const ThermalTest& test : tests) {
     result.before.push_back(
         predictor.predict(test, unknowns.theta(unknowns.mean(), 0), unknowns.lag_s(unknowns.mean())));

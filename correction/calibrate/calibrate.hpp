@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "correction/calibrate/asked_heat.hpp"
 #include "correction/calibrate/fit.hpp"
 #include "correction/calibrate/several_starts.hpp"
 #include "correction/calibration/calibration.hpp"
@@ -15,6 +16,7 @@ struct CalibrateLimits {
   double held_out_m = 2e-6;     ///< rms of a probe in the part of a test that the fit has not seen
   double chi_square = 1.15;     ///< per reading
   double times_expected = 2.0;  ///< rms of any held-out channel, of what the fit itself allows for
+  double asked_heat = 4.0;      ///< deviations of a heat that readings ask for and no source explains
 };
 
 struct CalibrationResult {
@@ -22,12 +24,14 @@ struct CalibrationResult {
   TestFit fit;                         ///< of all readings
   std::vector<ChannelFit> held_out;    ///< the last part, predicted by a fit of what is before it
   std::vector<StartedFit> starts;      ///< of the fit of all readings
+  std::vector<AskedHeat> asked;        ///< the surest first
   std::vector<std::string> misfits;    ///< in words, each with channel and number; empty: it fits
   std::vector<Parameter> machine;      ///< the calibrated parameters, as the priors have them
   std::vector<TestPrediction> before;  ///< of each test with the priors' means
 };
 
-/// Steps: fit the first part of each test; predict the last part and compare; fit all; judge. A parameter beyond
+/// Steps: fit the first part of each test; predict the last part and compare; fit all; ask for heats that no source
+/// explains; judge. A parameter beyond
 /// its limits (Parameter) is set to them, and is a misfit. Throws rom::InputError as
 /// fit_tests does. Not for the cycle. `progress`: what is being done, and how often the model has run.
 CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions& options,

@@ -80,6 +80,10 @@ void print_json(const correction::CalibrateOptions& options, const correction::C
   for (const correction::StartedFit& start : result.starts) {
     json["starts"].push_back({{"cost", start.cost}, {"apart", start.apart}, {"other_minimum", start.is_other}});
   }
+  json["asked_heats"] = nlohmann::ordered_json::array();
+  for (const correction::AskedHeat& heat : result.asked) {
+    json["asked_heats"].push_back({{"group", heat.group}, {"heat_W", heat.heat_W}, {"deviation_W", heat.deviation_W}});
+  }
   for (std::size_t i = 0; i < calibration.names.size(); ++i) {
     const auto slot = static_cast<Eigen::Index>(i);
     const double deviation = calibration.root.row(slot).norm();
@@ -146,6 +150,11 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   std::printf("\nchi-square per reading %.2f (1: model and readings are as good as assumed)\n",
               result.fit.chi_square_per_reading);
   print_starts(options, result.starts);
+  if (!result.asked.empty()) {
+    const correction::AskedHeat& surest = result.asked.front();
+    std::printf("heat that no source explains, the surest: %.1f W +- %.1f W in %s\n", surest.heat_W, surest.deviation_W,
+                surest.group.c_str());
+  }
   std::printf("promised after this drive: nose within %.2f um (1 sigma), drift since the test included\n",
               rom::um_per_m * calibration.promised_m);
   std::printf("%s\n", result.misfits.empty() ? "It fits." : "It does not fit:");

@@ -1,0 +1,71 @@
+#include "correction/calibrate/asked_heat.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace spindle_twin::correction {
+namespace {
+
+/// The same priors with a heat in each group; how wide it is plays no part.
+CalibrateOptions with_heats(CalibrateOptions options) {
+  constexpr double any_share = 0.01;
+  options.priors.disturbance = options.priors.disturbance_by_hand = any_share;
+  return options;
+}
+
+/// θ of another model of the same network: by names, 0 where the first has none.
+Eigen::VectorXd by_name(const ParameterModel& from, const Eigen::VectorXd& theta, const ParameterModel& to) {
+  Eigen::VectorXd same = Eigen::VectorXd::Zero(to.count());
+  for (Eigen::Index i = 0; i < to.count(); ++i) {
+    const std::string& name = to.list()[static_cast<std::size_t>(i)].name;
+    const auto found = std::find_if(from.list().begin(), from.list().end(),
+                                    [&](const Parameter& parameter) { return parameter.name == name; });
+    if (found != from.list().end()) same[i] = theta[found - from.list().begin()];
+  }
+  return same;
+}
+
+}  // namespace
+
+double AskedHeat::deviations() const { return std::abs(heat_W) / deviation_W; }
+
+std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) {
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const CalibrateOptions options = with_heats(task.options);
+  const TestPredictor predictor(task.network, options);
+  const ParameterModel& parameters = predictor.parameters();
+  if (!parameters.has_disturbances()) return {};
+  const Eigen::Index groups = parameters.group_count(), first = parameters.disturbance(0);
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(groups, groups);
+  Eigen::MatrixXd shared = Eigen::MatrixXd::Zero(unknowns.count(), groups);
+  Eigen::MatrixXd known_too = Eigen::MatrixXd::Identity(unknowns.count(), unknowns.count());  // I + L₀ᵀ Jᵀ W⁻¹ J L₀
+  Eigen::VectorXd score = Eigen::VectorXd::Zero(groups);
+  for (std::size_t test = 0; test < task.tests.size(); ++test) {
+    const Eigen::VectorXd theta = by_name(task.predictor.parameters(), unknowns.theta(fit.z, test), parameters);
+    const TestPrediction at = predictor.predict(task.tests[test], theta, unknowns.lag_s(fit.z));
+    const Eigen::LLT<Eigen::MatrixXd> weight(fit.weights[test]);
+    const Eigen::MatrixXd rows = weight.matrixL().solve(at.sensitivities.middleCols(first, groups));
+    const Eigen::MatrixXd known = weight.matrixL().solve(unknowns.rows(fit.readings[test], test) * unknowns.root());
+    known_too.noalias() += known.transpose() * known;
+    own.noalias() += rows.transpose() * rows;
+    shared.noalias() += known.transpose() * rows;
+    score.noalias() += rows.transpose() * weight.matrixL().solve(fit.left[test]);
+  }
+  const Eigen::MatrixXd explained = Eigen::LLT<Eigen::MatrixXd>(known_too).matrixL().solve(shared);
+  const Eigen::MatrixXd information = own - explained.transpose() * explained;
+  double most_W = 0.0;
+  for (const rom::HeatSource& source : task.network.boundaries.sources) most_W += std::abs(source.nominal_W);
+  std::vector<AskedHeat> asked;
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    const double heat_W = score[g] / information(g, g);
+    if (!(std::abs(heat_W) <= most_W)) continue;
+    asked.push_back(
+        {parameters.groups()[static_cast<std::size_t>(g)].name, heat_W, 1.0 / std::sqrt(information(g, g))});
+  }
+  std::stable_sort(asked.begin(), asked.end(),
+                   [](const AskedHeat& a, const AskedHeat& b) { return a.deviations() > b.deviations(); });
+  return asked;
+}
+
+}  // namespace spindle_twin::correction
