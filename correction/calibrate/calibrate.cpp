@@ -88,6 +88,7 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
     };
   };
   std::vector<ThermalTest> seen;
+  seen.reserve(tests.size());
   for (const ThermalTest& test : tests) seen.push_back(first_part(test, seen_share));
   const TestFit first = fit_tests({network, predictor, options, seen}, nullptr, say("fit of the first three quarters"));
   CalibrationResult result;
