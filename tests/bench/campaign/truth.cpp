@@ -76,6 +76,9 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
       case correction::ParameterKind::disturbance:
       case correction::ParameterKind::start:
         break;
+      case correction::ParameterKind::expansion:
+        normal(random);  // all draws behind it stay those of a seed; the FE model expands as the twin believes
+        break;
       case correction::ParameterKind::speed_exponent:
         truth.theta[i] = conditions.speed_exponent * normal(random);
         break;
