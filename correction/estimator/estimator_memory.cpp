@@ -77,6 +77,7 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   sensitivities_.set_transposed(Eigen::Map<const Eigen::MatrixXd>(
       state.sensitivities.data(), sensitivities_.transposed().rows(), coordinates_->nodes()));
   theta_ = filter_.mean().head(parameters_.count());
+  factors_.expansion = parameters_.expansion_factor(theta_);
   for (std::size_t s = 0; s < channels_.size(); ++s) {
     const Eigen::VectorXd shown = Eigen::Map<const Eigen::VectorXd>(state.lagged.data() + s * p, parameters_.count());
     channels_[s].restore(shown, state.channels[s * per_channel]);

@@ -86,13 +86,11 @@ void EstimatorCorrection::measure_displacement() {
   made_.displacement_m = no_value;
   if (!displacement_.pending) return;
   const auto index = static_cast<std::size_t>(displacement_.index);
-  const rom::DeformationOutput& output = network_->deformations[index];
+  const Eigen::VectorXd& row = network_->deformations[index].row_m_per_K;
   sensitivities_.of_row(displacement_.rows[index], place_);
-  double length_m =
-      output.row_m_per_K.dot(nodes_K_) - output.row_m_per_K.sum() * network_->boundaries.reference_temperature_K;
+  double length_m = row.dot(nodes_K_) - row.sum() * network_->boundaries.reference_temperature_K;
   parameters_.expand(theta_, length_m, place_);
-  made_.displacement_row.setZero();
-  made_.displacement_row.head(parameters_.count()) = place_;
+  made_.displacement_row << place_, Eigen::VectorXd::Zero(made_.displacement_row.size() - place_.size());
   made_.displacement_m = displacement_.value_m - length_m;
   made_.displacement_variance_m2 = displacement_.variance_m2 + curvature_variance(place_);
 }

@@ -110,6 +110,8 @@ class Cycle {
   /// A prediction beyond all plausibility (plausible.hpp) is given up for that of the uncorrected model, and the
   /// estimate begins anew from there.
   void guard_prediction();
+  /// Factor on deformations that the estimate says; 1 where nothing is corrected.
+  double expansion() const;
   void label(std::int64_t missed);
 
   const rom::Network& network_;

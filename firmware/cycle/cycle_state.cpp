@@ -189,6 +189,10 @@ void Cycle::note_troubles(const Troubles& troubles) {
     snapshot_.log_lines_dropped = troubles.log_lines_dropped->load(std::memory_order_relaxed);
 }
 
+double Cycle::expansion() const {
+  return corrector_.enabled && corrector_.estimator ? corrector_.estimator->factors().expansion : 1.0;
+}
+
 void Cycle::guard_prediction() {
   constexpr double shown_for_s = 600.0;
   const double now_s = snapshot_.model_time_s;
@@ -198,7 +202,7 @@ void Cycle::guard_prediction() {
     model_.stepper->set_temperatures(uncorrected_.stepper->temperatures_K());
     if (corrector_.estimator) corrector_.estimator->reset(now_s, model_.stepper->temperatures_K(), operating_);
     if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
-    predict(network_, model_, corrector_.estimator ? corrector_.estimator->factors().expansion : 1.0);
+    predict(network_, model_, expansion());
   }
   snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::implausible_prediction));
   if (now_s < implausible_until_s_) snapshot_.fault |= bits(Fault::implausible_prediction);

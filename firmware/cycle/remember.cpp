@@ -126,7 +126,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
 
   snapshot_.tare_m = from.tare_m;
   compensation_.resume_away(std::isfinite(from.trial_away_m) ? from.trial_away_m : 0.0);
-  predict(network_, model_, known ? corrector_.estimator->factors().expansion : 1.0);
+  predict(network_, model_, expansion());
   publish_corrected(model_, 0.0, plan_.output_limit_m, snapshot_);
   started_ = true;
   return known ? Resumed::temperatures_and_estimator : Resumed::temperatures;

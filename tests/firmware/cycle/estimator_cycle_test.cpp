@@ -287,6 +287,23 @@ TEST(EstimatorCycle, without_a_good_reading_it_says_so_and_grows_unsure) {
   EXPECT_GT(run.last.predicted_deviation_K[0], sd_K);
 }
 
+/// A length of 4 % more than the twin believes teaches the expansion, which a restart must not forget for a cycle.
+TEST(EstimatorCycle, a_restart_does_not_move_a_nose_whose_expansion_was_measured) {
+  const rom::Network network = tests::small_network();
+  Pair run(network, estimated(), 0.5);
+  run.until(2700);
+  run.command.displacement = {0, 1.04 * run.machine.model.outputs.deformations_m[0] - run.last.tare_m, 1e-8};
+  ++run.command.displacements;
+  run.until(2760);
+  Remembered remembered;
+  run.cycle.remember(remembered);
+  Cycle again(network, estimated(), runtime);
+  ASSERT_EQ(again.resume(remembered, 0.0), Resumed::temperatures_and_estimator);
+  const Snapshot& first = again.step({}, {}, at_s(0), 0);
+  EXPECT_NEAR(first.deformation_m[0], run.last.deformation_m[0], 2e-8);
+  EXPECT_GT(std::abs(run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0]), 1e-7);
+}
+
 TEST(EstimatorCycle, a_measured_length_is_taken_in_and_counts_from_the_tare) {
   const rom::Network network = tests::small_network();
   Pair run(network, estimated(), 0.5);
