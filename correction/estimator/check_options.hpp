@@ -1,6 +1,7 @@
 #pragma once
 
-#include "correction/estimator/estimator_correction.hpp"
+#include "correction/estimator/estimator_options.hpp"
+#include "rom/network.hpp"
 
 namespace spindle_twin::correction {
 

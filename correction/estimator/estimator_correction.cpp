@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "correction/estimator/check_options.hpp"
+#include "correction/estimator/second_pass.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/units.hpp"
 
@@ -64,7 +65,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   // Of a certified network, and of one that a test was met with, nothing is left to explain until readings contradict
   // it.
   const bool is_a_guess = network.hand_written && parameters_.calibrated() == nullptr;
-  disturbance_idle_ = disturbance_width_ = is_a_guess ? 1.0 : idle_width;
+  disturbance_idle_ = open_.disturbance = is_a_guess ? 1.0 : idle_width;
   filter_ = prior_ = SquareRootFilter(prior_mean_, covariance);
   Eigen::VectorXd width = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < p; ++i) {
@@ -79,31 +80,42 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   keep_ = Eigen::VectorXd::Ones(n);
   growth_ = row_ = gain_ = Eigen::VectorXd::Zero(n);
   theta_ = theta_step_ = place_ = curvature_ = Eigen::VectorXd::Zero(p);
-  start_missed_ = Eigen::VectorXd::Zero(parameters_.starts());
+  open_.start_missed = Eigen::VectorXd::Zero(parameters_.starts());
   outputs_.set_alternatives(Eigen::MatrixXd::Zero(p, m));
   factors_ = parameters_.make_factors(network);
   bias_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
   rises_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.sources.size()));
   corrected_K_ = nodes_K_ = Eigen::VectorXd::Zero(nodes);
   known_flow_kg_per_s_ = network.boundaries.operating.flow_kg_per_s;
-  Eigen::VectorXd internal = Eigen::VectorXd::Zero(nodes);
+  look_where_sensors_are();
+  held_at_ = relinearised_by_ = prior_mean_;
+  if (options_.second_pass > 0.0)
+    second_pass_ = std::make_unique<SecondPass>(network, options_, coordinates_, instant());
+}
+
+void EstimatorCorrection::look_where_sensors_are() {
+  Eigen::VectorXd internal = Eigen::VectorXd::Zero(coordinates_->nodes());
   for (const EstimatorSensor& sensor : options_.sensors) {
     sensitivities_.internal_row(sensor.row, internal);
-    channels_.emplace_back(internal, p);
+    channels_.emplace_back(internal, parameters_.count());
   }
   records_.resize(channels_.size());
-  for (const rom::DeformationOutput& output : network.deformations) {
+  for (const rom::DeformationOutput& output : network_->deformations) {
     sensitivities_.internal_row(output.row_m_per_K, internal);
     displacement_.rows.push_back(internal);
   }
 }
+
+EstimatorCorrection::~EstimatorCorrection() = default;
+EstimatorCorrection::EstimatorCorrection(EstimatorCorrection&& other) noexcept = default;
+EstimatorCorrection& EstimatorCorrection::operator=(EstimatorCorrection&& other) noexcept = default;
 
 Eigen::Index EstimatorCorrection::lag_at(Eigen::Index sensor) const {
   return offset_at(sensor) + static_cast<Eigen::Index>(options_.sensors.size());
 }
 
 double EstimatorCorrection::lag_s(Eigen::Index sensor) const {
-  return has_lags() ? filter_.mean()[lag_at(sensor)] : options_.sensors[static_cast<std::size_t>(sensor)].lag_s;
+  return has_lags() ? linearised_at()[lag_at(sensor)] : options_.sensors[static_cast<std::size_t>(sensor)].lag_s;
 }
 
 ParameterEstimate EstimatorCorrection::estimate(Eigen::Index parameter) const {
@@ -115,9 +127,11 @@ ParameterEstimate EstimatorCorrection::estimate(Eigen::Index parameter) const {
 void EstimatorCorrection::set_parameters(const Eigen::VectorXd& theta) {
   filter_.set_first(theta);
   theta_ = theta;
+  begin_another_record();
 }
 
 void EstimatorCorrection::forget() {
+  begin_another_record();
   outputs_.clear_alternatives();
   filter_.set_mean(prior_mean_);
   filter_.set_root(prior_.root());
@@ -129,16 +143,16 @@ void EstimatorCorrection::forget() {
   consistency_.restart();
   contradicted_ = false;
   knows_calibration_ = true;
-  disturbance_width_ = disturbance_idle_;
-  environment_width_ = 1.0;
+  open_.disturbance = disturbance_idle_;
+  open_.environment = 1.0;
   loosened_s_ = SensorChannel::never_s;
   note_curvature();
   displacement_.pending = false;
 }
 
 void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, const rom::OperatingState& operating) {
-  start_memory_s_ = 0.0;
-  start_missed_.setZero();
+  open_.start_memory_s = 0.0;
+  open_.start_missed.setZero();
   forget();
   begin_with_what_is_known();
   sensitivities_.start(parameters_);
@@ -149,9 +163,9 @@ void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, con
   }
   started_ = start_unseen_ = true;
   period_.drop();
-  reset_s_ = fused_s_ = seen_s_ = time_s;
-  due_s_ = time_s + options_.period_s;
-  fresh_until_s_ = time_s + fresh_s;
+  times_.reset_s = times_.fused_s = times_.seen_s = time_s;
+  times_.due_s = time_s + options_.period_s;
+  times_.fresh_until_s = time_s + fresh_s;
   nodes_K_ = corrected_K_ = nodes;
   known_flow_kg_per_s_ = operating.flow_kg_per_s;
   publish_factors(operating);
@@ -186,7 +200,7 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
   growth.setZero();
   for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
     const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
-    const double memory_s = i == parameters_.start() ? start_memory_s_ : parameter.memory_s;
+    const double memory_s = i == parameters_.start() ? open_.start_memory_s : parameter.memory_s;
     if (memory_s > 0.0) {
       keep[i] = std::exp(-elapsed_s / memory_s);
       growth[i] = std::pow(width_of(parameter) * parameter.deviation, 2.0) * (1.0 - keep[i] * keep[i]);
@@ -201,15 +215,15 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
 }
 
 double EstimatorCorrection::width_of(const Parameter& parameter) const {
-  if (parameter.kind == ParameterKind::disturbance) return disturbance_width_;
-  return parameter.kind == ParameterKind::environment ? environment_width_ : 1.0;
+  if (parameter.kind == ParameterKind::disturbance) return open_.disturbance;
+  return parameter.kind == ParameterKind::environment ? open_.environment : 1.0;
 }
 
 void EstimatorCorrection::pass_time(double elapsed_s) {
   passing_of_time(elapsed_s, keep_, growth_);
-  disturbance_width_ =
-      std::max(disturbance_idle_, disturbance_width_ * std::exp(-elapsed_s / disturbance_width_memory_s));
-  environment_width_ = std::max(1.0, environment_width_ * std::exp(-elapsed_s / environment_width_memory_s));
+  open_.disturbance =
+      std::max(disturbance_idle_, open_.disturbance * std::exp(-elapsed_s / disturbance_width_memory_s));
+  open_.environment = std::max(1.0, open_.environment * std::exp(-elapsed_s / environment_width_memory_s));
   filter_.pass_time(prior_mean_, keep_, growth_);
   note_curvature();
 }
@@ -223,41 +237,45 @@ void EstimatorCorrection::note_curvature() {
     curvature_[i] = is_ln ? share * filter_.deviation(i) * filter_.deviation(i) : 0.0;
   }
   // What is warmed or cooled otherwise than the shapes of the start say is another shape within minutes.
-  const double left = std::exp(-std::max(0.0, seen_s_ - widened_s_) / start_missed_memory_s);
-  curvature_.tail(start_missed_.size()) = left * start_missed_;
+  const double left = std::exp(-std::max(0.0, times_.seen_s - open_.widened_s) / start_missed_memory_s);
+  curvature_.tail(open_.start_missed.size()) = left * open_.start_missed;
 }
 
 EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
   if (!started_) reset(sample.time_s, sample.nodes_K, sample.operating);
   if (standing_by_) {
     standing_by_ = false;
-    fused_s_ = sample.time_s;
-    due_s_ = sample.time_s + options_.period_s;
+    times_.fused_s = sample.time_s;
+    times_.due_s = sample.time_s + options_.period_s;
     for (SensorChannel& channel : channels_) channel.clear();
   }
   nodes_K_ = sample.nodes_K;
-  const double elapsed_s = sample.time_s - seen_s_;
-  seen_s_ = sample.time_s;
+  const double elapsed_s = sample.time_s - times_.seen_s;
+  times_.seen_s = sample.time_s;
   for (std::size_t s = 0; s < channels_.size(); ++s) {
     const auto index = static_cast<Eigen::Index>(s);
     channels_[s].predict(options_.sensors[s].row.dot(nodes_K_), elapsed_s, lag_s(index));
     if (sample.valid[index]) channels_[s].observe(sample.measured_K[index]);
   }
-  const bool due = sample.time_s >= due_s_ - due_slack_s;
-  const bool fresh = sample.time_s < fresh_until_s_;
+  const bool due = sample.time_s >= times_.due_s - due_slack_s;
+  const bool fresh = sample.time_s < times_.fresh_until_s;
   if (due || fresh || period_.differs(sample.operating)) close_period(sample.time_s);
   if (start_unseen_) look_at_the_start();
   widen_films(sample.operating);
   EstimatorStep result;
   if (due) {
     result.corrected = result.state_corrected = update(sample.time_s);
-    due_s_ += options_.period_s;
-    if (due_s_ <= sample.time_s) due_s_ = sample.time_s + options_.period_s;
-  } else if (fresh) {
+    times_.due_s += options_.period_s;
+    if (times_.due_s <= sample.time_s) times_.due_s = sample.time_s + options_.period_s;
+  } else if (fresh && !is_held_) {
     outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
   }
   publish_factors(sample.operating);
   if (!period_.is_open()) open_period(sample.time_s, sample.operating);
+  if (second_pass_ && second_pass_->follow(*this, sample, due)) {
+    take_over(second_pass_->result(), sample.operating);
+    result.corrected = result.state_corrected = true;
+  }
   return result;
 }
 
@@ -271,8 +289,8 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
     standing_by_ = true;
   }
   nodes_K_ = nodes;
-  const double elapsed_s = time_s - seen_s_;
-  seen_s_ = time_s;
+  const double elapsed_s = time_s - times_.seen_s;
+  times_.seen_s = time_s;
   for (std::size_t s = 0; s < channels_.size(); ++s) {
     channels_[s].predict(options_.sensors[s].row.dot(nodes_K_), elapsed_s, lag_s(static_cast<Eigen::Index>(s)));
   }
@@ -283,7 +301,7 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
   factors_.capacity_factor.setOnes();
   factors_.expansion = 1.0;
   bias_K_.setZero();
-  if (time_s >= period_.opened_s() + options_.period_s - due_slack_s || time_s < fresh_until_s_ ||
+  if (time_s >= period_.opened_s() + options_.period_s - due_slack_s || time_s < times_.fresh_until_s ||
       period_.differs(operating)) {
     close_period(time_s);
     outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
@@ -310,11 +328,12 @@ FoundHeat EstimatorCorrection::unexplained_heat() const {
 }
 
 void EstimatorCorrection::open_heats(const SquareRootFilter& other, const rom::OperatingState& operating) {
-  disturbance_width_ = std::max(disturbance_width_, open_width);
+  open_.disturbance = std::max(open_.disturbance, open_width);
   adopt(other, operating);
 }
 
 void EstimatorCorrection::adopt(const SquareRootFilter& other, const rom::OperatingState& operating) {
+  begin_another_record();
   made_.unknowns = filter_.mean();
   filter_.set_mean(other.mean());
   filter_.set_root(other.root());
@@ -323,7 +342,7 @@ void EstimatorCorrection::adopt(const SquareRootFilter& other, const rom::Operat
   publish_factors(operating);
   // What is held so far belongs to the old parameters; the period that begins here, to the new ones.
   period_.drop();
-  open_period(seen_s_, operating);
+  open_period(times_.seen_s, operating);
 }
 
 }  // namespace spindle_twin::correction

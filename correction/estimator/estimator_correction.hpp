@@ -9,6 +9,7 @@
 #include "correction/estimator/calibrated_prior.hpp"
 #include "correction/estimator/calibration_recall.hpp"
 #include "correction/estimator/consistency.hpp"
+#include "correction/estimator/estimator_options.hpp"
 #include "correction/estimator/held_period.hpp"
 #include "correction/estimator/measurement.hpp"
 #include "correction/estimator/output_deviations.hpp"
@@ -17,54 +18,10 @@
 #include "correction/estimator/sensor_channel.hpp"
 #include "correction/estimator/square_root_filter.hpp"
 #include "rom/network.hpp"
-#include "rom/option.hpp"
 
 namespace spindle_twin::correction {
 
-/// Options, not state: what a person may set, which is why it is open. `each` says what each means.
-struct EstimatorOptions {  // NOLINT(public-members): a table of options, which `each` names one by one
-  EstimatorPriors priors;
-  double period_s = 10.0;
-  double noise_K = 0.03;             ///< of the sensors that are made from key points, as the next two
-  double offset_deviation_K = 0.02;  ///< key `offset_K`
-  double lag_s = 0.0;
-  double lag_deviation_s = 14.0;
-  double floor_K = 0.03;  ///< 1σ, where the estimated one begins
-  double floor_by_hand_K = 0.3;
-  double floor_largest_K = 1.0;
-  double curvature = 0.5;  ///< κ
-  double correlation_s = 60.0;
-  double offset_walk_K_per_root_hour = 0.002;
-  double gate = 5.0;                     ///< an innovation beyond so many deviations is rejected
-  std::vector<EstimatorSensor> sensors;  ///< empty: one per key point of the network
-
-  template <class Options, class Visit>
-  static void each(Options& options, Visit&& visit) {
-    using rom::zero_or_some;
-    visit({"period_s", "between updates, 1 to 60", rom::between(1.0, 60.0)}, options.period_s);
-    visit({"noise_K", "1 sigma of one reading, of sensors that say nothing of their own", noise_range_K},
-          options.noise_K);
-    visit({"offset_K", "1 sigma of a sensor's constant error: after a tare, 0.2 without one", offset_range_K},
-          options.offset_deviation_K);
-    visit({"lag_s", "first-order lag between temperature and reading, where its estimate begins", lag_range_s},
-          options.lag_s);
-    visit(zero_or_some("lag_deviation_s", "1 sigma of what it is wrong by; 0: it is as said", 120.0),
-          options.lag_deviation_s);
-    visit(zero_or_some("floor_K", "what the network itself is wrong at a sensor: least of the estimated floor", 10.0),
-          options.floor_K);
-    visit(zero_or_some("floor_by_hand_K", "the same of a hand-written network, which nobody could measure", 10.0),
-          options.floor_by_hand_K);
-    visit(zero_or_some("floor_largest_K", "most of the estimated floor", 100.0), options.floor_largest_K);
-    visit(zero_or_some("curvature", "share that counts of what a straight line leaves out of the ln factors", 100.0),
-          options.curvature);
-    visit(zero_or_some("correlation_s", "errors closer than this count as one", 3600.0), options.correlation_s);
-    visit(zero_or_some("offset_walk_K_per_root_hour", "how fast offsets wander", 1.0),
-          options.offset_walk_K_per_root_hour);
-    visit({"gate", "a reading further from the prediction than so many deviations is left out",
-           rom::between(1.0, 1000.0)},
-          options.gate);
-  }
-};
+class SecondPass;
 
 /// One sensor per key point, with the options' noise, offset and lag.
 std::vector<EstimatorSensor> key_point_sensors(const rom::Network& network, const EstimatorOptions& options);
@@ -125,6 +82,7 @@ std::optional<KnownParameters> known_from(std::vector<std::string> unknowns, con
 ///                      readings, it is loosened: P to the prior around the present z, the start anew (loosen)
 ///   per sensor         z += K v,  P ← P − K h P           if v² <= gate² (h P hᵀ + r)
 ///   then               x += S Δθ: what the wrong parameters have done to the state is taken back with them
+///   after a start      the readings since then are gone through again, linearised where they have led (SecondPass)
 ///   every cycle        heat factors = e^θ (|n|/n_ref)^δ e^(−β rise), conductance factors = e^θ
 /// The model itself is the caller's: it integrates with factors() and with environment_bias_K() added to what the
 /// environments read. step() may run in the cycle: no allocation, at most one propagation of S a cycle and one update
@@ -135,6 +93,10 @@ class EstimatorCorrection {
   /// rom::InputError naming the option for one out of range.
   EstimatorCorrection(const rom::Network& network, EstimatorOptions options,
                       std::shared_ptr<const rom::NetworkOperator> shared = nullptr);
+
+  ~EstimatorCorrection();
+  EstimatorCorrection(EstimatorCorrection&& other) noexcept;
+  EstimatorCorrection& operator=(EstimatorCorrection&& other) noexcept;
 
   /// Starts anew at time_s from these nodes: priors, no sensitivities but those of the start. Where the first readings
   /// say that the spindle does not stand at these temperatures, the start is opened as far as they do
@@ -178,7 +140,7 @@ class EstimatorCorrection {
 
   /// Heats that no source explains are shut in a certified network until something speaks for one: then they are opened
   /// to open_heat_W() and fade again within hours. May run in the cycle.
-  bool heats_are_open() const { return disturbance_width_ >= 0.5; }
+  bool heats_are_open() const { return open_.disturbance >= 0.5; }
   double open_heat_W(Eigen::Index group) const;
   /// The surest of them that is further from zero than two of its deviations. May run in the cycle.
   FoundHeat unexplained_heat() const;
@@ -223,6 +185,10 @@ class EstimatorCorrection {
   const Consistency& consistency() const { return consistency_; }
   /// How often the estimate was loosened; a bank of filters around it then begins anew.
   long loosened() const { return loosened_; }
+  /// How often the estimate has gone over to that of a second pass, after the update; and by how much z has moved the
+  /// last time, by which such a bank is shifted.
+  long relinearised() const { return relinearised_; }
+  const Eigen::VectorXd& relinearised_by() const { return relinearised_by_; }
   /// Of the last displacement, in m.
   const SensorRecord& displacement_record() const { return displacement_.record; }
   /// 1σ of all outputs at the last update; in the first 30 s after reset() at the last step.
@@ -232,7 +198,7 @@ class EstimatorCorrection {
   /// dT/dθ, N x p. Allocates.
   Eigen::MatrixXd sensitivities_K() const { return sensitivities_.in_kelvin(); }
   /// Time since reset(), to the last sample.
-  double age_s() const { return seen_s_ - reset_s_; }
+  double age_s() const { return times_.seen_s - times_.reset_s; }
   long updates() const { return updates_; }
   /// Periods whose sensitivities could not be carried on; 0 in good health.
   long failures() const { return failures_; }
@@ -244,6 +210,7 @@ class EstimatorCorrection {
   bool restore(const EstimatorState& state);
 
  private:
+  friend class SecondPass;
   /// A length that waits for the next update.
   struct DisplacementChannel {
     std::vector<Eigen::VectorXd> rows;  ///< on x, one per deformation
@@ -253,11 +220,51 @@ class EstimatorCorrection {
     bool pending = false;
   };
 
+  /// Of the last reset, update and sample; of the next update.
+  struct Times {
+    double reset_s = 0.0, fused_s = 0.0, seen_s = 0.0, due_s = 0.0;
+    double fresh_until_s = 0.0;
+  };
+  /// What is more open than the priors say.
+  struct Openness {
+    double start_memory_s = 0.0;   ///< of a start after a pause: > 0, its parameter forgets
+    double widened_s = 0.0;        ///< when the start was opened
+    Eigen::VectorXd start_missed;  ///< 1σ of what the effect of each start parameter may miss, when it was opened
+    double disturbance = 1.0;      ///< of the unexplained heats, times their prior's deviation
+    double environment = 1.0;      ///< of what environments read wrong, times their prior's deviation
+  };
+
+  /// What is known at one instant, from which a second pass begins. Sized by instant(), then assigned without the heap.
+  struct Instant {
+    SquareRootFilter filter;
+    Eigen::MatrixXd sensitivities;
+    std::vector<SensorChannel> channels;
+    Consistency consistency;
+    Eigen::VectorXd nodes_K, flow_kg_per_s;
+    Times times;
+    Openness open;
+    bool knows_calibration = true;
+  };
+  Instant instant() const;
+  void note_instant(Instant& to) const;
+  /// Of a second pass: from this instant on, as if these unknowns had been known from the start. The model and all rows
+  /// are theirs until release(), while the filter's mean and P go on from those of the instant.
+  void hold(const Instant& from, const Eigen::VectorXd& unknowns, const rom::OperatingState& operating);
+  /// Ends it: the unknowns are those of the filter, and the state with them.
+  void release();
+  /// Goes over to what a second pass has come to at the same instant.
+  void take_over(const EstimatorCorrection& pass, const rom::OperatingState& operating);
+  /// What was recorded for a second pass is of another estimate.
+  void begin_another_record();
+  /// Unknowns that the model and all rows belong to.
+  const Eigen::VectorXd& linearised_at() const { return is_held_ ? held_at_ : filter_.mean(); }
+
   Eigen::Index offset_at(Eigen::Index sensor) const { return parameters_.count() + sensor; }
   Eigen::Index lag_at(Eigen::Index sensor) const;
   bool has_lags() const { return options_.lag_deviation_s > 0.0; }
   /// An unknown that is of the machine or of a sensor's mounting, and stays when a day is over.
   bool stays(Eigen::Index unknown) const;
+  void look_where_sensors_are();
   void forget();
   void begin_with_what_is_known();
   void publish_factors(const rom::OperatingState& operating);
@@ -335,16 +342,16 @@ class EstimatorCorrection {
   Eigen::VectorXd known_flow_kg_per_s_;  ///< that the films were learnt at
   /// So long after a start the sensitivities are carried on in every cycle: all that is not known comes into play then.
   static constexpr double fresh_s = 30.0;
-  double reset_s_ = 0.0, fused_s_ = 0.0, due_s_ = 0.0, seen_s_ = 0.0, fresh_until_s_ = 0.0;
-  /// Of a start after a pause: > 0, its parameter forgets; when the start was opened.
-  double start_memory_s_ = 0.0, widened_s_ = 0.0;
-  Eigen::VectorXd start_missed_;    ///< 1σ of what the effect of each start parameter may miss, when it was opened
-  double disturbance_width_ = 1.0;  ///< of the unexplained heats, times their prior's
-  double disturbance_idle_ = 1.0;   ///< the same while nothing speaks for any
-  double environment_width_ = 1.0;  ///< of what environments read wrong, times their prior's
-  bool contradicted_ = false;       ///< told so
+  Times times_;
+  Openness open_;
+  double disturbance_idle_ = 1.0;  ///< open_.disturbance while nothing speaks for any
+  bool contradicted_ = false;      ///< told so
   bool started_ = false, standing_by_ = false, start_unseen_ = false;
-  long updates_ = 0, failures_ = 0, loosened_ = 0;
+  bool is_held_ = false, held_in_vain_ = false;  ///< a second pass; whose readings contradict it
+  Eigen::VectorXd held_at_;                      ///< the unknowns that it is linearised about
+  Eigen::VectorXd relinearised_by_;
+  std::unique_ptr<SecondPass> second_pass_;  ///< null: not asked for
+  long updates_ = 0, failures_ = 0, loosened_ = 0, relinearised_ = 0;
   double loosened_s_ = SensorChannel::never_s;  ///< when it was loosened last
 };
 

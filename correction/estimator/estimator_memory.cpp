@@ -35,7 +35,7 @@ void EstimatorCorrection::save(EstimatorState& state) const {
   state.sensitivities.resize(static_cast<std::size_t>(sensitivities_.transposed().size()));
   state.lagged.resize(channels_.size() * p);
   state.channels.resize(channels_.size() * per_channel);
-  state.start.resize(of_start + static_cast<std::size_t>(start_missed_.size()));
+  state.start.resize(of_start + static_cast<std::size_t>(open_.start_missed.size()));
   copy(filter_.mean(), state.mean, 0);
   copy(filter_.root().reshaped(), state.root, 0);
   copy(sensitivities_.transposed().reshaped(), state.sensitivities, 0);
@@ -44,10 +44,10 @@ void EstimatorCorrection::save(EstimatorState& state) const {
     state.channels[s * per_channel] = channels_[s].lag_slope_K_per_s();
     state.channels[s * per_channel + 1] = consistency_.floor_K(static_cast<Eigen::Index>(s));
   }
-  state.start[0] = start_memory_s_;
-  state.start[1] = widened_s_ - seen_s_;
-  state.start[2] = disturbance_width_;
-  copy(start_missed_, state.start, of_start);
+  state.start[0] = open_.start_memory_s;
+  state.start[1] = open_.widened_s - times_.seen_s;
+  state.start[2] = open_.disturbance;
+  copy(open_.start_missed, state.start, of_start);
   state.scale.resize(n);
   copy(filter_.scale(), state.scale, 0);
   state.nominal.resize(n, 1.0);
@@ -61,7 +61,7 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   if (!started_ || !fits(state.mean, n) || !fits(state.root, n * n) || !fits(state.lagged, channels_.size() * p) ||
       !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
       !fits(state.channels, channels_.size() * per_channel) ||
-      !fits(state.start, of_start + static_cast<std::size_t>(start_missed_.size())) ||
+      !fits(state.start, of_start + static_cast<std::size_t>(open_.start_missed.size())) ||
       (!state.scale.empty() && !fits(state.scale, n))) {
     return false;
   }
@@ -86,16 +86,17 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
     records_[s].offset_K = filter_.mean()[b];
     records_[s].offset_deviation_K = filter_.deviation(b);
   }
-  start_memory_s_ = state.start[0];
-  widened_s_ = seen_s_ + state.start[1];
-  disturbance_width_ = state.start[2];
+  open_.start_memory_s = state.start[0];
+  open_.widened_s = times_.seen_s + state.start[1];
+  open_.disturbance = state.start[2];
   for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
     const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
     if (parameter.kind != ParameterKind::environment || !(parameter.deviation > 0.0)) continue;
-    environment_width_ = std::max(environment_width_, filter_.deviation(i) / parameter.deviation);
+    open_.environment = std::max(open_.environment, filter_.deviation(i) / parameter.deviation);
   }
-  start_missed_ = Eigen::Map<const Eigen::VectorXd>(state.start.data() + of_start, start_missed_.size());
+  open_.start_missed = Eigen::Map<const Eigen::VectorXd>(state.start.data() + of_start, open_.start_missed.size());
   start_unseen_ = false;
+  begin_another_record();
   note_curvature();
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
   return true;
@@ -117,11 +118,12 @@ void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& node
   growth_[start] = deviation * deviation;
   filter_.pass_time(prior_mean_, keep_, growth_);
   theta_ = filter_.mean().head(parameters_.count());
-  start_memory_s_ = unseen_memory_s;
-  start_missed_.setZero();
-  start_missed_[0] = unseen_shape * deviation;
-  widened_s_ = time_s;
-  fresh_until_s_ = time_s + fresh_s;
+  begin_another_record();
+  open_.start_memory_s = unseen_memory_s;
+  open_.start_missed.setZero();
+  open_.start_missed[0] = unseen_shape * deviation;
+  open_.widened_s = time_s;
+  times_.fresh_until_s = time_s + fresh_s;
   for (SensorChannel& channel : channels_) {
     sensitivities_.of_row(channel.internal(), place_);
     channel.set_sensitivity_at(start, place_[start]);

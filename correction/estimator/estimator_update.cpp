@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "correction/estimator/estimator_correction.hpp"
+#include "correction/estimator/second_pass.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -14,36 +15,10 @@ constexpr double by_chance = 3.0;  ///< deviations of what it leaves out that th
 constexpr double longest_lag_s = 120.0;
 constexpr double lag_missed = 0.3;  // of what an open lag does, the share that a straight line in it leaves out
 
-// How the estimate is loosened.
-constexpr double least_start_K = 0.2;       // σ of the uniform start
-constexpr double start_groups_share = 0.5;  // of that, per thermal group
-constexpr double implausible = 2.0;         // deviations of its prior, in an estimate that readings contradict
-// What contradicts a loosened estimate again within this time is another machine than the one that was calibrated: the
-// first loosening gives a calibrated estimate back all of its own deviations, and an hour is two to four of the time
-// constants by which a spindle's heats show.
-constexpr double again_within_s = 3600.0;
-constexpr double untared_K = 0.1;  // σ of a class A PT100 without tare, its tolerance taken for 2σ (IEC 60751)
-// Unexplained heats, in deviations of their prior: opened to the first, or to so many times what they were, at most to
-// the widest. A length tells of the nose what no sensor does, so it opens them further.
-constexpr double disturbance_step = 3.0;
-constexpr double disturbance_first = 2.0;
+// A length tells of the nose what no sensor does: it opens unexplained heats to so many deviations of their prior, from
+// this squared innovation over its variance on.
 constexpr double disturbance_by_length = 8.0;
-constexpr double disturbance_widest = 30.0;
-// What environments read wrong, of the largest innovation: a sensor shows a part of it. At most so many deviations.
-constexpr double environment_share = 2.0;
-constexpr double environment_widest = 50.0;
-constexpr double displacement_nis = 2.0;  // squared innovation of a length over its variance, from which it opens them
-
-constexpr double new_flow_share = 0.1;  // a film learnt at one flow is another at a flow that differs by more
-
-// A start of which nothing is known.
-constexpr double isothermal = 3.0;  // deviations of one reading within which the sensors stand at one temperature
-// Of the largest reading off the mean: σ of the steady rises, whose hottest place no sensor sees, and of each group;
-// and what a group's own temperature differences add to either. Larger ones change nothing (warm_restart of
-// tests/bench/reality_campaign), smaller ones leave the truth outside.
-constexpr double open_shapes_share = 2.0;
-constexpr double open_groups_share = 1.0;
-constexpr double shape_missed = 0.3;
+constexpr double displacement_nis = 2.0;
 
 }  // namespace
 
@@ -70,7 +45,7 @@ void EstimatorCorrection::measure(double time_s) {
     if (has_lags()) row[lag_at(s)] = channel.mean_lag_slope();
     made_.innovation_K[s] = no_value;
     if (channel.samples() == 0) continue;
-    made_.innovation_K[s] = channel.mean_residual_K() - filter_.mean()[offset_at(s)];
+    made_.innovation_K[s] = channel.mean_residual_K() - made_.unknowns[offset_at(s)];
     const double interval_s = std::max(time_s - channel.fused_s, options_.period_s);
     const double floor_K = consistency_.floor_K(s);
     // A straight line leaves out no more than what is left of the readings, but by chance.
@@ -102,7 +77,7 @@ bool EstimatorCorrection::contradicted(double time_s) {
     row_ = made_.rows.col(s);
     const double known_K2 = filter_.variance_of(row_);
     const double variance_K2 = known_K2 + made_.noise_K2[s];
-    const double innovation_K = made_.innovation_K[s];
+    const double innovation_K = made_.innovation_at(s, filter_.mean());
     const double noise_K = options_.sensors[static_cast<std::size_t>(s)].noise_K;
     const double explained_K2 =
         known_K2 + noise_K * noise_K / channel.samples() + curvature_variance(channel.sensitivity());
@@ -162,162 +137,26 @@ void EstimatorCorrection::fuse_tares() {
   }
 }
 
-void EstimatorCorrection::widen_disturbances(double first) {
-  if (!parameters_.has_disturbances()) return;
-  disturbance_width_ = std::clamp(disturbance_step * disturbance_width_, first, disturbance_widest);
-  for (std::size_t g = 0; g < parameters_.groups().size(); ++g) {
-    const Eigen::Index slot = parameters_.disturbance(static_cast<Eigen::Index>(g));
-    const double wanted = disturbance_width_ * parameters_.list()[static_cast<std::size_t>(slot)].deviation;
-    const double missing = wanted * wanted - std::pow(keep_[slot] * filter_.deviation(slot), 2.0);
-    growth_[slot] = std::max(growth_[slot], missing);
-  }
-}
-
-void EstimatorCorrection::widen_environments(double widest_K) {
-  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
-    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
-    if (parameter.kind != ParameterKind::environment || !(parameter.deviation > 0.0)) continue;
-    environment_width_ = std::max(environment_width_, std::min(widest_K / parameter.deviation, environment_widest));
-    const double wanted_K = environment_width_ * parameter.deviation;
-    growth_[i] = std::max(growth_[i], wanted_K * wanted_K - std::pow(keep_[i] * filter_.deviation(i), 2.0));
-  }
-}
-
-void EstimatorCorrection::open_start(double widest_K, double shapes_share, double groups_share) {
-  const Eigen::Index first = parameters_.start();
-  if (first < 0) return;
-  const auto groups = static_cast<Eigen::Index>(parameters_.groups().size());
-  for (Eigen::Index i = first; i < parameters_.count(); ++i) {
-    const bool group = i >= parameters_.count() - groups;
-    const double share = i == first ? 1.0 : (group ? groups_share : shapes_share);
-    const double least_K = parameters_.list()[static_cast<std::size_t>(i)].deviation;
-    keep_[i] = 0.0;
-    const double deviation_K = std::max(share * widest_K, least_K);
-    growth_[i] = deviation_K * deviation_K;
-    start_missed_[i - first] = shape_missed * deviation_K;
-  }
-  widened_s_ = seen_s_;
-}
-
-EstimatorCorrection::Opened EstimatorCorrection::opened(Eigen::Index i, bool as_unknown) const {
-  if (!as_unknown || i >= parameters_.count()) return {prior_mean_[i], filter_.scale()[i]};
-  const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
-  return {parameter.uncalibrated_mean, parameter.uncalibrated_deviation};
-}
-
-void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
-  row_ = filter_.mean();
-  for (Eigen::Index i = 0; i < filter_.size(); ++i) {
-    const bool is_parameter = i < parameters_.count();
-    const double width = is_parameter ? width_of(parameters_.list()[static_cast<std::size_t>(i)]) : 1.0;
-    const Opened open = opened(i, as_unknown);
-    const double deviation = std::max(width, 1.0) * open.deviation;
-    if (!(std::abs(row_[i] - open.mean) > implausible * deviation)) continue;
-    row_[i] = open.mean;
-    keep_[i] = 0.0;
-    growth_[i] = deviation * deviation;
-    if (!is_parameter) continue;
-    sensitivities_.clear(i);
-    for (SensorChannel& channel : channels_) channel.set_sensitivity_at(i, 0.0);
-  }
-  filter_.set_mean(row_);
-}
-
-void EstimatorCorrection::loosen(double widest_K) {
-  ++loosened_;
-  const bool as_unknown = seen_s_ - loosened_s_ < again_within_s;
-  loosened_s_ = seen_s_;
-  if (as_unknown) knows_calibration_ = false;
-  const double open_K = std::max(widest_K, least_start_K);
-  keep_.setOnes();
-  growth_.setZero();
-  for (Eigen::Index i = 0; i < filter_.size(); ++i) {
-    const double deviation = filter_.deviation(i);
-    if (deviation > 0.0) keep_[i] = std::max(1.0, opened(i, as_unknown).deviation / deviation);
-  }
-  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(channels_.size()); ++s) {
-    const double wanted_K = std::min(0.5 * open_K, untared_K),
-                 b = keep_[offset_at(s)] * filter_.deviation(offset_at(s));
-    growth_[offset_at(s)] = std::max(0.0, wanted_K * wanted_K - b * b);
-  }
-  widen_disturbances(disturbance_first);
-  widen_environments(environment_share * open_K);
-  forget_the_implausible(as_unknown);
-  open_start(open_K, start_groups_share, start_groups_share);
-  filter_.widen(keep_, growth_);
-  start_memory_s_ = 0.0;
-  sensitivities_.restart(parameters_);
-  // What the start has done until now is in the state.
-  row_ = filter_.mean();
-  row_.segment(parameters_.count() - parameters_.starts(), parameters_.starts()).setZero();
-  filter_.set_mean(row_);
-  made_.unknowns = row_;
-  for (SensorChannel& channel : channels_) {
-    sensitivities_.of_row(channel.internal(), place_);
-    if (parameters_.start() >= 0) channel.set_sensitivity_from(parameters_.start(), place_);
-  }
-  note_curvature();
-}
-
-void EstimatorCorrection::widen_films(const rom::OperatingState& operating) {
-  bool changed = false;
-  keep_.setOnes();
-  growth_.setZero();
-  for (Eigen::Index c = 0; c < known_flow_kg_per_s_.size(); ++c) {
-    double& known = known_flow_kg_per_s_[c];
-    const double now = operating.flow_kg_per_s[c];
-    if (!(std::abs(now - known) > new_flow_share * std::max(std::abs(now), std::abs(known)))) continue;
-    known = now;
-    changed = true;
-    for (const int segment : network_->boundaries.circuits[static_cast<std::size_t>(c)].segments) {
-      const int slot = parameters_.conductance(segment);
-      // A calibration was of the film at the flow of its test.
-      if (slot >= 0) keep_[slot] = std::max(1.0, opened(slot, true).deviation / filter_.deviation(slot));
-    }
-  }
-  if (!changed) return;
-  filter_.widen(keep_, growth_);
-  note_curvature();
-}
-
-void EstimatorCorrection::look_at_the_start() {
-  double widest_K = 0.0, expected_K = 0.0;
-  bool seen = false;
-  for (std::size_t s = 0; s < channels_.size(); ++s) {
-    if (channels_[s].samples() == 0) continue;
-    seen = true;
-    const EstimatorSensor& sensor = options_.sensors[s];
-    widest_K = std::max(widest_K, std::abs(channels_[s].mean_residual_K()));
-    expected_K = std::max(expected_K, std::hypot(sensor.noise_K, sensor.offset_deviation_K));
-  }
-  if (!seen) return;
-  start_unseen_ = false;
-  if (parameters_.start() < 0 || widest_K <= isothermal * expected_K) return;
-  keep_.setOnes();
-  growth_.setZero();
-  open_start(widest_K, open_shapes_share, open_groups_share);
-  filter_.widen(keep_, growth_);
-  note_curvature();
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
-}
-
 bool EstimatorCorrection::displacement_contradicts() {
   if (!displacement_.pending) return false;
   row_ = made_.displacement_row;
   const double variance_m2 = filter_.variance_of(row_) + made_.displacement_variance_m2;
-  return made_.displacement_m * made_.displacement_m > displacement_nis * variance_m2;
+  const double innovation_m = made_.displacement_at(filter_.mean());
+  return innovation_m * innovation_m > displacement_nis * variance_m2;
 }
 
 bool EstimatorCorrection::update(double time_s) {
-  made_.elapsed_s = time_s - fused_s_;
+  made_.elapsed_s = time_s - times_.fused_s;
   pass_time(made_.elapsed_s);
   if (knows_calibration_) recall_.take_in(made_.elapsed_s, filter_);
-  fused_s_ = time_s;
-  made_.unknowns = filter_.mean();
+  times_.fused_s = time_s;
+  made_.unknowns = linearised_at();
   measure(time_s);
   if (contradicted_) consistency_.contradict();
   const bool found = contradicted(time_s);
-  if (found || contradicted_) {
+  if (is_held_) {
+    held_in_vain_ = held_in_vain_ || found;
+  } else if (found || contradicted_) {
     contradicted_ = false;
     loosen(consistency_.largest_innovation_K());
     measure(time_s);
@@ -332,7 +171,7 @@ bool EstimatorCorrection::update(double time_s) {
   fuse_sensors(time_s);
   fuse_tares();
   fuse_displacement();
-  const bool moved = follow_filter();
+  const bool moved = !is_held_ && follow_filter();
   for (SensorChannel& channel : channels_) channel.clear();
   ++updates_;
   return moved;
@@ -377,6 +216,7 @@ void EstimatorCorrection::widen_offset(Eigen::Index sensor, double deviation_K) 
   growth_.setZero();
   growth_[offset_at(sensor)] = deviation_K * deviation_K;
   filter_.pass_time(prior_mean_, keep_, growth_);
+  begin_another_record();
 }
 
 void EstimatorCorrection::note_tare(Eigen::Index sensor, double shift_K, double deviation_K) {
@@ -386,6 +226,7 @@ void EstimatorCorrection::note_tare(Eigen::Index sensor, double shift_K, double 
   channels_[static_cast<std::size_t>(sensor)].clear();
   records_[static_cast<std::size_t>(sensor)].offset_K = row_[offset_at(sensor)];
   tare_deviation_K_[sensor] = deviation_K;
+  begin_another_record();
 }
 
 void EstimatorCorrection::note_displacement(int index, double value_m, double deviation_m) {
@@ -395,6 +236,7 @@ void EstimatorCorrection::note_displacement(int index, double value_m, double de
   displacement_.value_m = value_m;
   displacement_.variance_m2 = deviation_m * deviation_m;
   displacement_.pending = true;
+  if (second_pass_) second_pass_->note_displacement(index, value_m, deviation_m);
 }
 
 }  // namespace spindle_twin::correction

@@ -102,7 +102,9 @@ bool explained_by_heat(const rom::OperatingState& operating, Model& model, Senso
   }
   if (watch.seen.heats_were_open) watch.heat->follow(estimator);
   watch.seen.heats_were_open = false;
-  if (!watch.heat->update(estimator)) return false;
+  const bool enough = watch.heat->update(estimator);
+  if (estimator.relinearised() != watch.seen.relinearised) watch.heat->shift(estimator.relinearised_by());
+  if (!enough) return false;
   estimator.open_heats(watch.heat->filter(), operating);
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
   with_biases(operating, corrector);
@@ -228,7 +230,11 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
     return;
   }
   watch.others->update(estimator);
-  if (explained_by_heat(operating, model, watch, corrector)) {
+  const bool relinearised = estimator.relinearised() != watch.seen.relinearised;
+  if (relinearised) watch.others->shift(estimator.relinearised_by());
+  const bool explained = explained_by_heat(operating, model, watch, corrector);
+  watch.seen.relinearised = estimator.relinearised();
+  if (explained) {
     note_corrected(network, model, watch);
     return;
   }

@@ -19,6 +19,7 @@ struct SensorsSeen {
   std::array<bool, slots::key_points> believed{};         ///< what was made of it
   long updates = 0;                                       ///< of the estimator
   long loosened = 0;
+  long relinearised = 0;
   bool heats_were_open = false;
   bool was_enabled = false;
 };

@@ -100,7 +100,7 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
   Eigen::Array<bool, Eigen::Dynamic, 1> valid = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(sensors, true);
   const long cycles = std::lround(run_s / options.cycle_s);
   double published_m = 0.0;
-  long updates = 0, loosened = 0, judged = 0, before_found = 0, inside = 0;
+  long updates = 0, loosened = 0, relinearised = 0, judged = 0, before_found = 0, inside = 0;
   for (long cycle = 0; cycle <= cycles; ++cycle) {
     const double time_s = static_cast<double>(cycle) * options.cycle_s;
     rom::OperatingState operating = truth.read[static_cast<std::size_t>(time_s / sample_s)];
@@ -144,6 +144,10 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
         health.note_restart();
       }
       bank.update(estimator);
+      if (estimator.relinearised() != relinearised) {
+        relinearised = estimator.relinearised();
+        bank.shift(estimator.relinearised_by());
+      }
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
         const correction::Misfit& misfit = bank.misfit(static_cast<Eigen::Index>(s));

@@ -69,22 +69,35 @@ struct Pair {
   }
 
   EstimatorStep cycle() {
+    read();
+    const EstimatorStep made = step();
+    advance();
+    return made;
+  }
+
+  void read() {
     for (Eigen::Index s = 0; s < measured_K.size(); ++s) {
       measured_K[s] = estimator.sensors()[static_cast<std::size_t>(s)].row.dot(plant.stepper.temperatures_K()) +
                       offset_K[s] + noise_K * normal(random);
     }
     if (tamper) tamper(measured_K);
-    const EstimatorStep step =
+  }
+
+  EstimatorStep step() {
+    const EstimatorStep made =
         estimator.step({time_s, measured_K, valid, twin.stepper.temperatures_K(), operating}, cycle_s);
-    if (step.state_corrected) {
+    if (made.state_corrected) {
       twin.stepper.set_temperatures(estimator.corrected_nodes_K());
       rom::evaluate_outputs(network, twin.stepper.temperatures_K(), twin.outputs, estimator.factors().expansion);
     }
+    return made;
+  }
+
+  void advance() {
     rom::OperatingState biased = operating;
     biased.environment_K += estimator.environment_bias_K();
     twin.advance(cycle_s, biased, estimator.factors());
     advance_plant();
-    return step;
   }
 
   void advance_plant() {

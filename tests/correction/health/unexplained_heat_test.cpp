@@ -30,6 +30,10 @@ struct Suspected {
       if (pair.estimator.updates() == updates) continue;
       updates = pair.estimator.updates();
       enough = second.update(pair.estimator);
+      if (pair.estimator.relinearised() != relinearised) {
+        relinearised = pair.estimator.relinearised();
+        second.shift(pair.estimator.relinearised_by());
+      }
       largest = std::max(largest, second.evidence());
       if (enough) break;
     }
@@ -37,7 +41,7 @@ struct Suspected {
   }
   Pair pair;
   UnexplainedHeat second;
-  long updates = 0, loosened = 0;
+  long updates = 0, loosened = 0, relinearised = 0;
   double largest = 0.0;
   bool enough = false;
 };

@@ -1,0 +1,168 @@
+#include "correction/estimator/second_pass.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "rom/boundary_values/evaluate_boundaries.hpp"
+
+namespace spindle_twin::correction {
+namespace {
+
+/// Ages of the record at which it is gone through. Before the first the readings say little, after the last the
+/// estimate is so narrow that a straight line stands for it.
+constexpr std::array<double, 4> ages_s{600.0, 1800.0, 3600.0, 7200.0};
+constexpr std::size_t capacity = 6000;  // stretches: two hours, the last passes, and changes of the inputs
+constexpr int most_passes = 6;
+// Step of an ln factor below which e^θ is as good as straight: half its square is what a line leaves out.
+constexpr double settled_ln = 0.1;
+constexpr double longest_ln = 1.0;  // step of an ln factor from one pass to the next
+constexpr double age_slack_s = 1e-6;
+// Beside what readings leave open, the model's own error may be larger than the daemon's.
+constexpr double tolerance_K = 1e-5;
+
+EstimatorOptions of_a_pass(EstimatorOptions options) {
+  options.second_pass = 0.0;
+  options.curvature = 0.0;  // it is linearised where it ends
+  return options;
+}
+
+std::unique_ptr<rom::FallbackStepper> make_stepper(std::shared_ptr<const rom::NetworkOperator> coordinates) {
+  rom::CvodeSettings settings;
+  settings.tolerance_K = tolerance_K;
+  return rom::make_runtime_stepper(std::move(coordinates), settings);
+}
+
+/// ln of a factor, or what ln of the speed multiplies in one.
+bool is_ln(ParameterKind kind) {
+  return kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film ||
+         kind == ParameterKind::capacity || kind == ParameterKind::speed_exponent;
+}
+
+}  // namespace
+
+SecondPass::SecondPass(const rom::Network& network, EstimatorOptions options,
+                       std::shared_ptr<const rom::NetworkOperator> coordinates, EstimatorCorrection::Instant like)
+    : network_(&network),
+      times_as_fast_(options.second_pass),
+      pass_(network, of_a_pass(std::move(options)), coordinates),
+      stepper_(make_stepper(std::move(coordinates))),
+      values_(rom::make_boundary_values(network.boundaries)),
+      corrected_(network.boundaries.operating),
+      record_(network.boundaries, static_cast<Eigen::Index>(pass_.sensors().size()), capacity),
+      start_(std::move(like)),
+      unknowns_(start_.filter.mean()),
+      valid_(
+          Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(static_cast<Eigen::Index>(pass_.sensors().size()), false)) {
+  // CVODE takes its memory with the first step.
+  rom::evaluate_boundaries(network.boundaries, corrected_, pass_.factors(), values_);
+  stepper_->advance(1.0, values_);
+}
+
+void SecondPass::begin_anew() {
+  is_recording_ = is_passing_ = false;
+  next_age_ = 0;
+}
+
+void SecondPass::end_passes() {
+  is_passing_ = false;
+  ++next_age_;
+}
+
+bool SecondPass::follow(const EstimatorCorrection& estimator, const EstimatorSample& sample, bool updated) {
+  if (next_age_ == ages_s.size()) return false;
+  const double elapsed_s = sample.time_s - seen_s_;
+  seen_s_ = sample.time_s;
+  if (!is_recording_) {
+    if (estimator.start_unseen_) return false;
+    estimator.note_instant(start_);
+    record_.begin(sample.time_s, sample.operating);
+    is_recording_ = true;
+    return false;
+  }
+  if (!record_.note(sample.time_s, sample.measured_K, sample.valid, sample.operating, updated)) {
+    next_age_ = ages_s.size();
+    return false;
+  }
+  if (!is_passing_) {
+    if (!updated || sample.time_s - record_.begin_s() < ages_s[next_age_] - age_slack_s) return false;
+    passes_ = 0;
+    unknowns_ = estimator.filter().mean();
+    begin_pass(unknowns_);
+    return false;
+  }
+  go_on(elapsed_s, sample.operating);
+  if (failed_) {
+    end_passes();
+    return false;
+  }
+  return updated && next_entry_ == record_.count() && conclude();
+}
+
+void SecondPass::begin_pass(const Eigen::VectorXd& unknowns) {
+  pass_.hold(start_, unknowns, record_.at(0).operating);
+  stepper_->set_temperatures(pass_.corrected_nodes_K());
+  is_passing_ = true;
+  failed_ = false;
+  next_entry_ = 0;
+  due_s_ = 0.0;
+  ++passes_;
+}
+
+void SecondPass::go_on(double elapsed_s, const rom::OperatingState& now) {
+  due_s_ += times_as_fast_ * elapsed_s;
+  while (due_s_ > 0.0 && next_entry_ < record_.count() && !failed_) {
+    const RecordedReadings& stretch = record_.at(next_entry_);
+    due_s_ -= stretch.end_s - stretch.begin_s;
+    const bool is_last = next_entry_ + 1 == record_.count();
+    go_through(next_entry_, is_last ? now : record_.at(next_entry_ + 1).operating);
+    ++next_entry_;
+  }
+}
+
+void SecondPass::go_through(std::size_t entry, const rom::OperatingState& after) {
+  const RecordedReadings& stretch = record_.at(entry);
+  corrected_ = stretch.operating;
+  corrected_.environment_K += pass_.environment_bias_K();
+  rom::evaluate_boundaries(network_->boundaries, corrected_, pass_.factors(), values_);
+  const double length_s = stretch.end_s - stretch.begin_s;
+  if (length_s > 0.0 && stepper_->advance(length_s, values_) != rom::StepStatus::ok) {
+    failed_ = true;
+    return;
+  }
+  const RecordedLength& length = stretch.length;
+  if (length.index >= 0) pass_.note_displacement(length.index, length.value_m, length.deviation_m);
+  for (Eigen::Index s = 0; s < valid_.size(); ++s) valid_[s] = std::isfinite(stretch.reading_K[s]);
+  pass_.step({stretch.end_s, stretch.reading_K, valid_, stepper_->temperatures_K(), after}, length_s);
+  failed_ = pass_.held_in_vain_;
+}
+
+bool SecondPass::conclude() {
+  unknowns_ = pass_.filter_.mean();
+  if (!unknowns_.allFinite()) {
+    end_passes();
+    return false;
+  }
+  pass_.bound(unknowns_);
+  double moved = 0.0;
+  for (Eigen::Index i = 0; i < pass_.parameters().count(); ++i) {
+    if (!is_ln(pass_.parameters().list()[static_cast<std::size_t>(i)].kind)) continue;
+    const double step = unknowns_[i] - pass_.held_at_[i];
+    moved = std::max(moved, std::abs(step));
+    unknowns_[i] = pass_.held_at_[i] + std::clamp(step, -longest_ln, longest_ln);
+  }
+  if (moved <= settled_ln) {
+    end_passes();
+    pass_.release();
+    return true;
+  }
+  if (passes_ == most_passes) {
+    end_passes();
+    return false;
+  }
+  begin_pass(unknowns_);
+  return false;
+}
+
+}  // namespace spindle_twin::correction

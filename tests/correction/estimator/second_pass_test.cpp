@@ -1,0 +1,181 @@
+#include "correction/estimator/second_pass.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "correction/health/leave_one_out.hpp"
+#include "tests/correction/estimator/plant_and_twin.hpp"
+
+namespace spindle_twin::correction::test {
+namespace second_pass_test {
+
+EstimatorOptions gone_through(double times) {
+  EstimatorOptions options;
+  options.second_pass = times;
+  return options;
+}
+
+/// A spindle whose heats and contacts lie far out in their priors, for each of which the filter's first steps are long.
+struct FarOut : Pair {
+  FarOut(const rom::Network& the_network, const EstimatorOptions& options) : Pair(the_network, options) {
+    truth = estimator.parameters().mean();
+    for (Eigen::Index i = 0; i < truth.size(); ++i) {
+      const ParameterKind kind = estimator.parameters().list()[static_cast<std::size_t>(i)].kind;
+      if (kind == ParameterKind::heat) truth[i] += 1.3;
+      if (kind == ParameterKind::contact) truth[i] -= 1.5;
+    }
+  }
+  /// Root of the mean squared error of the ln factors, in deviations that the estimate claims.
+  double off_by() const {
+    double sum = 0.0;
+    int count = 0;
+    for (Eigen::Index i = 0; i < truth.size(); ++i) {
+      const ParameterKind kind = estimator.parameters().list()[static_cast<std::size_t>(i)].kind;
+      if (kind != ParameterKind::heat && kind != ParameterKind::contact) continue;
+      const ParameterEstimate found = estimator.estimate(i);
+      sum += std::pow((found.value - truth[i]) / found.deviation, 2.0);
+      ++count;
+    }
+    return std::sqrt(sum / count);
+  }
+};
+
+TEST(SecondPass, what_the_first_minutes_took_for_a_straight_line_is_put_right) {
+  const rom::Network network = plates();
+  FarOut without(network, gone_through(0.0)), with(network, gone_through(20.0));
+  without.run_until(1500.0);
+  with.run_until(1500.0);
+  EXPECT_GE(with.estimator.relinearised(), 1);
+  EXPECT_LT(with.off_by(), 0.7 * without.off_by());
+  EXPECT_LT(with.off_by(), 1.5);
+}
+
+TEST(SecondPass, of_a_linear_model_comes_to_what_the_updates_have_come_to) {
+  const rom::Network network = plates();
+  EstimatorOptions options;
+  options.priors.heat = options.priors.contact = options.priors.film = options.priors.speed_exponent = 0.0;
+  options.priors.bearing_per_K = options.priors.expansion = options.priors.start_K = options.priors.disturbance = 0.0;
+  options.lag_deviation_s = 0.0;
+  options.priors.environment_K = 0.5;
+  options.priors.environment_memory_s = 0.0;
+  options.period_s = 2.0;
+  EstimatorOptions alone = options;
+  alone.second_pass = 0.0;
+  Pair with(network, options), without(network, alone);
+  for (Pair* pair : {&with, &without}) {
+    pair->truth << 0.4, -0.3;
+    pair->noise_K = 0.02;
+    pair->run_until(1000.0);
+  }
+  ASSERT_EQ(with.estimator.relinearised(), 1);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    const ParameterEstimate found = with.estimator.estimate(i), other = without.estimator.estimate(i);
+    EXPECT_NEAR(found.value, other.value, 0.1 * other.deviation) << i;
+    EXPECT_NEAR(found.deviation, other.deviation, 0.02 * other.deviation) << i;
+  }
+}
+
+TEST(SecondPass, the_same_history_gives_the_same_bits_whatever_else_has_happened) {
+  const rom::Network network = plates();
+  FarOut one(network, {}), other(network, {});
+  one.run_until(1000.0);
+  other.run_until(200.0);  // another start before
+  FarOut again(network, {});
+  other.estimator.reset(0.0, again.twin.stepper.temperatures_K(), other.operating);
+  other.time_s = 0.0;
+  other.plant.stepper.set_temperatures(again.plant.stepper.temperatures_K());
+  other.twin.stepper.set_temperatures(again.twin.stepper.temperatures_K());
+  rom::evaluate_outputs(network, other.twin.stepper.temperatures_K(), other.twin.outputs, 1.0);
+  other.run_until(1000.0);
+  again.run_until(1000.0);
+  EXPECT_GE(one.estimator.relinearised(), 1);
+  EXPECT_EQ(one.estimator.filter().mean(), again.estimator.filter().mean());
+  EXPECT_EQ(other.estimator.relinearised(), one.estimator.relinearised());
+  EXPECT_LT((one.estimator.filter().mean() - other.estimator.filter().mean()).norm(), 1e-3);
+}
+
+TEST(SecondPass, an_estimate_that_begins_anew_begins_another_record) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  pair.truth = pair.estimator.parameters().mean();
+  pair.run_until(500.0);
+  pair.estimator.note_contradiction();
+  pair.run_until(1050.0);
+  EXPECT_EQ(pair.estimator.loosened(), 1);
+  EXPECT_EQ(pair.estimator.relinearised(), 0) << "ten minutes are not over since";
+  pair.run_until(1400.0);
+  EXPECT_GE(pair.estimator.relinearised(), 1);
+}
+
+TEST(SecondPass, takes_lengths_in_where_they_were_told) {
+  const rom::Network network = plates();
+  FarOut pair(network, {});
+  pair.run_until(400.0);
+  pair.estimator.note_displacement(0, pair.plant.outputs.deformations_m[0], 1e-7);
+  pair.run_until(598.0);
+  const double known_m = pair.estimator.deviations().deformations_m[0];
+  pair.run_until(1000.0);
+  ASSERT_GE(pair.estimator.relinearised(), 1);
+  EXPECT_LT(pair.estimator.deviations().deformations_m[0], 2.0 * known_m) << "without the length it is open again";
+  EXPECT_LT(std::abs(pair.nose_error_m()), 2.0 * pair.estimator.deviations().deformations_m[0]);
+}
+
+TEST(SecondPass, the_filters_without_a_sensor_keep_their_distance_and_their_evidence) {
+  const rom::Network network = plates();
+  Pair pair(network, gone_through(0.0));
+  pair.cycle();
+  LeaveOneOut others(pair.estimator);
+  others.follow(pair.estimator);
+  pair.tamper = [](Eigen::VectorXd& measured_K) { measured_K[1] += 0.5; };
+  for (long updates = 0; pair.time_s < 300.0;) {
+    pair.cycle();
+    if (pair.estimator.updates() == updates) continue;
+    updates = pair.estimator.updates();
+    others.update(pair.estimator);
+  }
+  const double evidence = others.misfit(1).evidence;
+  const Eigen::VectorXd before = others.without(1).mean();
+  const Eigen::VectorXd by = Eigen::VectorXd::LinSpaced(before.size(), 0.1, 0.2);
+  others.shift(by);
+  EXPECT_EQ(others.without(1).mean(), (before + by).eval());
+  EXPECT_EQ(others.misfit(1).evidence, evidence);
+}
+
+TEST(ReadingRecord, holds_means_over_two_seconds_at_the_most_and_ends_where_inputs_change) {
+  const rom::Network network = plates();
+  rom::OperatingState operating = network.boundaries.operating;
+  ReadingRecord record(network.boundaries, 2, 3);
+  record.begin(10.0, operating);
+  Eigen::Array<bool, Eigen::Dynamic, 1> valid(2);
+  valid << true, true;
+  const auto reading = [](double first, double second) { return Eigen::VectorXd(Eigen::Vector2d(first, second)); };
+  EXPECT_TRUE(record.note(11.0, reading(300.0, 310.0), valid, operating, false));
+  valid[1] = false;
+  EXPECT_EQ(record.count(), 0U);
+  EXPECT_TRUE(record.note(12.0, reading(302.0, 999.0), valid, operating, false));
+  ASSERT_EQ(record.count(), 1U);
+  EXPECT_EQ(record.at(0).begin_s, 10.0);
+  EXPECT_EQ(record.at(0).end_s, 12.0);
+  EXPECT_EQ(record.at(0).reading_K, reading(301.0, 310.0));
+  EXPECT_EQ(record.at(0).length.index, -1);
+  record.note_displacement({0, 1e-5, 1e-6});
+  const double before_rpm = operating.speed_rpm;
+  operating.speed_rpm *= 2.0;
+  EXPECT_TRUE(record.note(13.0, reading(std::numeric_limits<double>::quiet_NaN(), 1.0), valid, operating, false));
+  ASSERT_EQ(record.count(), 2U);
+  EXPECT_EQ(record.at(1).operating.speed_rpm, before_rpm) << "of what was held until then";
+  EXPECT_TRUE(record.at(1).reading_K.array().isNaN().all());
+  EXPECT_EQ(record.at(1).length.value_m, 1e-5);
+  EXPECT_TRUE(record.note(13.5, reading(300.0, 1.0), valid, operating, true)) << "an update ends it too";
+  EXPECT_EQ(record.at(2).operating.speed_rpm, operating.speed_rpm);
+  EXPECT_EQ(record.at(2).length.index, -1);
+  EXPECT_FALSE(record.note(14.0, reading(300.0, 1.0), valid, operating, true)) << "full";
+  record.begin(20.0, operating);
+  EXPECT_EQ(record.count(), 0U);
+}
+
+}  // namespace second_pass_test
+}  // namespace spindle_twin::correction::test
