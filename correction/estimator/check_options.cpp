@@ -1,5 +1,6 @@
 #include "correction/estimator/check_options.hpp"
 
+#include "correction/estimator/estimator_correction.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/read/options.hpp"
 
