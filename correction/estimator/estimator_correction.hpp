@@ -185,10 +185,8 @@ class EstimatorCorrection {
   const Consistency& consistency() const { return consistency_; }
   /// How often the estimate was loosened; a bank of filters around it then begins anew.
   long loosened() const { return loosened_; }
-  /// How often the estimate has gone over to that of a second pass, after the update; and by how much z has moved the
-  /// last time, by which such a bank is shifted.
+  /// How often the estimate has gone over to that of a second pass; such a bank begins anew then too.
   long relinearised() const { return relinearised_; }
-  const Eigen::VectorXd& relinearised_by() const { return relinearised_by_; }
   /// Of the last displacement, in m.
   const SensorRecord& displacement_record() const { return displacement_.record; }
   /// 1σ of all outputs at the last update; in the first 30 s after reset() at the last step.
@@ -349,8 +347,7 @@ class EstimatorCorrection {
   bool started_ = false, standing_by_ = false, start_unseen_ = false;
   bool is_held_ = false, held_in_vain_ = false;  ///< a second pass; whose readings contradict it
   Eigen::VectorXd held_at_;                      ///< the unknowns that it is linearised about
-  Eigen::VectorXd relinearised_by_;
-  std::unique_ptr<SecondPass> second_pass_;  ///< null: not asked for
+  std::unique_ptr<SecondPass> second_pass_;      ///< null: not asked for
   long updates_ = 0, failures_ = 0, loosened_ = 0, relinearised_ = 0;
   double loosened_s_ = SensorChannel::never_s;  ///< when it was loosened last
 };

@@ -55,7 +55,6 @@ void EstimatorCorrection::release() {
 
 void EstimatorCorrection::take_over(const EstimatorCorrection& pass, const rom::OperatingState& operating) {
   ++relinearised_;
-  relinearised_by_ = pass.filter_.mean() - filter_.mean();
   filter_ = pass.filter_;
   sensitivities_.set_transposed(pass.sensitivities_.transposed());
   for (std::size_t s = 0; s < channels_.size(); ++s) {

@@ -94,6 +94,7 @@ void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities
 
 void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
                                   const Eigen::VectorXd& nodes_K) {
+  if (x_.size() == 0) return;
   sensitivities.to_internal(nodes_K, x_);
   evaluate(key_points_, sensitivities, filter, bend, deviations_.key_points_K);
   evaluate(part_means_, sensitivities, filter, bend, deviations_.part_mean_K);

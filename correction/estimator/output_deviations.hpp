@@ -28,6 +28,8 @@ struct OutputDeviations {
 /// is that of its hottest candidate point, the first of those that are equally hot.
 class DeviationOfOutputs {
  public:
+  /// Of no output: evaluate() does nothing.
+  DeviationOfOutputs() = default;
   /// `skewed`: γ counts. Allocates; evaluate() does not.
   DeviationOfOutputs(const rom::Network& network, const Sensitivities& sensitivities, const ParameterModel& parameters,
                      bool skewed);

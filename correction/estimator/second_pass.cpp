@@ -14,7 +14,7 @@ namespace {
 /// estimate is so narrow that a straight line stands for it.
 constexpr std::array<double, 4> ages_s{600.0, 1800.0, 3600.0, 7200.0};
 constexpr std::size_t capacity = 6000;  // stretches: two hours, the last passes, and changes of the inputs
-constexpr int most_passes = 6;
+constexpr int most_passes = 3;
 // Step of an ln factor below which e^θ is as good as straight: half its square is what a line leaves out.
 constexpr double settled_ln = 0.1;
 constexpr double longest_ln = 1.0;  // step of an ln factor from one pass to the next
@@ -55,6 +55,7 @@ SecondPass::SecondPass(const rom::Network& network, EstimatorOptions options,
       unknowns_(start_.filter.mean()),
       valid_(
           Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(static_cast<Eigen::Index>(pass_.sensors().size()), false)) {
+  pass_.outputs_ = {};  // nobody reads them, and their candidate points are the largest part of an estimator
   // CVODE takes its memory with the first step.
   rom::evaluate_boundaries(network.boundaries, corrected_, pass_.factors(), values_);
   stepper_->advance(1.0, values_);

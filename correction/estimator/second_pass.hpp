@@ -17,7 +17,8 @@ namespace spindle_twin::correction {
 /// iterated Kalman filter; Bell and Cathey, IEEE Trans. AC 38, 1993):
 ///   z̃       where the estimate has arrived; model, S and rows are those of z̃ from the start on
 ///   z, P    from those of the start on, with v = y − h(z̃) − h' (z − z̃), no noise for curvature
-///   z̃ ← z   until no ln factor has moved by more than 0.1, six times at most
+///   z̃ ← z   until no ln factor has moved by more than 0.1, three times at most: it converges slowly only where what is
+///           left of the readings is large, so where no constant parameters fit them (a grease that settles)
 /// Then the estimate goes over to the result. Nothing is taken where readings contradict it or it does not settle. A
 /// few recorded seconds are gone through in each cycle, as a multiple of its length, so that the same history gives the
 /// same result to the bit.

@@ -71,13 +71,6 @@ void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Inde
   }
 }
 
-void LeaveOneOut::shift(const Eigen::VectorXd& by) {
-  for (SquareRootFilter& filter : filters_) {
-    row_ = filter.mean() + by;
-    filter.set_mean(row_);
-  }
-}
-
 void LeaveOneOut::update(const EstimatorCorrection& estimator) {
   estimator.passing_of_time(estimator.last_update().elapsed_s, keep_, growth_);
   for (Kept& kept : kept_) kept.age_s += estimator.last_update().elapsed_s;

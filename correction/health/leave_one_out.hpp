@@ -42,9 +42,6 @@ class LeaveOneOut {
   /// Takes the estimator's last update into all filters; once after each. May run in the cycle: m (m − 1) rank-one
   /// updates and m Cholesky factors of m sensors.
   void update(const EstimatorCorrection& estimator);
-  /// After update(): the estimate has gone over to that of a second pass, by so much (relinearised_by()). What the
-  /// filters know otherwise than it, and their evidence, stay. May run in the cycle.
-  void shift(const Eigen::VectorXd& by);
   /// The sensor's offset may have changed by deviation_K (1σ): together with EstimatorCorrection::widen_offset. May run
   /// in the cycle.
   void widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K);

@@ -34,11 +34,6 @@ void UnexplainedHeat::follow(const EstimatorCorrection& estimator) {
   filter_.widen(keep_, growth_);
 }
 
-void UnexplainedHeat::shift(const Eigen::VectorXd& by) {
-  row_ = filter_.mean() + by;
-  filter_.set_mean(row_);
-}
-
 bool UnexplainedHeat::update(const EstimatorCorrection& estimator) {
   const ParameterModel& parameters = estimator.parameters();
   const EstimatorUpdate& made = estimator.last_update();

@@ -26,10 +26,6 @@ class UnexplainedHeat {
   /// with filter() to adopt.
   bool update(const EstimatorCorrection& estimator);
 
-  /// After update(): the estimate has gone over to that of a second pass, by so much (relinearised_by()). What this
-  /// filter knows otherwise, and the evidence, stay.
-  void shift(const Eigen::VectorXd& by);
-
   double evidence() const { return evidence_; }
   const SquareRootFilter& filter() const { return filter_; }
 

@@ -102,9 +102,7 @@ bool explained_by_heat(const rom::OperatingState& operating, Model& model, Senso
   }
   if (watch.seen.heats_were_open) watch.heat->follow(estimator);
   watch.seen.heats_were_open = false;
-  const bool enough = watch.heat->update(estimator);
-  if (estimator.relinearised() != watch.seen.relinearised) watch.heat->shift(estimator.relinearised_by());
-  if (!enough) return false;
+  if (!watch.heat->update(estimator)) return false;
   estimator.open_heats(watch.heat->filter(), operating);
   model.stepper->set_temperatures(estimator.corrected_nodes_K());
   with_biases(operating, corrector);
@@ -229,12 +227,14 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
     if (swapped) leave_pair_out(network, operating, model, watch, corrector);
     return;
   }
+  if (estimator.relinearised() != watch.seen.relinearised) {
+    // Beside an estimate that is suddenly surer, filters as they were would look like the better ones.
+    watch.seen.relinearised = estimator.relinearised();
+    follow_estimator(estimator, watch);
+    return;
+  }
   watch.others->update(estimator);
-  const bool relinearised = estimator.relinearised() != watch.seen.relinearised;
-  if (relinearised) watch.others->shift(estimator.relinearised_by());
-  const bool explained = explained_by_heat(operating, model, watch, corrector);
-  watch.seen.relinearised = estimator.relinearised();
-  if (explained) {
+  if (explained_by_heat(operating, model, watch, corrector)) {
     note_corrected(network, model, watch);
     return;
   }

@@ -58,7 +58,8 @@ struct WatchInputs {
 /// Allocates. Throws rom::InputError for a limit out of range.
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector);
 
-/// All filters beside the estimator's begin anew from it: after it was reset, resumed or loosened. Runs in the cycle.
+/// All filters beside the estimator's begin anew from it: after it was reset, resumed, loosened or relinearised. Runs
+/// in the cycle.
 void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch);
 
 /// Subtracts the tare from the readings. Runs in the cycle.

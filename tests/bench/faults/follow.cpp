@@ -143,11 +143,11 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
         bank.follow(estimator);
         health.note_restart();
       }
-      bank.update(estimator);
       if (estimator.relinearised() != relinearised) {
         relinearised = estimator.relinearised();
-        bank.shift(estimator.relinearised_by());
+        bank.follow(estimator);
       }
+      bank.update(estimator);
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
         const correction::Misfit& misfit = bank.misfit(static_cast<Eigen::Index>(s));

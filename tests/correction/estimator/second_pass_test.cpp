@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "correction/health/leave_one_out.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
 
 namespace spindle_twin::correction::test {
@@ -121,27 +120,6 @@ TEST(SecondPass, takes_lengths_in_where_they_were_told) {
   ASSERT_GE(pair.estimator.relinearised(), 1);
   EXPECT_LT(pair.estimator.deviations().deformations_m[0], 2.0 * known_m) << "without the length it is open again";
   EXPECT_LT(std::abs(pair.nose_error_m()), 2.0 * pair.estimator.deviations().deformations_m[0]);
-}
-
-TEST(SecondPass, the_filters_without_a_sensor_keep_their_distance_and_their_evidence) {
-  const rom::Network network = plates();
-  Pair pair(network, gone_through(0.0));
-  pair.cycle();
-  LeaveOneOut others(pair.estimator);
-  others.follow(pair.estimator);
-  pair.tamper = [](Eigen::VectorXd& measured_K) { measured_K[1] += 0.5; };
-  for (long updates = 0; pair.time_s < 300.0;) {
-    pair.cycle();
-    if (pair.estimator.updates() == updates) continue;
-    updates = pair.estimator.updates();
-    others.update(pair.estimator);
-  }
-  const double evidence = others.misfit(1).evidence;
-  const Eigen::VectorXd before = others.without(1).mean();
-  const Eigen::VectorXd by = Eigen::VectorXd::LinSpaced(before.size(), 0.1, 0.2);
-  others.shift(by);
-  EXPECT_EQ(others.without(1).mean(), (before + by).eval());
-  EXPECT_EQ(others.misfit(1).evidence, evidence);
 }
 
 TEST(ReadingRecord, holds_means_over_two_seconds_at_the_most_and_ends_where_inputs_change) {
