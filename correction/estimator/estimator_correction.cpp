@@ -89,8 +89,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   known_flow_kg_per_s_ = network.boundaries.operating.flow_kg_per_s;
   look_where_sensors_are();
   held_at_ = prior_mean_;
-  if (options_.second_pass > 0.0)
-    second_pass_ = std::make_unique<SecondPass>(network, options_, coordinates_, instant());
+  if (options_.second_pass > 0.0) second_pass_ = std::make_unique<SecondPass>(network, options_, coordinates_, *this);
 }
 
 void EstimatorCorrection::look_where_sensors_are() {

@@ -13,7 +13,7 @@ namespace {
 /// Ages of the record at which it is gone through. Before the first the readings say little, after the last the
 /// estimate is so narrow that a straight line stands for it.
 constexpr std::array<double, 4> ages_s{600.0, 1800.0, 3600.0, 7200.0};
-constexpr std::size_t capacity = 6000;  // stretches: two hours, the last passes, and changes of the inputs
+constexpr std::size_t capacity = 4800;  // stretches: two hours, the last passes, and changes of the inputs
 constexpr int most_passes = 3;
 // Step of an ln factor below which e^θ is as good as straight: half its square is what a line leaves out.
 constexpr double settled_ln = 0.1;
@@ -28,10 +28,10 @@ EstimatorOptions of_a_pass(EstimatorOptions options) {
   return options;
 }
 
-std::unique_ptr<rom::FallbackStepper> make_stepper(std::shared_ptr<const rom::NetworkOperator> coordinates) {
+rom::CvodeSettings settings_of_a_pass() {
   rom::CvodeSettings settings;
   settings.tolerance_K = tolerance_K;
-  return rom::make_runtime_stepper(std::move(coordinates), settings);
+  return settings;
 }
 
 /// ln of a factor, or what ln of the speed multiplies in one.
@@ -43,22 +43,23 @@ bool is_ln(ParameterKind kind) {
 }  // namespace
 
 SecondPass::SecondPass(const rom::Network& network, EstimatorOptions options,
-                       std::shared_ptr<const rom::NetworkOperator> coordinates, EstimatorCorrection::Instant like)
+                       std::shared_ptr<const rom::NetworkOperator> coordinates, const EstimatorCorrection& like)
     : network_(&network),
       times_as_fast_(options.second_pass),
       pass_(network, of_a_pass(std::move(options)), coordinates),
-      stepper_(make_stepper(std::move(coordinates))),
+      stepper_(std::move(coordinates), settings_of_a_pass()),
       values_(rom::make_boundary_values(network.boundaries)),
       corrected_(network.boundaries.operating),
       record_(network.boundaries, static_cast<Eigen::Index>(pass_.sensors().size()), capacity),
-      start_(std::move(like)),
+      start_(like.instant()),
       unknowns_(start_.filter.mean()),
       valid_(
           Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(static_cast<Eigen::Index>(pass_.sensors().size()), false)) {
+  pass_.sensitivities_ = like.sensitivities_;  // which share what does not change
   pass_.outputs_ = {};  // nobody reads them, and their candidate points are the largest part of an estimator
   // CVODE takes its memory with the first step.
   rom::evaluate_boundaries(network.boundaries, corrected_, pass_.factors(), values_);
-  stepper_->advance(1.0, values_);
+  stepper_.advance(1.0, values_);
 }
 
 void SecondPass::begin_anew() {
@@ -103,7 +104,7 @@ bool SecondPass::follow(const EstimatorCorrection& estimator, const EstimatorSam
 
 void SecondPass::begin_pass(const Eigen::VectorXd& unknowns) {
   pass_.hold(start_, unknowns, record_.at(0).operating);
-  stepper_->set_temperatures(pass_.corrected_nodes_K());
+  stepper_.set_temperatures(pass_.corrected_nodes_K());
   is_passing_ = true;
   failed_ = false;
   next_entry_ = 0;
@@ -128,14 +129,14 @@ void SecondPass::go_through(std::size_t entry, const rom::OperatingState& after)
   corrected_.environment_K += pass_.environment_bias_K();
   rom::evaluate_boundaries(network_->boundaries, corrected_, pass_.factors(), values_);
   const double length_s = stretch.end_s - stretch.begin_s;
-  if (length_s > 0.0 && stepper_->advance(length_s, values_) != rom::StepStatus::ok) {
+  if (length_s > 0.0 && stepper_.advance(length_s, values_) != rom::StepStatus::ok) {
     failed_ = true;
     return;
   }
   const RecordedLength& length = stretch.length;
   if (length.index >= 0) pass_.note_displacement(length.index, length.value_m, length.deviation_m);
   for (Eigen::Index s = 0; s < valid_.size(); ++s) valid_[s] = std::isfinite(stretch.reading_K[s]);
-  pass_.step({stretch.end_s, stretch.reading_K, valid_, stepper_->temperatures_K(), after}, length_s);
+  pass_.step({stretch.end_s, stretch.reading_K, valid_, stepper_.temperatures_K(), after}, length_s);
   failed_ = pass_.held_in_vain_;
 }
 

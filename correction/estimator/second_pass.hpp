@@ -5,7 +5,7 @@
 
 #include "correction/estimator/estimator_correction.hpp"
 #include "correction/estimator/reading_record.hpp"
-#include "rom/integrate/fallback_stepper.hpp"
+#include "rom/integrate/cvode_stepper.hpp"
 
 namespace spindle_twin::correction {
 
@@ -24,9 +24,9 @@ namespace spindle_twin::correction {
 /// same result to the bit.
 class SecondPass {
  public:
-  /// `network` must outlive this. `like`: sizes. Allocates; nothing else here does.
+  /// `network` must outlive this. `like`: an estimator of the same network and options. Allocates; nothing else does.
   SecondPass(const rom::Network& network, EstimatorOptions options,
-             std::shared_ptr<const rom::NetworkOperator> coordinates, EstimatorCorrection::Instant like);
+             std::shared_ptr<const rom::NetworkOperator> coordinates, const EstimatorCorrection& like);
 
   /// The estimate is another than the one that the record is of: the next sample begins a new one.
   void begin_anew();
@@ -50,7 +50,7 @@ class SecondPass {
   const rom::Network* network_;
   double times_as_fast_;
   EstimatorCorrection pass_;
-  std::unique_ptr<rom::FallbackStepper> stepper_;
+  rom::CvodeStepper stepper_;
   rom::BoundaryValues values_;
   rom::OperatingState corrected_;
   ReadingRecord record_;

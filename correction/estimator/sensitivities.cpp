@@ -70,21 +70,22 @@ void Sensitivities::set_factors(const rom::Network& network) {
     columns += factor.cols();
   }
   first_.push_back(columns);
-  factors_.resize(n, columns);
+  Eigen::MatrixXd factors(n, columns);
   column_sums_.resize(columns);
   for (std::size_t j = 0; j < network.factors_m.size(); ++j) {
     const Eigen::MatrixXd& factor = network.factors_m[j];
-    factors_.middleCols(first_[j], factor.cols()) = factor;
+    factors.middleCols(first_[j], factor.cols()) = factor;
     column_sums_.segment(first_[j], factor.cols()) = factor.colwise().sum().transpose();
   }
-  if (columns > 0) capacity_root_.triangularView<Eigen::Lower>().solveInPlace(factors_);
+  if (columns > 0) capacity_root_.triangularView<Eigen::Lower>().solveInPlace(factors);
   films_ = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(network.factors_m.size()));
   for (Eigen::Index j = 0; j < films_.cols(); ++j) {
     const auto index = static_cast<std::size_t>(j);
     if (network.boundaries.conductances[index].environment < 0) continue;
     const Eigen::Index begin = first_[index], count = first_[index + 1] - begin;
-    films_.col(j) = factors_.middleCols(begin, count) * column_sums_.segment(begin, count);
+    films_.col(j) = factors.middleCols(begin, count) * column_sums_.segment(begin, count);
   }
+  factors_ = std::make_shared<const Eigen::MatrixXd>(std::move(factors));
 }
 
 void Sensitivities::start(const ParameterModel& parameters) {
@@ -173,7 +174,7 @@ void Sensitivities::drive_by_conductances(const HeldInterval& held, const Parame
     // Column by column, each used twice while it is at hand: the factors come from memory in the order in which they
     // lie, which is what they cost.
     for (Eigen::Index column = first_[j]; column < first_[j + 1]; ++column) {
-      const auto factor = factors_.col(column);
+      const auto factor = factors_->col(column);
       effect -= conductance * (factor.dot(x_) - rise_K * column_sums_[column]) * factor;
     }
   }

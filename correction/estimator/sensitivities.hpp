@@ -91,17 +91,17 @@ class Sensitivities {
 
   std::shared_ptr<const rom::NetworkOperator> operator_;
   const rom::Network* network_;
-  Eigen::MatrixXd capacity_root_;    // L
-  Eigen::MatrixXd factors_;          // all L⁻¹F_j side by side
-  std::vector<Eigen::Index> first_;  // column of F_j in them
-  Eigen::VectorXd column_sums_;      // F_jᵀ1, likewise
-  Eigen::MatrixXd films_;            // L⁻¹F_j F_jᵀ1, 0 for a conductance without environment
-  Eigen::MatrixXd sources_;          // L⁻¹B
-  Eigen::MatrixXd source_rows_;      // Bᵀ, sources x N
-  Eigen::MatrixXd starts_;           // start shapes in x, shapes x N
-  Eigen::MatrixXd group_heats_;      // L⁻¹C1_g/C_g = Lᵀ1_g/C_g, N x groups
-  Eigen::VectorXd inertia_;          // c, empty without capacity parameters
-  Eigen::Index count_ = 0;           // p
+  Eigen::MatrixXd capacity_root_;                   // L
+  std::shared_ptr<const Eigen::MatrixXd> factors_;  // all L⁻¹F_j side by side; copies share it
+  std::vector<Eigen::Index> first_;                 // column of F_j in them
+  Eigen::VectorXd column_sums_;                     // F_jᵀ1, likewise
+  Eigen::MatrixXd films_;                           // L⁻¹F_j F_jᵀ1, 0 for a conductance without environment
+  Eigen::MatrixXd sources_;                         // L⁻¹B
+  Eigen::MatrixXd source_rows_;                     // Bᵀ, sources x N
+  Eigen::MatrixXd starts_;                          // start shapes in x, shapes x N
+  Eigen::MatrixXd group_heats_;                     // L⁻¹C1_g/C_g = Lᵀ1_g/C_g, N x groups
+  Eigen::VectorXd inertia_;                         // c, empty without capacity parameters
+  Eigen::Index count_ = 0;                          // p
   Eigen::VectorXd padded_;
   Eigen::MatrixXd transposed_;       // Sᵀ
   Eigen::MatrixXd drive_;            // D, N x p
