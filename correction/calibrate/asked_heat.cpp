@@ -14,18 +14,6 @@ CalibrateOptions with_heats(CalibrateOptions options) {
   return options;
 }
 
-/// θ of another model of the same network: by names, 0 where the first has none.
-Eigen::VectorXd by_name(const ParameterModel& from, const Eigen::VectorXd& theta, const ParameterModel& to) {
-  Eigen::VectorXd same = Eigen::VectorXd::Zero(to.count());
-  for (Eigen::Index i = 0; i < to.count(); ++i) {
-    const std::string& name = to.list()[static_cast<std::size_t>(i)].name;
-    const auto found = std::find_if(from.list().begin(), from.list().end(),
-                                    [&](const Parameter& parameter) { return parameter.name == name; });
-    if (found != from.list().end()) same[i] = theta[found - from.list().begin()];
-  }
-  return same;
-}
-
 }  // namespace
 
 double AskedHeat::deviations() const { return std::abs(heat_W) / deviation_W; }
@@ -42,7 +30,7 @@ std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) 
   Eigen::MatrixXd known_too = Eigen::MatrixXd::Identity(unknowns.count(), unknowns.count());  // I + L₀ᵀ Jᵀ W⁻¹ J L₀
   Eigen::VectorXd score = Eigen::VectorXd::Zero(groups);
   for (std::size_t test = 0; test < task.tests.size(); ++test) {
-    const Eigen::VectorXd theta = by_name(task.predictor.parameters(), unknowns.theta(fit.z, test), parameters);
+    const Eigen::VectorXd theta = task.predictor.parameters().as_in(parameters, unknowns.theta(fit.z, test));
     const TestPrediction at = predictor.predict(task.tests[test], theta, unknowns.lag_s(fit.z));
     const Eigen::LLT<Eigen::MatrixXd> weight(fit.weights[test]);
     const Eigen::MatrixXd rows = weight.matrixL().solve(at.sensitivities.middleCols(first, groups));

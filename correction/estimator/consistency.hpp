@@ -28,7 +28,7 @@ struct ConsistencyLimits {
 /// constructor.
 class Consistency {
  public:
-  Consistency(const ConsistencyLimits& limits, Eigen::Index sensors);
+  explicit Consistency(const ConsistencyLimits& limits = {}, Eigen::Index sensors = 0);
 
   void restart();
   /// A sensor's reading in this update. explained_K2: V without the floor's share. Times since its reading before.
@@ -49,6 +49,7 @@ class Consistency {
   double nis_of_hour() const { return nis_of_hour_; }
   double rejected_share() const { return rejected_share_; }
   double floor_K(Eigen::Index sensor) const;
+  double least_floor_K() const { return limits_.floor_K; }
   void set_floor(Eigen::Index sensor, double floor_K) { floor_K2_[sensor] = floor_K * floor_K; }
   /// Largest |ν| of the update that was concluded last, of all its readings.
   double largest_innovation_K() const { return largest_K_; }

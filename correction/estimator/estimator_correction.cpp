@@ -230,10 +230,8 @@ void EstimatorCorrection::pass_time(double elapsed_s) {
 void EstimatorCorrection::note_curvature() {
   const double share = std::sqrt(0.5 * options_.curvature);
   for (Eigen::Index i = 0; i < curvature_.size(); ++i) {
-    const ParameterKind kind = parameters_.list()[static_cast<std::size_t>(i)].kind;
-    const bool is_ln = kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film ||
-                       kind == ParameterKind::capacity;
-    curvature_[i] = is_ln ? share * filter_.deviation(i) * filter_.deviation(i) : 0.0;
+    const bool bends = bends_the_state(parameters_.list()[static_cast<std::size_t>(i)].kind);
+    curvature_[i] = bends ? share * filter_.deviation(i) * filter_.deviation(i) : 0.0;
   }
   // What is warmed or cooled otherwise than the shapes of the start say is another shape within minutes.
   const double left = std::exp(-std::max(0.0, times_.seen_s - open_.widened_s) / start_missed_memory_s);

@@ -232,7 +232,7 @@ class EstimatorCorrection {
     double environment = 1.0;      ///< of what environments read wrong, times their prior's deviation
   };
 
-  /// What is known at one instant, from which a second pass begins. Sized by instant(), then assigned without the heap.
+  /// What is known at one instant, from which a second pass begins.
   struct Instant {
     SquareRootFilter filter;
     Eigen::MatrixXd sensitivities;
@@ -243,7 +243,7 @@ class EstimatorCorrection {
     Openness open;
     bool knows_calibration = true;
   };
-  Instant instant() const;
+  /// Sizes `to` on the first call, then cycle-safe.
   void note_instant(Instant& to) const;
   /// Of a second pass: from this instant on, as if these unknowns had been known from the start. The model and all rows
   /// are theirs until release(), while the filter's mean and P go on from those of the instant.

@@ -4,11 +4,6 @@
 // The estimator's part of a second pass: where it begins, how it is held, and how the estimate goes over to it.
 namespace spindle_twin::correction {
 
-EstimatorCorrection::Instant EstimatorCorrection::instant() const {
-  return {filter_, sensitivities_.transposed(), channels_, consistency_, nodes_K_, known_flow_kg_per_s_, times_,
-          open_,   knows_calibration_};
-}
-
 void EstimatorCorrection::note_instant(Instant& to) const {
   to.filter = filter_;
   to.sensitivities = sensitivities_.transposed();
@@ -56,6 +51,7 @@ void EstimatorCorrection::release() {
 void EstimatorCorrection::take_over(const EstimatorCorrection& pass, const rom::OperatingState& operating) {
   ++relinearised_;
   filter_ = pass.filter_;
+  open_ = pass.open_;
   sensitivities_.set_transposed(pass.sensitivities_.transposed());
   for (std::size_t s = 0; s < channels_.size(); ++s) {
     const double fused_s = channels_[s].fused_s;

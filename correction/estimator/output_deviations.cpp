@@ -101,9 +101,8 @@ void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter
   for (std::size_t i = 0; i < deformations_.internal.size(); ++i) {
     sensitivities.of_row(deformations_.internal[i], sensitivity_);
     if (expansion_ >= 0) {
-      const double factor = std::exp(filter.mean()[expansion_]);
-      sensitivity_ *= factor;
-      sensitivity_[expansion_] = factor * deformations_.internal[i].dot(x_);
+      double length_m = deformations_.internal[i].dot(x_);
+      expand_by(std::exp(filter.mean()[expansion_]), expansion_, length_m, sensitivity_);
     }
     deviations_.deformations_m[static_cast<Eigen::Index>(i)] = deviation(deformations_.certificate[i], filter, bend);
   }

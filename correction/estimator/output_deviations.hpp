@@ -23,7 +23,7 @@ struct OutputDeviations {
 /// An output follows e^θ of a heat and e^−θ of a conductance, so its error is skewed and its long tail lies beyond 2σ.
 /// Published is half the way to the point that a fraction Φ(−2) of a skewed error exceeds (Cornish and Fisher, 1938):
 ///   σ (1 + min(|γ|, 2) / 4),   γ σ³ = 3 Σ ±(l S)_i (P Sᵀ lᵀ)_i²,   + heats, − conductances, 0 what is not an ln factor
-/// Of a deformation L, l S is e^g l S and L itself in the place of g, the ln of its factor (ParameterModel::expand).
+/// Of a deformation L, l S is e^g l S and L itself in the place of g, the ln of its factor (expand_by).
 /// Alternatives are steps in θ of which one may be true besides: max (l S Δθ)² is added. Of a part's maximum the row l
 /// is that of its hottest candidate point, the first of those that are equally hot.
 class DeviationOfOutputs {

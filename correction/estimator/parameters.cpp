@@ -71,6 +71,17 @@ const char* name_of(ParameterKind kind) {
   return "unknown";
 }
 
+void expand_by(double factor, Eigen::Index slot, double& length_m, Eigen::Ref<Eigen::VectorXd> slope) {
+  length_m *= factor;
+  slope *= factor;
+  slope[slot] = length_m;
+}
+
+bool bends_the_state(ParameterKind kind) {
+  return kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film ||
+         kind == ParameterKind::capacity;
+}
+
 bool is_of_the_machine(ParameterKind kind) {
   switch (kind) {
     case ParameterKind::heat:
@@ -276,11 +287,17 @@ double ParameterModel::expansion_factor(const Eigen::VectorXd& theta) const {
 }
 
 void ParameterModel::expand(const Eigen::VectorXd& theta, double& length_m, Eigen::Ref<Eigen::VectorXd> slope) const {
-  if (expansion_ < 0) return;
-  const double factor = expansion_factor(theta);
-  length_m *= factor;
-  slope *= factor;
-  slope[expansion_] = length_m;
+  if (expansion_ >= 0) expand_by(expansion_factor(theta), expansion_, length_m, slope);
+}
+
+Eigen::VectorXd ParameterModel::as_in(const ParameterModel& other, const Eigen::VectorXd& theta) const {
+  Eigen::VectorXd same = Eigen::VectorXd::Zero(other.count());
+  for (Eigen::Index i = 0; i < other.count(); ++i) {
+    const std::string& name = other.list_[static_cast<std::size_t>(i)].name;
+    const auto found = std::find_if(list_.begin(), list_.end(), [&](const Parameter& own) { return own.name == name; });
+    if (found != list_.end()) same[i] = theta[found - list_.begin()];
+  }
+  return same;
 }
 
 void ParameterModel::apply(const Eigen::VectorXd& theta, double speed_rpm, const Eigen::VectorXd& source_rise_K,

@@ -31,8 +31,15 @@ enum class ParameterKind : std::uint8_t {
 /// As people read it.
 const char* name_of(ParameterKind kind);
 
+/// ln of a factor in the heat balance: there the state follows e^θ, of which a straight line leaves something out.
+bool bends_the_state(ParameterKind kind);
+
 /// It is of the machine, not of the day: heats, contacts, films, what their laws do not know, expansion, capacities.
 bool is_of_the_machine(ParameterKind kind);
+
+/// A deformation as it is at a factor of 1, and its derivatives by θ: both with the factor, whose ln is θ of `slot`.
+/// Cycle-safe.
+void expand_by(double factor, Eigen::Index slot, double& length_m, Eigen::Ref<Eigen::VectorXd> slope);
 
 /// ln(nominal / own), by which a ln factor of one network moves when another one takes it over; 0 where a nominal value
 /// is not known (0 or less) or both are the same.
@@ -169,6 +176,8 @@ class ParameterModel {
   double expansion_factor(const Eigen::VectorXd& theta) const;
   /// A deformation as it is without that factor, and its derivatives by θ: both with it. Cycle-safe.
   void expand(const Eigen::VectorXd& theta, double& length_m, Eigen::Ref<Eigen::VectorXd> slope) const;
+  /// These parameters as another model has them (of the same machine): by name, 0 where it has no such. Allocates.
+  Eigen::VectorXd as_in(const ParameterModel& other, const Eigen::VectorXd& theta) const;
   int capacity(Eigen::Index node) const { return capacity_[static_cast<std::size_t>(node)]; }
   bool has_capacities() const { return !capacity_.empty() && capacity_.front() >= 0; }
   int disturbance(Eigen::Index group) const { return disturbance_[static_cast<std::size_t>(group)]; }

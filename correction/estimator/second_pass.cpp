@@ -10,14 +10,15 @@
 namespace spindle_twin::correction {
 namespace {
 
-/// Ages of the record at which it is gone through. Before the first the readings say little, after the last the
-/// estimate is so narrow that a straight line stands for it.
-constexpr std::array<double, 4> ages_s{600.0, 1800.0, 3600.0, 7200.0};
+/// Ages of the record at which it is gone through. Not in the first minutes: friction of a grease that settles after
+/// each start is followed by updates, and for constant by a pass over ten minutes, which they still fit.
+constexpr std::array<double, 3> ages_s{1800.0, 3600.0, 7200.0};
 constexpr std::size_t capacity = 4800;  // stretches: two hours, the last passes, and changes of the inputs
 constexpr int most_passes = 3;
 // Step of an ln factor below which e^θ is as good as straight: half its square is what a line leaves out.
 constexpr double settled_ln = 0.1;
-constexpr double longest_ln = 1.0;  // step of an ln factor from one pass to the next
+constexpr double longest_ln = 1.0;        // step of an ln factor from one pass to the next
+constexpr double most_at_once_s = 200.0;  // of the record in one cycle: a cycle after a pause is no longer than others
 constexpr double age_slack_s = 1e-6;
 // Beside what readings leave open, the model's own error may be larger than the daemon's.
 constexpr double tolerance_K = 1e-5;
@@ -34,11 +35,8 @@ rom::CvodeSettings settings_of_a_pass() {
   return settings;
 }
 
-/// ln of a factor, or what ln of the speed multiplies in one.
-bool is_ln(ParameterKind kind) {
-  return kind == ParameterKind::heat || kind == ParameterKind::contact || kind == ParameterKind::film ||
-         kind == ParameterKind::capacity || kind == ParameterKind::speed_exponent;
-}
+/// Of whose step it hangs whether a line through z̃ stands for the model.
+bool must_settle(ParameterKind kind) { return bends_the_state(kind) || kind == ParameterKind::speed_exponent; }
 
 }  // namespace
 
@@ -51,10 +49,10 @@ SecondPass::SecondPass(const rom::Network& network, EstimatorOptions options,
       values_(rom::make_boundary_values(network.boundaries)),
       corrected_(network.boundaries.operating),
       record_(network.boundaries, static_cast<Eigen::Index>(pass_.sensors().size()), capacity),
-      start_(like.instant()),
-      unknowns_(start_.filter.mean()),
+      unknowns_(like.filter().mean()),
       valid_(
           Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(static_cast<Eigen::Index>(pass_.sensors().size()), false)) {
+  like.note_instant(start_);
   pass_.sensitivities_ = like.sensitivities_;  // which share what does not change
   pass_.outputs_ = {};  // nobody reads them, and their candidate points are the largest part of an estimator
   // CVODE takes its memory with the first step.
@@ -91,7 +89,7 @@ bool SecondPass::follow(const EstimatorCorrection& estimator, const EstimatorSam
     if (!updated || sample.time_s - record_.begin_s() < ages_s[next_age_] - age_slack_s) return false;
     passes_ = 0;
     unknowns_ = estimator.filter().mean();
-    begin_pass(unknowns_);
+    begin_pass();
     return false;
   }
   go_on(elapsed_s, sample.operating);
@@ -102,8 +100,8 @@ bool SecondPass::follow(const EstimatorCorrection& estimator, const EstimatorSam
   return updated && next_entry_ == record_.count() && conclude();
 }
 
-void SecondPass::begin_pass(const Eigen::VectorXd& unknowns) {
-  pass_.hold(start_, unknowns, record_.at(0).operating);
+void SecondPass::begin_pass() {
+  pass_.hold(start_, unknowns_, record_.at(0).operating);
   stepper_.set_temperatures(pass_.corrected_nodes_K());
   is_passing_ = true;
   failed_ = false;
@@ -113,7 +111,7 @@ void SecondPass::begin_pass(const Eigen::VectorXd& unknowns) {
 }
 
 void SecondPass::go_on(double elapsed_s, const rom::OperatingState& now) {
-  due_s_ += times_as_fast_ * elapsed_s;
+  due_s_ += std::min(times_as_fast_ * elapsed_s, most_at_once_s);
   while (due_s_ > 0.0 && next_entry_ < record_.count() && !failed_) {
     const RecordedReadings& stretch = record_.at(next_entry_);
     due_s_ -= stretch.end_s - stretch.begin_s;
@@ -140,6 +138,19 @@ void SecondPass::go_through(std::size_t entry, const rom::OperatingState& after)
   failed_ = pass_.held_in_vain_;
 }
 
+/// Whether what it missed of its last minute of readings is no more than their noise and the least that the network is
+/// wrong by, in the mean of the sensors: constant parameters fit the first readings of the record and the last.
+bool SecondPass::fits() const {
+  double missed_K2 = 0.0, allowed_K2 = 0.0;
+  const double floor_K = pass_.consistency_.least_floor_K();
+  for (Eigen::Index s = 0; s < valid_.size(); ++s) {
+    const double noise_K = pass_.sensors()[static_cast<std::size_t>(s)].noise_K;
+    missed_K2 += pass_.consistency_.square_K2(s);
+    allowed_K2 += noise_K * noise_K + floor_K * floor_K;
+  }
+  return missed_K2 <= allowed_K2;
+}
+
 bool SecondPass::conclude() {
   unknowns_ = pass_.filter_.mean();
   if (!unknowns_.allFinite()) {
@@ -149,13 +160,14 @@ bool SecondPass::conclude() {
   pass_.bound(unknowns_);
   double moved = 0.0;
   for (Eigen::Index i = 0; i < pass_.parameters().count(); ++i) {
-    if (!is_ln(pass_.parameters().list()[static_cast<std::size_t>(i)].kind)) continue;
+    if (!must_settle(pass_.parameters().list()[static_cast<std::size_t>(i)].kind)) continue;
     const double step = unknowns_[i] - pass_.held_at_[i];
     moved = std::max(moved, std::abs(step));
     unknowns_[i] = pass_.held_at_[i] + std::clamp(step, -longest_ln, longest_ln);
   }
   if (moved <= settled_ln) {
     end_passes();
+    if (!fits()) return false;
     pass_.release();
     return true;
   }
@@ -163,7 +175,7 @@ bool SecondPass::conclude() {
     end_passes();
     return false;
   }
-  begin_pass(unknowns_);
+  begin_pass();
   return false;
 }
 

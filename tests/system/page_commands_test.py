@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 
 from live_page_test import PHONE, LivePage
-from ports import wait_until
+from ports import can_connect, wait_until
 from running_daemon import PROGRAMS, main, run_daemon
 
 PASSWORD = "correct horse"
@@ -147,7 +147,8 @@ class ByProgram(Commands):
         self.daemon.terminate()
         self.daemon.wait(20)
         self.start_again()
-        wait_until(lambda: self.log_in()[0] == 200, "the HTTP port", 10)
+        wait_until(lambda: can_connect(self.http_port), "the HTTP port")
+        self.assertEqual(self.log_in()[0], 200)
         self.assertEqual(self.ask("command", TARE, Cookie=cookie, **OURS)[0], 401)
 
     def test_passwords_are_tried_five_times_and_the_cycle_goes_on(self):

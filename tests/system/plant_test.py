@@ -12,7 +12,7 @@ import time
 import urllib.request
 
 from plant_host import Broker, Host
-from ports import free_port, wait_until
+from ports import can_connect, free_port, wait_until
 from running_daemon import RunningDaemon, main, run_daemon
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "host_tools" / "fleet"))
@@ -60,6 +60,10 @@ class Plant(RunningDaemon):
 
     def prepare_plant(self):
         pass
+
+    def start_again(self):
+        super().start_again()
+        wait_until(lambda: can_connect(self.http_port), "the HTTP port")
 
     def with_plant(self, text):
         self.daemon.terminate()

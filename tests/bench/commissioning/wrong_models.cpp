@@ -41,20 +41,6 @@ fem_offline::FeModel truth_of(Case which, double element_size_mm, std::size_t di
   });
 }
 
-/// Hidden parameters of the machine among those of its own model: by name, a cutting heat as it is.
-Eigen::VectorXd same_machine(const correction::ParameterModel& from, const Eigen::VectorXd& theta,
-                             const correction::ParameterModel& to) {
-  Eigen::VectorXd same = Eigen::VectorXd::Zero(to.count());
-  for (Eigen::Index i = 0; i < to.count(); ++i) {
-    for (Eigen::Index k = 0; k < from.count(); ++k) {
-      if (from.list()[static_cast<std::size_t>(k)].name == to.list()[static_cast<std::size_t>(i)].name) {
-        same[i] = theta[k];
-      }
-    }
-  }
-  return same;
-}
-
 struct Outcome {
   Score day;
   double hold_out_um = 0.0;
@@ -187,7 +173,7 @@ int check_wrong_models(const CampaignOptions& options, const TestPlan& plan) {
     const fem_offline::FeModel machine = truth_of(which, options.truth_mm, m % six);
     lock.unlock();
     machines[m][c] = commission_wrong(which == Case::cutting_told ? told : plain, machine.affine(), of_machine,
-                                      same_machine(of_plain, theta, of_machine), seed, plan);
+                                      of_plain.as_in(of_machine, theta), seed, plan);
     const Outcome& outcome = machines[m][c];
     lock.lock();
     std::fprintf(stderr, "%llu, %s: nose %.2f um (inside %.2f), held out %.2f um%s, asked %.1f sigma, found %.1f W\n",

@@ -145,9 +145,10 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
       }
       if (estimator.relinearised() != relinearised) {
         relinearised = estimator.relinearised();
-        bank.follow(estimator);
+        bank.follow(estimator);  // this update's readings are in what it follows
+      } else {
+        bank.update(estimator);
       }
-      bank.update(estimator);
       for (std::size_t s = 0; s < count; ++s) {
         const correction::SensorRecord& record = estimator.record(static_cast<Eigen::Index>(s));
         const correction::Misfit& misfit = bank.misfit(static_cast<Eigen::Index>(s));

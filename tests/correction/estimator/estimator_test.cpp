@@ -13,14 +13,9 @@ namespace estimator_estimator_test {
 TEST(Estimator, equals_batch_least_squares_where_the_model_is_linear) {
   // Biases of the two environments and offsets of the sensors enter linearly; everything else is left out.
   const rom::Network network = plates();
-  EstimatorOptions options;
-  options.priors.heat = options.priors.contact = options.priors.film = options.priors.speed_exponent = 0.0;
-  options.priors.bearing_per_K = options.priors.expansion = options.priors.start_K = options.priors.disturbance = 0.0;
-  options.lag_deviation_s = 0.0;
+  EstimatorOptions options = environments_alone();
   options.floor_largest_K = options.floor_K;
   options.second_pass = 0.0;  // what the updates alone come to
-  options.priors.environment_K = 0.5;
-  options.priors.environment_memory_s = 0.0;
   options.offset_walk_K_per_root_hour = 0.0;
   options.offset_deviation_K = 0.1;
   Pair pair(network, options);
