@@ -55,11 +55,7 @@ set(spindle_twin_common_headers ${PROJECT_SOURCE_DIR}/cmake/eigen_kernels.hpp <a
   <stdexcept> <string> <utility> <vector>)
 
 # For sources whose programs are busy elsewhere: tests, commands that read options and print, the daemon's main.cpp.
-if(SPINDLE_TWIN_SANITIZE)
-  set(spindle_twin_light -Og)
-else()
-  set(spindle_twin_light $<$<CONFIG:Release>:-O1>)
-endif()
+set(spindle_twin_light $<$<CONFIG:Release>:-O1>)
 
 # spindle_twin_precompile(TARGET GROUP): the targets of a group share a precompiled header; they have the same compiler flags.
 # `rooms`: libraries. `commands`: what reads options and prints. `tests`. It belongs to a target of its own, because a target
