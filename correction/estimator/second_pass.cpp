@@ -35,7 +35,7 @@ rom::CvodeSettings settings_of_a_pass() {
   return settings;
 }
 
-/// Of whose step it hangs whether a line through z̃ stands for the model.
+/// The pass has settled when the step of these is small: in them the readings are not linear.
 bool must_settle(ParameterKind kind) { return bends_the_state(kind) || kind == ParameterKind::speed_exponent; }
 
 }  // namespace
