@@ -2,11 +2,11 @@
 
 #include "correction/paper/paper_options.hpp"
 
-namespace spindle_twin::correction::tests {
+namespace spindle_twin::tests {
 
 /// Guards so wide that none acts: for reproducing the law as it was published.
-inline PaperGuards no_guards() {
-  PaperGuards guards;
+inline correction::PaperGuards no_guards() {
+  correction::PaperGuards guards;
   guards.reading_uncertainty_K = 0.0;
   guards.minimum_rise_K = 0.0;
   guards.step_minimum = guards.heat_minimum = 0.0;
@@ -19,4 +19,4 @@ inline PaperGuards no_guards() {
   return guards;
 }
 
-}  // namespace spindle_twin::correction::tests
+}  // namespace spindle_twin::tests

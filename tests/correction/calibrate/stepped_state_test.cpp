@@ -1,0 +1,69 @@
+#include "correction/calibrate/stepped_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "tests/correction/paper/one_node.hpp"
+
+namespace spindle_twin::correction::test {
+namespace stepped_state_test {
+
+constexpr double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
+constexpr double tau_s = 300.0, heat_W = 60.0, start_rise_K = 20.0;
+
+/// A body with 1 W/K to an ambient at the reference temperature and friction, whose heat falls by β per kelvin.
+struct Friction {
+  double fall_per_K = 0.0;
+
+  double rate_K_per_s(double rise_K) const { return (heat_W * std::exp(-fall_per_K * rise_K) - rise_K) / tau_s; }
+  /// The rise Y = from + weight f(Y), by bisection: the right side falls with Y.
+  double stage_K(double from_K, double weight_s) const {
+    double low = -1e3, high = 1e3;
+    for (int halving = 0; halving < 100; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (middle < from_K + weight_s * rate_K_per_s(middle) ? low : high) = middle;
+    }
+    return low;
+  }
+  /// One step of SDIRK2, as the header writes it.
+  double step_K(double rise_K, double period_s) const {
+    const double first = stage_K(rise_K, gamma * period_s);
+    return stage_K(rise_K + (1.0 - gamma) / gamma * (first - rise_K), gamma * period_s);
+  }
+};
+
+}  // namespace stepped_state_test
+
+using namespace stepped_state_test;
+
+// Every step is taken with another length, the first ones much longer than the body's time constant: the matrix is made
+// anew each time, and the heat changes by half within a step.
+TEST(SteppedState, stages_are_solved_to_a_nanokelvin) {
+  rom::Network network = node_network(tau_s, heat_W);
+  network.boundaries.sources.front().friction = true;
+  const ParameterModel parameters(network, {});
+  Eigen::VectorXd theta = parameters.neutral();
+  ASSERT_GE(parameters.bearing(), 0);
+  ASSERT_GE(parameters.starts(), 1);
+  theta[parameters.bearing()] = 0.03;
+  theta[parameters.start()] = start_rise_K;
+  const auto coordinates = std::make_shared<const rom::NetworkOperator>(network);
+  SteppedState state(network, coordinates, parameters, theta);
+  state.start(ambient_K);
+
+  const Friction friction{0.03};
+  Eigen::VectorXd temperature_K(1);
+  double expected_K = start_rise_K;
+  for (const double period_s : {3000.0, 700.0, 20.0, 20.0, 20.0, 5.0}) {
+    expected_K = friction.step_K(expected_K, period_s);
+    ASSERT_TRUE(state.advance(period_s, network.boundaries.operating));
+    coordinates->to_temperatures(state.x(), temperature_K);
+    EXPECT_NEAR(temperature_K[0] - ambient_K, expected_K, 1e-9) << "after a step of " << period_s << " s";
+  }
+}
+
+}  // namespace spindle_twin::correction::test
