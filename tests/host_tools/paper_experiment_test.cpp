@@ -286,7 +286,7 @@ TEST_F(PaperExperiment, law_without_state_rescaling_rings_on_at_every_gain) {
   }
   correction::PaperOptions published;
   published.state_rescale = false;
-  published.guards = tests::no_guards();
+  published.guards = spindle_twin::tests::no_guards();
   score("state kept, gamma 1, no guards", published);
 }
 
