@@ -173,7 +173,13 @@ FeModel::~FeModel() = default;
 FeModel::FeModel(FeModel&&) noexcept = default;
 FeModel& FeModel::operator=(FeModel&&) noexcept = default;
 
-const AffineModel& FeModel::affine() const { return impl_->affine; }
+const AffineModel& FeModel::affine() const& { return impl_->affine; }
+
+AffineModel FeModel::affine() && {
+  AffineModel affine = std::move(impl_->affine);
+  impl_.reset();
+  return affine;
+}
 
 const std::vector<PartQuality>& FeModel::quality() const { return impl_->quality; }
 const Spindle& FeModel::description() const { return impl_->described; }

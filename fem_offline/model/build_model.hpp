@@ -30,7 +30,9 @@ class FeModel {
   FeModel(FeModel&&) noexcept;
   FeModel& operator=(FeModel&&) noexcept;
 
-  const AffineModel& affine() const;
+  const AffineModel& affine() const&;
+  /// The same, of a model of which nothing else is wanted: mesh and elastic factor, most of its memory, go.
+  AffineModel affine() &&;
   /// Shapes of the elements, per part.
   const std::vector<PartQuality>& quality() const;
   const Spindle& description() const;

@@ -8,7 +8,7 @@
 namespace spindle_twin::fem_offline {
 
 struct ElasticSolver::Impl {
-  explicit Impl(ElasticBody given) : body(std::move(given)), factor(body.stiffness_N_per_m) {}
+  explicit Impl(ElasticBody given) : body(std::move(given)), factor(body.stiffness_N_per_m, Solutions::few) {}
   ElasticBody body;
   CholeskyFactor factor;
 };

@@ -68,44 +68,79 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
   return fields;
 }
 
-/// Adds, as long as it helps, the point at which the field with the largest shortfall has its extreme.
-std::vector<int> greedy_extremes(const Eigen::MatrixXf& part_fields) {
-  const Eigen::Index count = part_fields.cols();
-  Eigen::VectorXi hottest(count), coldest(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    part_fields.col(i).maxCoeff(&hottest[i]);
-    part_fields.col(i).minCoeff(&coldest[i]);
+/// Where each field has its extremes on a part.
+struct Extremes {
+  std::vector<Eigen::Index> hottest, coldest;  ///< by field: rows
+};
+
+/// Gives the temperatures of these rows to `visit(first field, temperatures_K)` by blocks of fields: all of them would
+/// take more memory than anything else of a build.
+template <typename Visit>
+void for_each_block_of_fields(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields, const Visit& visit) {
+  constexpr Eigen::Index columns_per_block = 128;
+  for (Eigen::Index first = 0; first < fields.cols(); first += columns_per_block) {
+    const Eigen::Index width = std::min(columns_per_block, fields.cols() - first);
+    visit(first, product(rows, fields.middleCols(first, width)));
   }
+}
+
+Extremes extremes_of(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields) {
+  const auto count = static_cast<std::size_t>(fields.cols());
+  Extremes extremes{std::vector<Eigen::Index>(count), std::vector<Eigen::Index>(count)};
+  for_each_block_of_fields(rows, fields, [&](Eigen::Index first, const Eigen::MatrixXd& block_K) {
+    for (Eigen::Index i = 0; i < block_K.cols(); ++i) {
+      const auto field = static_cast<std::size_t>(first + i);
+      block_K.col(i).maxCoeff(&extremes.hottest[field]);
+      block_K.col(i).minCoeff(&extremes.coldest[field]);
+    }
+  });
+  return extremes;
+}
+
+/// The rows in which some field has an extreme, in order; `extremes` then counts in them.
+std::vector<Eigen::Index> keep_rows(Extremes& extremes) {
+  std::vector<Eigen::Index> kept = extremes.hottest;
+  kept.insert(kept.end(), extremes.coldest.begin(), extremes.coldest.end());
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  for (auto* rows : {&extremes.hottest, &extremes.coldest}) {
+    for (Eigen::Index& row : *rows) row = std::lower_bound(kept.begin(), kept.end(), row) - kept.begin();
+  }
+  return kept;
+}
+
+/// Adds, as long as it helps, the point at which the field with the largest shortfall has its extreme. Only points that
+/// are one somewhere can be chosen: their temperatures are kept alone, in single precision (0.03 mK).
+std::vector<int> greedy_extremes(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields) {
+  Extremes extremes = extremes_of(rows, fields);
+  const std::vector<Eigen::Index> kept = keep_rows(extremes);
+  const Eigen::Index count = fields.cols();
+  Eigen::MatrixXf at_points_K(static_cast<Eigen::Index>(kept.size()), count);
+  for_each_block_of_fields(rows(kept, Eigen::all), fields, [&](Eigen::Index first, const Eigen::MatrixXd& block_K) {
+    at_points_K.middleCols(first, block_K.cols()) = block_K.cast<float>();
+  });
+
   std::vector<int> chosen;
   constexpr float beyond_K = 1e30F;
   Eigen::VectorXf high = Eigen::VectorXf::Constant(count, -beyond_K), low = Eigen::VectorXf::Constant(count, beyond_K);
   while (chosen.size() < most_candidates) {
     double worst_K = good_enough_K;
-    int next = -1;
+    Eigen::Index next = -1;
     for (Eigen::Index i = 0; i < count; ++i) {
-      const double above_K = static_cast<double>(part_fields(hottest[i], i)) - high[i];
-      const double below_K = weight_of_minimum * (static_cast<double>(low[i]) - part_fields(coldest[i], i));
-      if (above_K > worst_K) worst_K = above_K, next = hottest[i];
-      if (below_K > worst_K) worst_K = below_K, next = coldest[i];
+      const Eigen::Index hottest = extremes.hottest[static_cast<std::size_t>(i)];
+      const Eigen::Index coldest = extremes.coldest[static_cast<std::size_t>(i)];
+      const double above_K = static_cast<double>(at_points_K(hottest, i)) - high[i];
+      const double below_K = weight_of_minimum * (static_cast<double>(low[i]) - at_points_K(coldest, i));
+      if (above_K > worst_K) worst_K = above_K, next = hottest;
+      if (below_K > worst_K) worst_K = below_K, next = coldest;
     }
     if (next < 0) break;
-    chosen.push_back(next);
-    high = high.cwiseMax(part_fields.row(next).transpose());
-    low = low.cwiseMin(part_fields.row(next).transpose());
+    chosen.push_back(static_cast<int>(kept[static_cast<std::size_t>(next)]));
+    high = high.cwiseMax(at_points_K.row(next).transpose());
+    low = low.cwiseMin(at_points_K.row(next).transpose());
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;
-}
-
-/// Temperatures of a part's unknowns in every field, to 0.03 mK: half the memory, of which this takes the most.
-Eigen::MatrixXf fields_of_part(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields) {
-  constexpr Eigen::Index columns_per_block = 128;
-  Eigen::MatrixXf of_part(rows.rows(), fields.cols());
-  for (Eigen::Index first = 0; first < fields.cols(); first += columns_per_block) {
-    const Eigen::Index width = std::min(columns_per_block, fields.cols() - first);
-    of_part.middleCols(first, width) = product(rows, fields.middleCols(first, width)).cast<float>();
-  }
-  return of_part;
 }
 
 }  // namespace
@@ -117,7 +152,7 @@ PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates
   for_each_index(static_cast<int>(model.parts.size()), options.threads, [&](int index, int) {
     const auto part = static_cast<std::size_t>(index);
     const Eigen::MatrixXd rows = nodal.interpolant(model.parts[part].dofs, Eigen::all);
-    extremes[part] = greedy_extremes(fields_of_part(rows, fields));
+    extremes[part] = greedy_extremes(rows, fields);
   });
   return extremes;
 }

@@ -24,6 +24,19 @@ void couple(const DenseModel& model, const rom::CoolantSegments& segments, const
   held.drive -= held.carried * inlet_K;
 }
 
+/// Adds to the lower triangle of K what the conductances have gained; column by column, so that of K each is in the
+/// cache.
+void add_gained(const DenseModel& model, const std::vector<std::pair<std::size_t, double>>& gained_W_per_m2K,
+                Eigen::MatrixXd& conduction) {
+  const Eigen::Index size = conduction.rows();
+  for (Eigen::Index c = 0; c < size; ++c) {
+    auto column = conduction.col(c).tail(size - c);
+    for (const auto& [j, gain_W_per_m2K] : gained_W_per_m2K) {
+      column += gain_W_per_m2K * model.conductance_terms[j].col(c).tail(size - c);
+    }
+  }
+}
+
 }  // namespace
 
 DenseModel dense_model_of(const rom::Network& network) {
@@ -51,20 +64,36 @@ void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, con
   held.carried.resize(model.conduction.rows(), 0);
   held.walls.resize(model.conduction.rows(), 0);
   held.drive = model.source_distribution * values.heat_W;
+  std::vector<std::pair<std::size_t, double>> gained_W_per_m2K;
   for (std::size_t j = 0; j < model.conductance_terms.size(); ++j) {
     const auto column = static_cast<Eigen::Index>(j);
     const double g = values.conductance_W_per_m2K[column];
     const int environment = boundaries.conductances[j].environment;
-    const double more_W_per_m2K = g - held.contained_W_per_m2K[column];
-    if (more_W_per_m2K != 0.0) held.conduction += more_W_per_m2K * model.conductance_terms[j];
+    const double gain_W_per_m2K = g - held.contained_W_per_m2K[column];
+    if (gain_W_per_m2K != 0.0) gained_W_per_m2K.emplace_back(j, gain_W_per_m2K);
     held.contained_W_per_m2K[column] = g;
     if (environment >= 0) held.drive += g * (values.environment_K[environment] - zero_K) * model.walls_m2.col(column);
   }
+  add_gained(model, gained_W_per_m2K, held.conduction);
   if (segments.count() > 0) couple(model, segments, values, zero_K, held);
 }
 
+namespace {
+
+/// The lower triangle of K + rate · C; what stands above is not set.
+Eigen::MatrixXd lower_of_sum(const Eigen::MatrixXd& conduction, double rate_per_s, const Eigen::MatrixXd& capacity) {
+  const Eigen::Index size = conduction.rows();
+  Eigen::MatrixXd sum(size, size);
+  for (Eigen::Index c = 0; c < size; ++c) {
+    sum.col(c).tail(size - c) = conduction.col(c).tail(size - c) + rate_per_s * capacity.col(c).tail(size - c);
+  }
+  return sum;
+}
+
+}  // namespace
+
 ShiftedModel::ShiftedModel(const DenseModel& model, const HeldModel& held, double rate_per_s)
-    : symmetric_(held.conduction + rate_per_s * model.capacity, "the reduced conduction matrix"),
+    : symmetric_(lower_of_sum(held.conduction, rate_per_s, model.capacity), "the reduced conduction matrix"),
       carried_(held.carried),
       walls_(held.walls) {}
 

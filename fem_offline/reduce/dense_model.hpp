@@ -28,7 +28,7 @@ DenseModel dense_model_of(const rom::Network& network);
 /// Conduction and drive of a model under held inputs: C dT/dt = drive − (K − H Wᵀ) T, with T the rise above `zero_K`.
 /// H Wᵀ is what a circuit's liquid carries from segment to segment: M columns each, none without circuits.
 struct HeldModel {
-  Eigen::MatrixXd conduction;  ///< K, symmetric
+  Eigen::MatrixXd conduction;  ///< K, of which only the lower triangle
   Eigen::MatrixXd carried;     ///< H
   Eigen::MatrixXd walls;       ///< W
   Eigen::VectorXd drive;

@@ -38,7 +38,8 @@ std::vector<Eigen::MatrixXd> answers_of_cuts(const FeModel& model, std::size_t m
   const int cuts = model.affine().places.size() > most_unknowns ? 1 : 2;
   std::vector<Eigen::MatrixXd> answers = {answer(model.affine())};
   for (int times = 1; times <= cuts; ++times) {
-    answers.push_back(answer(FeModel(with_halved_elements(model.description(), times), model.section()).affine()));
+    const AffineModel finer = FeModel(with_halved_elements(model.description(), times), model.section()).affine();
+    answers.push_back(answer(finer));
   }
   return answers;
 }

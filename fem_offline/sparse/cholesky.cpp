@@ -31,13 +31,13 @@ const bool blas_serves_two_threads = hold_blas_to_one_thread();
 /// CHOLMOD's settings and workspace, for one thread.
 struct Common {
   cholmod_common settings;
-  Common() {
+  explicit Common(Solutions wanted) {
     cholmod_start(&settings);
     settings.supernodal = blas_serves_two_threads ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
     settings.supernodal_switch = least_supernodal_work;
     // A supernodal factor is turned into columns without the zeros that its blocks brought along: a third less time per
     // solution, for a tenth more per factor.
-    settings.final_asis = 0;
+    settings.final_asis = wanted == Solutions::few ? 1 : 0;
     settings.final_super = 0;
     settings.final_ll = 0;
     settings.final_resymbol = 1;
@@ -72,6 +72,7 @@ cholmod_sparse view(const SparseMatrix& lower) {
 /// factorisation, but not one by columns.
 bool is_positive_definite(const cholmod_factor& factor) {
   if (factor.minor < factor.n) return false;
+  if (factor.is_super != 0) return true;
   const auto* column_starts = static_cast<const int*>(factor.p);
   const auto* entries = static_cast<const double*>(factor.x);
   return std::all_of(column_starts, column_starts + factor.n, [&](int start) { return entries[start] > 0.0; });
@@ -82,7 +83,7 @@ struct Analysis {
   Common common;
   cholmod_factor* factor = nullptr;
 
-  explicit Analysis(const SparseMatrix& lower) {
+  explicit Analysis(const SparseMatrix& lower) : common(Solutions::many) {
     cholmod_sparse matrix = view(lower);
     factor = cholmod_analyze(&matrix, &common.settings);
     if (!factor) throw std::runtime_error("CHOLMOD could not analyse the matrix: no memory");
@@ -100,7 +101,8 @@ bool openblas_serves_threads() {
 }
 
 struct CholeskyFactor::Impl {
-  Impl(std::shared_ptr<const Analysis> shared, const SparseMatrix& lower) : analysis(std::move(shared)) {
+  Impl(std::shared_ptr<const Analysis> shared, const SparseMatrix& lower, Solutions wanted)
+      : analysis(std::move(shared)), common(wanted) {
     // CHOLMOD asks for four threads per factor, which wait in loops and on a busy computer cost far more than the
     // work; cases run in parallel instead. The setting holds for the calling thread.
     omp_set_max_active_levels(0);
@@ -131,11 +133,11 @@ struct CholeskyFactor::Impl {
   cholmod_dense* workspace_e = nullptr;
 };
 
-CholeskyFactor::CholeskyFactor(const SparseMatrix& lower)
-    : impl_(std::make_unique<Impl>(std::make_shared<const Analysis>(lower), lower)) {}
+CholeskyFactor::CholeskyFactor(const SparseMatrix& lower, Solutions wanted)
+    : impl_(std::make_unique<Impl>(std::make_shared<const Analysis>(lower), lower, wanted)) {}
 
 CholeskyFactor::CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower)
-    : impl_(std::make_unique<Impl>(pattern.impl_->analysis, lower)) {}
+    : impl_(std::make_unique<Impl>(pattern.impl_->analysis, lower, Solutions::many)) {}
 
 CholeskyFactor::~CholeskyFactor() = default;
 CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;

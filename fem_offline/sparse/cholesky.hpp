@@ -10,6 +10,12 @@ namespace spindle_twin::fem_offline {
 /// Whether the program's BLAS is OpenBLAS and several threads may call it at once.
 bool openblas_serves_threads();
 
+/// What a factor is wanted for.
+enum class Solutions {
+  many,  ///< a large one is stored again by columns, which takes a third less time per solution
+  few    ///< it stays as it is made, which takes half the memory meanwhile
+};
+
 /// Factors of one sparse symmetric positive definite matrix, A = L D Lᵀ (CHOLMOD; large ones are made block by block on
 /// the BLAS if several threads may call it at once). The symbolic analysis can be handed on to other matrices of the
 /// same pattern. The calling program's OpenBLAS is held to one thread from its start.
@@ -17,7 +23,7 @@ class CholeskyFactor {
  public:
   /// Analyses and factorises. `lower` holds the lower triangle. Throws std::runtime_error if A is not positive
   /// definite, the second constructor too.
-  explicit CholeskyFactor(const SparseMatrix& lower);
+  explicit CholeskyFactor(const SparseMatrix& lower, Solutions wanted = Solutions::many);
   /// Takes the analysis of `pattern`, whose matrix had the same entries.
   CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower);
   ~CholeskyFactor();

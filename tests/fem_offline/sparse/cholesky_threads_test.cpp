@@ -69,11 +69,25 @@ TEST(CholeskyThreads, all_columns_at_once_are_the_single_solutions) {
   }
 }
 
+/// By columns and block by block; the small one is made by columns in either case.
+TEST(CholeskyThreads, a_factor_for_few_solutions_gives_those_of_one_for_many) {
+  for (const auto& [side, rows] : {std::pair{20, 20}, std::pair{200, 200}}) {
+    const SparseMatrix lower = grid_matrix(side, rows);
+    const Eigen::VectorXd load = Eigen::VectorXd::LinSpaced(lower.rows(), -1.0, 2.0);
+    CholeskyFactor many(lower), few(lower, Solutions::few);
+    Eigen::VectorXd of_many, of_few;
+    many.solve(load, of_many);
+    few.solve(load, of_few);
+    EXPECT_LE((of_few - of_many).norm(), 1e-12 * of_many.norm()) << side << " x " << rows;
+  }
+}
+
 TEST(CholeskyThreads, a_matrix_that_is_not_positive_definite_is_an_error_for_small_and_large) {
   for (const auto& [side, rows] : {std::pair{20, 20}, std::pair{200, 200}}) {
     SparseMatrix lower = grid_matrix(side, rows);
     lower.coeffRef(lower.rows() / 2, lower.rows() / 2) = -5.0;
     EXPECT_THROW(CholeskyFactor{lower}, std::runtime_error) << side << " x " << rows;
+    EXPECT_THROW(CholeskyFactor(lower, Solutions::few), std::runtime_error) << side << " x " << rows;
   }
 }
 

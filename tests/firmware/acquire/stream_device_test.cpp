@@ -11,6 +11,7 @@
 
 #include "tests/firmware/acquire/stream_frames.hpp"
 #include "tests/firmware/support/logged.hpp"
+#include "tests/firmware/support/no_descriptors.hpp"
 
 namespace spindle_twin::firmware {
 namespace acquire_stream_device_test {
@@ -23,24 +24,6 @@ class SteppedClock final : public Clock {
   std::int64_t now_ns() const override { return time_ns; }
   void sleep_until_ns(std::int64_t until_ns) override { time_ns = std::max(time_ns, until_ns); }
   std::int64_t time_ns = static_cast<std::int64_t>(100 * second_ns);
-};
-
-/// No descriptor is left to this process while it lives.
-class NoDescriptors {
- public:
-  NoDescriptors() {
-    ::getrlimit(RLIMIT_NOFILE, &before_);
-    const int next = ::dup(0);
-    ::close(next);
-    const rlimit none{static_cast<rlim_t>(next), before_.rlim_max};
-    ::setrlimit(RLIMIT_NOFILE, &none);
-  }
-  ~NoDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
-  NoDescriptors(const NoDescriptors&) = delete;
-  NoDescriptors& operator=(const NoDescriptors&) = delete;
-
- private:
-  rlimit before_{};
 };
 
 class StreamDeviceTest : public testing::Test {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rom/read/input_error.hpp"
+#include "tests/firmware/support/no_descriptors.hpp"
 #include "tests/firmware/support/serving.hpp"
 
 namespace spindle_twin::firmware {
@@ -67,6 +68,41 @@ TEST(ModbusServer, goes_on_behind_a_poll_that_failed) {
   ::setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_EQ(payload(client.receive()), known_words);
   EXPECT_EQ(payload(client.ask(read_known)), known_words);
+}
+
+/// How often it was asked.
+class CountingClock final : public Clock {
+ public:
+  std::int64_t now_ns() const override {
+    ++asked;
+    return real_.now_ns();
+  }
+  void sleep_until_ns(std::int64_t until_ns) override { real_.sleep_until_ns(until_ns); }
+  mutable std::atomic<int> asked{0};
+
+ private:
+  MonotonicClock real_;
+};
+
+/// The client waits in the backlog meanwhile, and makes its socket ready at every look.
+TEST(ModbusServer, without_descriptors_accepting_pauses_instead_of_spinning) {
+  CountingClock clock;
+  Serving ports;  // for its snapshots and orders alone
+  ModbusServer server(Serving::plan(), clock, {{units_of_one_spindle(), ports.snapshots, ports.signals, ports.orders}});
+  std::thread thread([&] { server.run(); });
+  sockaddr_in there{};
+  there.sin_family = AF_INET;
+  there.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+  there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const Descriptor client(::socket(AF_INET, SOCK_STREAM, 0));
+  {
+    const NoDescriptors none;
+    ASSERT_EQ(::connect(client.get(), reinterpret_cast<const sockaddr*>(&there), sizeof there), 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    EXPECT_LT(clock.asked, 100);
+  }
+  server.stop();
+  thread.join();
 }
 
 TEST(ModbusServer, a_client_that_drips_is_closed_at_the_deadline_and_others_are_served_meanwhile) {

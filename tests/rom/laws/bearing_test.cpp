@@ -226,6 +226,13 @@ TEST(BearingConductance, reference_values_slopes_and_smoothness) {
   expect_smooth(law, -30.0, 30.0, "G through standstill");
 }
 
+/// Where the balls orbit so slowly that the square root's argument would fall below 0.1: it stays there, and no lower.
+TEST(BearingConductance, has_a_least_value_at_standstill) {
+  const BearingConductance tiny{18.0, 9.52e-3, 1e-6};
+  const double least = 590.0 * 18.0 * 9.52e-3 * 9.52e-3 * std::sqrt(0.1);
+  expect_close(bearing_conductance_W_per_K(LawMode::standard, tiny, 0.0).value, least, "G");
+}
+
 /// Half to each race where the spin of the balls vanishes (90°), more to the inner one at flatter angles.
 TEST(BearingFriction, inner_share_of_the_heat) {
   EXPECT_NEAR(inner_heat_share(4.76e-3, 0.0325, 90.0 * degree), 0.5, 1e-5);
