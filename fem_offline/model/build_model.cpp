@@ -166,6 +166,7 @@ struct FeModel::Impl {
   Spindle described;
   Section outlined;
   std::optional<ElasticSolver> solver;  ///< only if the description asks for mechanics
+  bool has_forgotten_growth = false;
 };
 
 FeModel::FeModel(const Spindle& spindle, const Section& section) : impl_(std::make_unique<Impl>(spindle, section)) {}
@@ -181,6 +182,11 @@ AffineModel FeModel::affine() && {
   return affine;
 }
 
+void FeModel::forget_growth() {
+  impl_->has_forgotten_growth = impl_->solver.has_value();
+  impl_->solver.reset();
+}
+
 const std::vector<PartQuality>& FeModel::quality() const { return impl_->quality; }
 const Spindle& FeModel::description() const { return impl_->described; }
 const Section& FeModel::section() const { return impl_->outlined; }
@@ -192,11 +198,13 @@ FieldError FeModel::error_against(const ExactField& exact, const Eigen::VectorXd
 }
 
 Eigen::VectorXd FeModel::displacements_m(const Eigen::VectorXd& temperatures_K) const {
+  if (impl_->has_forgotten_growth) throw std::logic_error("this model has forgotten growth");
   if (impl_->solver) return impl_->solver->displacements_m(impl_->rises_K(temperatures_K));
   return Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(impl_->discretisation.places.size()));
 }
 
 Eigen::MatrixXd FeModel::stresses_Pa(const Eigen::VectorXd& temperatures_K) const {
+  if (impl_->has_forgotten_growth) throw std::logic_error("this model has forgotten growth");
   if (!impl_->solver) return Eigen::MatrixXd(0, 4);
   return nodal_stresses_Pa(impl_->discretisation, impl_->described, displacements_m(temperatures_K),
                            impl_->rises_K(temperatures_K));

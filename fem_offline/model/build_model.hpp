@@ -33,6 +33,8 @@ class FeModel {
   const AffineModel& affine() const&;
   /// The same, of a model of which nothing else is wanted: mesh and elastic factor, most of its memory, go.
   AffineModel affine() &&;
+  /// Frees the elastic factor, for a caller that wants no more displacements and stresses: they throw std::logic_error.
+  void forget_growth();
   /// Shapes of the elements, per part.
   const std::vector<PartQuality>& quality() const;
   const Spindle& description() const;

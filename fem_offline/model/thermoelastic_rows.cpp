@@ -155,23 +155,19 @@ std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, con
                                                      const SurfaceRules& rules, const std::vector<DofPlace>& places,
                                                      const ElasticTerms& terms, const ElasticSolver& solver) {
   const ElasticBody& body = solver.body();
-  const auto count = static_cast<Eigen::Index>(spindle.contact_pressures.size());
-  Eigen::MatrixXd normals(terms.stiffness_N_per_m.rows(), count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    normals.col(i) = normals_of(section, rules, places, spindle.contact_pressures[static_cast<std::size_t>(i)].contact);
-  }
-  const Eigen::MatrixXd forces = terms.stiffness_N_per_m * normals;
-  Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(body.stiffness_N_per_m.rows(), count);
-  for (std::size_t i = 0; i < body.reduced.size(); ++i) {
-    if (body.reduced[i] >= 0) reduced.row(body.reduced[i]) += forces.row(static_cast<Eigen::Index>(i));
-  }
-  const Eigen::MatrixXd adjoints = solver.solve(reduced);
   std::vector<FeContactPressure> rows;
+  // One after the other: on the finest meshes all at once would be the largest matrices of a build.
   for (const ContactPressureOutput& output : spindle.contact_pressures) {
-    const auto i = static_cast<Eigen::Index>(rows.size());
-    const Eigen::VectorXd row = (terms.thermal_load_N_per_K.transpose() * normals.col(i) -
-                                 body.thermal_load_N_per_K.transpose() * adjoints.col(i)) /
-                                area_of(rules, output.contact);
+    const Eigen::VectorXd normals = normals_of(section, rules, places, output.contact);
+    const Eigen::VectorXd forces = terms.stiffness_N_per_m * normals;
+    Eigen::VectorXd reduced = Eigen::VectorXd::Zero(body.stiffness_N_per_m.rows());
+    for (std::size_t i = 0; i < body.reduced.size(); ++i) {
+      if (body.reduced[i] >= 0) reduced[body.reduced[i]] += forces[static_cast<Eigen::Index>(i)];
+    }
+    const Eigen::VectorXd adjoint = solver.solve(reduced);
+    const Eigen::VectorXd row =
+        (terms.thermal_load_N_per_K.transpose() * normals - body.thermal_load_N_per_K.transpose() * adjoint) /
+        area_of(rules, output.contact);
     rows.push_back({output.name, assembly_pressure_Pa(spindle, spindle.contacts[output.contact]), row});
   }
   return rows;

@@ -143,7 +143,8 @@ void run(BuildArguments& arguments) {
   progress("FE model", 0.0);
   fem_offline::ReduceReport report;
   fem_offline::StageClock clock(&report, progress);
-  const fem_offline::FeModel model = read_model(arguments.spindle_path, arguments.plausibility);
+  fem_offline::FeModel model = read_model(arguments.spindle_path, arguments.plausibility);
+  model.forget_growth();
   clock.finish("FE model");
   if (model.affine().deformations.empty()) {
     throw rom::InputError({arguments.spindle_path, 0}, "deformation",

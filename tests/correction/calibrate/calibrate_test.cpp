@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "correction/calibrate/residual_covariance.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/correction/calibrate/recorded_run.hpp"
 
@@ -94,6 +95,13 @@ TEST(Calibrate, readings_far_off_hardly_move_the_fit) {
   std::size_t outliers = 0;
   for (const ChannelFit& channel : hit.fit.channels) outliers += channel.outliers;
   EXPECT_GE(outliers, 3u);
+  const Eigen::MatrixXd assumed = residual_covariance(hit.fit.readings[0], parameters, options);
+  for (Eigen::Index r = 0; r < assumed.rows(); ++r) {
+    const double q = std::abs(hit.fit.left[0][r]) / std::sqrt(assumed(r, r));
+    EXPECT_NEAR(hit.fit.weights[0](r, r) / assumed(r, r), q > 3.0 ? 1.0 + q * (q / 3.0 - 1.0) : 1.0,
+                1e-9 * (1.0 + q * q))
+        << "reading " << r << ", " << q << " deviations off";
+  }
   for (std::size_t i = 0; i < clean.calibration.names.size(); ++i) {
     const auto slot = static_cast<Eigen::Index>(i);
     EXPECT_LT(std::abs(hit.calibration.mean[slot] - clean.calibration.mean[slot]),

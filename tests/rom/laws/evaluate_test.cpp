@@ -1,5 +1,6 @@
 #include "rom/laws/evaluate.hpp"
 
+#include <bit>
 #include <random>
 #include <stdexcept>
 
@@ -54,6 +55,16 @@ double difference(const PhysicalLaw& law, const LawState& at, LawInput input) {
     return evaluate(law, state).value;
   };
   return (8.0 * (value(1.0) - value(-1.0)) - (value(2.0) - value(-2.0))) / (12.0 * step);
+}
+
+TEST(LawFlags, are_a_bit_each) {
+  std::uint16_t taken = in_range;
+  for (const LawFlag flag :
+       {below_range, above_range, temperature_clamped, joint_open, thin_film, shape_out_of_range, undefined}) {
+    EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(flag))) << flag;
+    EXPECT_EQ(taken & flag, 0) << flag;
+    taken = static_cast<std::uint16_t>(taken | flag);
+  }
 }
 
 TEST(Evaluate, slopes_by_every_input_are_those_of_the_value) {
