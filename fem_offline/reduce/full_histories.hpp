@@ -11,7 +11,8 @@ namespace spindle_twin::fem_offline {
 
 /// A model's thermal matrices and the analysis that all their factors share; for one thread.
 struct AnalysedSystem {
-  explicit AnalysedSystem(const AffineModel& model) : system(model), analysed(system.capacity_lower()) {}
+  explicit AnalysedSystem(const AffineModel& model)
+      : system(model), analysed(system.capacity_lower(), Solutions::of_many_factors) {}
   ThermalSystem system;
   CholeskyFactor analysed;
 };

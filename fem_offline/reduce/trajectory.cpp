@@ -75,8 +75,8 @@ Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs) {
   return column;
 }
 
-FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s) {
-  FeStepper stepper(model, FeScheme::order_4);
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s, const CholeskyFactor* analysed) {
+  FeStepper stepper(model, FeScheme::order_4, analysed);
   stepper.set_uniform_temperature(drive.initial_temperature_K);
   Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
   follow(model.boundaries, drive, [&](Eigen::Index i, const HeldInterval& interval, const rom::BoundaryValues& values) {

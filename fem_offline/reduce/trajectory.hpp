@@ -5,6 +5,7 @@
 
 #include "fem_offline/model/affine_model.hpp"
 #include "fem_offline/reduce/drive_case.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 #include "rom/integrate/network_operator.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "rom/network.hpp"
@@ -41,8 +42,10 @@ struct FeTrajectory {
   Eigen::MatrixXd outputs;  ///< one column per interval
 };
 
-/// `fe_step_s`: longest time step; after a jump they are shorter anyway.
-FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s);
+/// `fe_step_s`: longest time step; after a jump they are shorter anyway. `analysed`: as FeStepper has it, several
+/// threads may share it.
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s,
+                          const CholeskyFactor* analysed = nullptr);
 
 /// Largest |network − FE model| of every output over the run; the network runs with the runtime's own integrator. Its
 /// maxima are over its candidate points. std::runtime_error if the integrator fails.

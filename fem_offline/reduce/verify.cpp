@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fem_offline/reduce/error_limit.hpp"
+#include "fem_offline/reduce/full_histories.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "rom/units.hpp"
 
@@ -31,10 +32,11 @@ void check_same_model(const rom::Network& network, const AffineModel& model) {
   }
 }
 
-FeTrajectory run_fe_case(const AffineModel& model, const VerifyOptions& options, int index) {
+FeTrajectory run_fe_case(const AffineModel& model, const CholeskyFactor& analysed, const VerifyOptions& options,
+                         int index) {
   return run_fe_model(model,
                       random_case(model.boundaries, options.seed, static_cast<std::uint32_t>(index), options.drive),
-                      options.fe_step_s);
+                      options.fe_step_s, &analysed);
 }
 
 double largest_error(const Eigen::VectorXd& values) { return values.size() > 0 ? values.maxCoeff() : 0.0; }
@@ -94,12 +96,13 @@ namespace {
 Eigen::MatrixXd errors_from(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
                             std::uint32_t first, const Progress& progress) {
   const auto network_operator = std::make_shared<const rom::NetworkOperator>(network);
+  const AnalysedSystem matrices(model);
   const auto count = static_cast<int>(options.cases - first);
   Eigen::MatrixXd errors(output_layout(model).total(), count);
   std::atomic<int> finished{0};
   for_each_index(count, options.threads, [&](int index, int worker) {
-    errors.col(index) =
-        largest_errors(network, network_operator, run_fe_case(model, options, static_cast<int>(first) + index));
+    errors.col(index) = largest_errors(network, network_operator,
+                                       run_fe_case(model, matrices.analysed, options, static_cast<int>(first) + index));
     const int done = ++finished;
     if (worker == 0 && progress) progress("verification", static_cast<double>(done) / count);
   });

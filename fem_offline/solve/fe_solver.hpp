@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/sparse/cholesky.hpp"
 #include "rom/integrate/coolant.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -42,8 +43,10 @@ enum class FeScheme { order_2, order_4 };
 /// conductances and environments are held over advance().
 class FeStepper {
  public:
-  /// Starts at initial_temperatures with the reference temperature elsewhere.
-  explicit FeStepper(const AffineModel& model, FeScheme scheme = FeScheme::order_2);
+  /// Starts at initial_temperatures with the reference temperature elsewhere. `analysed`: of a matrix of this model,
+  /// whose analysis serves here too; it must outlive this. null: one of its own.
+  explicit FeStepper(const AffineModel& model, FeScheme scheme = FeScheme::order_2,
+                     const CholeskyFactor* analysed = nullptr);
   ~FeStepper();
   FeStepper(FeStepper&&) noexcept;
   FeStepper& operator=(FeStepper&&) noexcept;

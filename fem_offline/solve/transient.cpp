@@ -78,13 +78,15 @@ Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_
 }
 
 struct FeStepper::Impl {
-  Impl(const AffineModel& model, FeScheme scheme)
+  Impl(const AffineModel& model, FeScheme scheme, const CholeskyFactor* shared)
       : system(model),
+        analysed(shared),
         coupling(model),
         tableau(scheme == FeScheme::order_4 ? order_4() : order_2()),
         slopes_K_per_s(static_cast<std::size_t>(tableau.below.rows())) {}
 
   ThermalSystem system;
+  const CholeskyFactor* analysed;
   CoolantCoupling coupling;
   rom::BoundaryValues held;
   double since_jump_s = 0.0;
@@ -119,8 +121,8 @@ struct FeStepper::Impl {
       return factors.front().factor;
     }
     const SparseMatrix matrix = system.combined_lower(tableau.gamma * step_s);
-    CholeskyFactor made =
-        factors.empty() ? CholeskyFactor(matrix) : CholeskyFactor(factors.front().factor.symmetric(), matrix);
+    const CholeskyFactor* pattern = factors.empty() ? analysed : &factors.front().factor.symmetric();
+    CholeskyFactor made = pattern ? CholeskyFactor(*pattern, matrix) : CholeskyFactor(matrix);
     factors.push_front({step_s, held.conductance_W_per_m2K, held.coolant_W_per_K,
                         CoupledFactor(std::move(made), coupling, tableau.gamma * step_s)});
     if (factors.size() > most_factors) factors.pop_back();
@@ -156,7 +158,8 @@ struct FeStepper::Impl {
   }
 };
 
-FeStepper::FeStepper(const AffineModel& model, FeScheme scheme) : impl_(std::make_unique<Impl>(model, scheme)) {
+FeStepper::FeStepper(const AffineModel& model, FeScheme scheme, const CholeskyFactor* analysed)
+    : impl_(std::make_unique<Impl>(model, scheme, analysed)) {
   set_temperatures(initial_temperatures(model, model.boundaries.reference_temperature_K));
 }
 FeStepper::~FeStepper() = default;

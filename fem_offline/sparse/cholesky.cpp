@@ -83,8 +83,12 @@ struct Analysis {
   Common common;
   cholmod_factor* factor = nullptr;
 
-  explicit Analysis(const SparseMatrix& lower) : common(Solutions::many) {
+  Analysis(const SparseMatrix& lower, Solutions wanted) : common(Solutions::many) {
     cholmod_sparse matrix = view(lower);
+    if (wanted == Solutions::of_many_factors) {
+      common.settings.nmethods = 1;
+      common.settings.method[0].ordering = CHOLMOD_NESDIS;
+    }
     factor = cholmod_analyze(&matrix, &common.settings);
     if (!factor) throw std::runtime_error("CHOLMOD could not analyse the matrix: no memory");
   }
@@ -134,7 +138,7 @@ struct CholeskyFactor::Impl {
 };
 
 CholeskyFactor::CholeskyFactor(const SparseMatrix& lower, Solutions wanted)
-    : impl_(std::make_unique<Impl>(std::make_shared<const Analysis>(lower), lower, wanted)) {}
+    : impl_(std::make_unique<Impl>(std::make_shared<const Analysis>(lower, wanted), lower, wanted)) {}
 
 CholeskyFactor::CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower)
     : impl_(std::make_unique<Impl>(pattern.impl_->analysis, lower, Solutions::many)) {}
