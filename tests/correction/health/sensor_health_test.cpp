@@ -48,6 +48,36 @@ TEST(Health, swapped_channels_fail_together_and_name_each_other) {
   }
 }
 
+/// So sure of a pair that it fails by itself is nobody here.
+HealthLimits never_sure() {
+  HealthLimits limits;
+  limits.swap_limit = 1e9;
+  return limits;
+}
+
+TEST(Health, a_contradiction_is_laid_to_the_two_that_move_like_each_others_place) {
+  for (const std::uint64_t n : {0, 1, 2}) {
+    Drive drive(drive_seed + n, never_sure());
+    drive.tamper = [](std::vector<HealthSample>& samples) { std::swap(samples[3].reading_K, samples[4].reading_K); };
+    drive.run_until(7200.0);
+    ASSERT_EQ(drive.failed(), 0) << n;
+    const HealthVerdict verdict = drive.health.note_contradiction();
+    EXPECT_EQ(verdict.failed, 3) << n;
+    EXPECT_EQ(verdict.partner, 4) << n;
+    EXPECT_EQ(drive.health.record(3).fault, HealthFault::swapped) << n;
+    EXPECT_EQ(drive.health.record(4).fault, HealthFault::swapped) << n;
+    EXPECT_EQ(drive.failed(), 2) << n;
+    EXPECT_EQ(drive.health.note_contradiction().failed, -1) << "the others move like themselves";
+  }
+}
+
+TEST(Health, a_contradiction_of_channels_in_their_places_fails_none) {
+  Drive drive(drive_seed, never_sure());
+  drive.run_until(7200.0);
+  EXPECT_EQ(drive.health.note_contradiction().failed, -1);
+  EXPECT_EQ(drive.failed(), 0);
+}
+
 TEST(Health, a_channel_is_exchanged_with_one_other_only) {
   // 1 and 2 stand at one temperature, and take the course of 0 together, as 0 takes theirs.
   const std::vector<double> before_K{300.0, 305.0, 305.0, 310.0, 315.0, 320.0, 325.0};
