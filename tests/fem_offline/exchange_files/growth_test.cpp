@@ -61,27 +61,29 @@ TEST(GrowthLeftOut, with_outputs_at_points) {
   EXPECT_EQ(with(difference), "");
 }
 
-/// A folder of its own that goes when the test ends.
-struct Folder {
-  Folder() : path(std::filesystem::temp_directory_path() / ("growth_test_" + std::to_string(getpid()))) {}
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::filesystem::path path;
+/// A shipped spindle's decks for both solvers, in a folder of their own that goes when the test ends.
+struct BothDecks {
+  explicit BothDecks(const std::string& file)
+      : spindle(read_spindle(spindles + file)), deck(make_deck_model(spindle, values_of(spindle))) {
+    DeckPlan plan;
+    plan.surrounding_K = spindle.operating.surrounding_K;
+    write_calculix_deck(spindle, deck, plan, still_fluids(deck), path / "calculix");
+    write_freefem_deck(spindle, deck, plan, path / "freefem");
+  }
+  ~BothDecks() { std::filesystem::remove_all(path); }
+  BothDecks(const BothDecks&) = delete;
+  BothDecks& operator=(const BothDecks&) = delete;
+
+  Spindle spindle;
+  DeckModel deck;
+  std::filesystem::path path = std::filesystem::temp_directory_path() / ("growth_test_" + std::to_string(getpid()));
 };
 
-void write_both(const Spindle& spindle, const DeckModel& deck, const std::filesystem::path& folder) {
-  DeckPlan plan;
-  plan.surrounding_K = spindle.operating.surrounding_K;
-  write_calculix_deck(spindle, deck, plan, still_fluids(deck), folder / "calculix");
-  write_freefem_deck(spindle, deck, plan, folder / "freefem");
-}
-
 TEST(Growth, an_output_less_another_goes_over_as_that) {
-  const Spindle spindle = read_spindle(spindles + "reference_laws.toml");
-  const DeckModel deck = make_deck_model(spindle, values_of(spindle));
+  const BothDecks decks("reference_laws.toml");
+  const auto& [spindle, deck, path] = decks;
   ASSERT_EQ(deck.growth_left_out, "");
-  const Folder folder;
-  write_both(spindle, deck, folder.path);
-  const auto outputs = nlohmann::json::parse(text_of(folder.path / "calculix" / "outputs.json"))["deformations"];
+  const auto outputs = nlohmann::json::parse(text_of(path / "calculix" / "outputs.json"))["deformations"];
   std::size_t differences = 0;
   for (std::size_t d = 0; d < spindle.deformations.size(); ++d) {
     const DeformationOutput& output = spindle.deformations[d];
@@ -90,19 +92,17 @@ TEST(Growth, an_output_less_another_goes_over_as_that) {
     ++differences;
     EXPECT_EQ(outputs[output.name]["minus"], spindle.deformations[*output.minus].name);
     const std::regex line("real moved" + std::to_string(d) + " = .* - moved" + std::to_string(*output.minus) + ";");
-    EXPECT_TRUE(std::regex_search(text_of(folder.path / "freefem" / "spindle.edp"), line)) << output.name;
+    EXPECT_TRUE(std::regex_search(text_of(path / "freefem" / "spindle.edp"), line)) << output.name;
   }
   EXPECT_EQ(differences, 3u);
 }
 
 /// In FreeFEM a spring as stiff as the model's own ties faces whose nodes do not match.
 TEST(Growth, freefem_ties_faces_that_do_not_match_by_springs) {
-  const Spindle spindle = read_spindle(spindles + "belt_driven.toml");
-  const DeckModel deck = make_deck_model(spindle, values_of(spindle));
+  const BothDecks decks("belt_driven.toml");
+  const auto& [spindle, deck, path] = decks;
   ASSERT_EQ(deck.growth_left_out, "");
-  const Folder folder;
-  write_both(spindle, deck, folder.path);
-  const std::string script = text_of(folder.path / "freefem" / "spindle.edp");
+  const std::string script = text_of(path / "freefem" / "spindle.edp");
   std::size_t ties = 0;
   for (std::size_t p = 0; p < deck.pairs.size(); ++p) {
     const std::string number = std::to_string(p);
@@ -110,7 +110,7 @@ TEST(Growth, freefem_ties_faces_that_do_not_match_by_springs) {
     EXPECT_EQ(tied, deck.pairs[p].kind == PieceKind::contact && !deck.pairs[p].matching);
     EXPECT_EQ(script.find("varf tie" + number + "(") != std::string::npos, tied) << p;
     for (const char* side : {"a", "b"}) {
-      const auto strip = folder.path / "freefem" / ("strip_" + number + side + ".msh");
+      const auto strip = path / "freefem" / ("strip_" + number + side + ".msh");
       EXPECT_EQ(std::filesystem::exists(strip), !deck.pairs[p].matching) << p;
     }
     if (!tied) continue;
@@ -151,13 +151,11 @@ std::vector<Equation> equations_of(const std::string& bonds) {
 /// is tied twice, and no sum leads back to its own node.
 TEST(Growth, calculix_ties_faces_that_do_not_match_by_equations) {
   for (const char* name : {"belt_driven.toml", "grinding_40k.toml", "four_bearing_milling.toml"}) {
-    const Spindle spindle = read_spindle(spindles + name);
-    const DeckModel deck = make_deck_model(spindle, values_of(spindle));
-    const Folder folder;
-    write_both(spindle, deck, folder.path);
+    const BothDecks decks(name);
+    const auto& [spindle, deck, path] = decks;
     std::map<std::size_t, Equation> all;
     bool has_sums = false;
-    for (const Equation& equation : equations_of(text_of(folder.path / "calculix" / "bonds.inc"))) {
+    for (const Equation& equation : equations_of(text_of(path / "calculix" / "bonds.inc"))) {
       EXPECT_TRUE(all.emplace(equation.node, equation).second) << name << " node " << equation.node;
       has_sums = has_sums || equation.others.size() > 1;
       double sum = 1.0, r_m = deck.nodes[equation.node].r_m, z_m = deck.nodes[equation.node].z_m;
@@ -186,16 +184,14 @@ TEST(Growth, calculix_ties_faces_that_do_not_match_by_equations) {
 
 /// Both strips have a node wherever a side of an element ends on either face.
 TEST(Growth, strips_refine_both_faces) {
-  const Spindle spindle = read_spindle(spindles + "belt_driven.toml");
-  const DeckModel deck = make_deck_model(spindle, values_of(spindle));
-  const Folder folder;
-  write_both(spindle, deck, folder.path);
+  const BothDecks decks("belt_driven.toml");
+  const auto& [spindle, deck, path] = decks;
   for (std::size_t p = 0; p < deck.pairs.size(); ++p) {
     const DeckPair& pair = deck.pairs[p];
     if (pair.matching) continue;
     for (const bool first : {true, false}) {
       const std::string name = "strip_" + std::to_string(p) + (first ? "a" : "b") + ".msh";
-      std::istringstream mesh(text_of(folder.path / "freefem" / name));
+      std::istringstream mesh(text_of(path / "freefem" / name));
       std::size_t points = 0, triangles = 0, borders = 0;
       mesh >> points >> triangles >> borders;
       EXPECT_EQ(triangles + 2, points);
