@@ -5,6 +5,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -85,6 +86,10 @@ struct Analysis {
 
   Analysis(const SparseMatrix& lower, Solutions wanted) : common(Solutions::many) {
     cholmod_sparse matrix = view(lower);
+    // METIS begins at one seed, but its numbers come from rand(), which two orderings at once would share: then neither
+    // would be that of another run.
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
     if (wanted == Solutions::of_many_factors) {
       common.settings.nmethods = 1;
       common.settings.method[0].ordering = CHOLMOD_NESDIS;

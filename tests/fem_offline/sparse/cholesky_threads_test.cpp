@@ -69,6 +69,28 @@ TEST(CholeskyThreads, all_columns_at_once_are_the_single_solutions) {
   }
 }
 
+/// METIS, which orders by nested dissection, draws from the random numbers that all threads share.
+TEST(CholeskyThreads, orderings_of_several_threads_are_those_of_one) {
+  const SparseMatrix lower = grid_matrix(60, 60);
+  const Eigen::VectorXd load = Eigen::VectorXd::LinSpaced(lower.rows(), -1.0, 2.0);
+  const auto solution = [&] {
+    Eigen::VectorXd result;
+    CholeskyFactor(lower, Solutions::of_many_factors).solve(load, result);
+    return result;
+  };
+  const Eigen::VectorXd alone = solution();
+  std::atomic<int> others{0};
+  {
+    std::vector<std::jthread> running;
+    for (int i = 0; i < 4; ++i) {
+      running.emplace_back([&] {
+        for (int again = 0; again < 10; ++again) others += solution() == alone ? 0 : 1;
+      });
+    }
+  }
+  EXPECT_EQ(others, 0) << "of 40";
+}
+
 /// By columns and block by block; the small one is made by columns in either case.
 TEST(CholeskyThreads, a_factor_for_few_solutions_gives_those_of_one_for_many) {
   for (const auto& [side, rows] : {std::pair{20, 20}, std::pair{200, 200}}) {
