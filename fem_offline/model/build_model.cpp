@@ -152,6 +152,14 @@ struct FeModel::Impl {
     return temperatures_K.head(count).array() - affine.boundaries.reference_temperature_K;
   }
 
+  /// False where the description asks for no mechanics; throws where it does and they were forgotten.
+  bool knows_growth() const {
+    if (!solver && asks_for_mechanics(described)) {
+      throw std::logic_error("displacements and stresses of this model were given up (FeModel::forget_growth)");
+    }
+    return solver.has_value();
+  }
+
   Stress stress_at(const Eigen::MatrixXd& nodal_Pa, std::size_t part, const Point& at) const {
     if (nodal_Pa.rows() == 0) throw std::logic_error("the description asks for no mechanics, so there is no stress");
     const Trace trace = trace_at(discretisation, static_cast<int>(part), at);
@@ -166,7 +174,6 @@ struct FeModel::Impl {
   Spindle described;
   Section outlined;
   std::optional<ElasticSolver> solver;  ///< only if the description asks for mechanics
-  bool has_forgotten_growth = false;
 };
 
 FeModel::FeModel(const Spindle& spindle, const Section& section) : impl_(std::make_unique<Impl>(spindle, section)) {}
@@ -182,10 +189,7 @@ AffineModel FeModel::affine() && {
   return affine;
 }
 
-void FeModel::forget_growth() {
-  impl_->has_forgotten_growth = impl_->solver.has_value();
-  impl_->solver.reset();
-}
+void FeModel::forget_growth() { impl_->solver.reset(); }
 
 const std::vector<PartQuality>& FeModel::quality() const { return impl_->quality; }
 const Spindle& FeModel::description() const { return impl_->described; }
@@ -198,14 +202,12 @@ FieldError FeModel::error_against(const ExactField& exact, const Eigen::VectorXd
 }
 
 Eigen::VectorXd FeModel::displacements_m(const Eigen::VectorXd& temperatures_K) const {
-  if (impl_->has_forgotten_growth) throw std::logic_error("this model has forgotten growth");
-  if (impl_->solver) return impl_->solver->displacements_m(impl_->rises_K(temperatures_K));
+  if (impl_->knows_growth()) return impl_->solver->displacements_m(impl_->rises_K(temperatures_K));
   return Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(impl_->discretisation.places.size()));
 }
 
 Eigen::MatrixXd FeModel::stresses_Pa(const Eigen::VectorXd& temperatures_K) const {
-  if (impl_->has_forgotten_growth) throw std::logic_error("this model has forgotten growth");
-  if (!impl_->solver) return Eigen::MatrixXd(0, 4);
+  if (!impl_->knows_growth()) return Eigen::MatrixXd(0, 4);
   return nodal_stresses_Pa(impl_->discretisation, impl_->described, displacements_m(temperatures_K),
                            impl_->rises_K(temperatures_K));
 }

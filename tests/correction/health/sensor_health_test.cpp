@@ -48,7 +48,7 @@ TEST(Health, swapped_channels_fail_together_and_name_each_other) {
   }
 }
 
-/// So sure of a pair that it fails by itself is nobody here.
+/// With which no pair fails by its movement alone, without a contradiction.
 HealthLimits never_sure() {
   HealthLimits limits;
   limits.swap_limit = 1e9;

@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
+#include <utility>
 
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
@@ -123,6 +125,20 @@ TEST(Support, held_bar_carries_E_alpha_dT_and_no_more) {
   EXPECT_NEAR(stress.rz_Pa, 0.0, 1.0);
   EXPECT_NEAR(von_mises_Pa(stress), 200e9 * 1.2e-4, 1.0);
   EXPECT_EQ(model.stresses_Pa(field_K).cols(), 4);
+}
+
+TEST(FeModel, that_gave_up_displacements_and_stresses_refuses_them_and_keeps_its_rows) {
+  Spindle spindle = bare_part(rectangle(0.01, 0.02, 0.0, 0.1));
+  spindle.supports = {support_on({0.01, 0.02, 0.0, 0.0}, Hold::free, Hold::fixed)};
+  spindle.stress_probes = {{"middle", 0, {0.0137, 0.0512}, {}}};
+  FeModel model(spindle, build_section(spindle));
+  const Eigen::VectorXd field_K = temperatures(model.affine(), [](const DofPlace&) { return 10.0; });
+  EXPECT_GT(model.displacements_m(field_K).cwiseAbs().maxCoeff(), 0.0);
+  model.forget_growth();
+  EXPECT_THROW(model.displacements_m(field_K), std::logic_error);
+  EXPECT_THROW(model.stresses_Pa(field_K), std::logic_error);
+  const auto unknowns = model.affine().places.size();
+  EXPECT_EQ(std::move(model).affine().places.size(), unknowns);
 }
 
 /// Held at one point of its outline, a free bar grows both ways from there; a point in the middle of a face moves too.
