@@ -142,7 +142,7 @@ def file_entry(root, path):
 
 def document(wanted):
     root = pathlib.Path(wanted.root)
-    program = next(path for path in wanted.paths if path.endswith("/bin/" + wanted.program))
+    program = next(path for path in wanted.paths if path.endswith(("/bin/" + wanted.program, "/libexec/" + wanted.program)))
     files = [file_entry(root, path) for path in sorted(wanted.paths)]
     sums = sorted(entry["checksums"][0]["checksumValue"] for entry in files)
     own = {"SPDXID": "SPDXRef-Package", "name": wanted.package, "versionInfo": wanted.version,

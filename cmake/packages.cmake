@@ -69,6 +69,9 @@ install(FILES ${packed}/spindle-twind/copyright ${packed}/spindle-twind/changelo
 spindle_twin_manual(${service}/spindle-twind.8 8 daemon)
 
 install(TARGETS spindle-twin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+if(SPINDLE_TWIN_OFFLINE)
+  install(TARGETS spindle-twin-fem RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR} COMPONENT tools)
+endif()
 install(DIRECTORY fem_offline/spindles DESTINATION ${CMAKE_INSTALL_DATADIR}/spindle-twin COMPONENT tools
   FILES_MATCHING PATTERN "*.toml")
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/spindle-twin COMPONENT tools)
@@ -85,19 +88,19 @@ spindle_twin_manual(${PROJECT_SOURCE_DIR}/host_tools/spindle-twin.1 1 tools)
 
 # What is inside, as SPDX: after all else of the package is where it will be, programs stripped. No Debian file of its own
 # may be missing from it, so it is made at the install, and only for a package: there all stands below DESTDIR.
-function(spindle_twin_list_contents program component)
+function(spindle_twin_list_contents package program component)
   install(CODE "
     if(NOT \"\$ENV{DESTDIR}\" STREQUAL \"\")
-      set(list /usr/share/doc/${program}/${program}.spdx.json)
+      set(list /usr/share/doc/${package}/${package}.spdx.json)
       execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/cmake/list_contents.py --build ${PROJECT_BINARY_DIR}
-        --program ${program} --package ${program} --version ${PROJECT_VERSION} --root \$ENV{DESTDIR} -o \$ENV{DESTDIR}\${list}
+        --program ${program} --package ${package} --version ${PROJECT_VERSION} --root \$ENV{DESTDIR} -o \$ENV{DESTDIR}\${list}
         \${CMAKE_INSTALL_MANIFEST_FILES} COMMAND_ERROR_IS_FATAL ANY)
       list(APPEND CMAKE_INSTALL_MANIFEST_FILES \${list})
     endif()" COMPONENT ${component})
 endfunction()
-spindle_twin_list_contents(spindle-twind daemon)
+spindle_twin_list_contents(spindle-twind spindle-twind daemon)
 if(SPINDLE_TWIN_OFFLINE)
-  spindle_twin_list_contents(spindle-twin tools)
+  spindle_twin_list_contents(spindle-twin spindle-twin-fem tools)  # which has all that spindle-twin has
 endif()
 
 set(CPACK_GENERATOR DEB)

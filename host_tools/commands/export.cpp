@@ -14,9 +14,6 @@
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 #include "rom/units.hpp"
-#ifdef SPINDLE_TWIN_OFFLINE
-#include "host_tools/commands/offline/export_decks.hpp"
-#endif
 
 // spindle-twin export reference.rom --spice net.cir --schedule day.csv --matrices matrices --fmu reference.fmu
 // spindle-twin export reference.toml --calculix ccx --freefem ff
@@ -77,16 +74,13 @@ void export_network(const ExportOptions& options) {
   }
 }
 
-void run_export(const ExportOptions& options) {
+void run_export(const ExportOptions& options, WriteDecks* write_decks) {
   const std::string extension = std::filesystem::path(options.input).extension().string();
   if (!options.of_network() && !options.of_description()) {
-#ifdef SPINDLE_TWIN_OFFLINE
     throw rom::InputError({options.input, 0}, "export",
-                          extension == ".toml" ? "needs --calculix DIR, --freefem DIR or both"
-                                               : "needs --spice FILE, --matrices DIR or --fmu FILE");
-#else
-    throw rom::InputError({options.input, 0}, "export", "needs --spice FILE, --matrices DIR or --fmu FILE");
-#endif
+                          write_decks != nullptr && extension == ".toml"
+                              ? "needs --calculix DIR, --freefem DIR or both"
+                              : "needs --spice FILE, --matrices DIR or --fmu FILE");
   }
   if (options.of_network() && (extension == ".toml" || options.of_description())) {
     throw rom::InputError({options.input, 0}, "export",
@@ -100,26 +94,21 @@ void run_export(const ExportOptions& options) {
   if (!options.netlist.empty()) rom::check_writable(options.netlist, "--spice");
   if (!options.fmu.empty()) rom::check_writable(options.fmu, "--fmu");
   if (options.of_network()) export_network(options);
-#ifdef SPINDLE_TWIN_OFFLINE
-  if (options.of_description()) {
-    export_decks(options.input, options.calculix_directory, options.freefem_directory);
-  }
-#endif
+  if (options.of_description()) write_decks(options.input, options.calculix_directory, options.freefem_directory);
 }
 
 }  // namespace
 
-void add_export(CLI::App& app) {
+void add_export(CLI::App& app, WriteDecks* write_decks) {
   const auto options = std::make_shared<ExportOptions>();
-#ifdef SPINDLE_TWIN_OFFLINE
+  const bool has_decks = write_decks != nullptr;
   CLI::App* command =
-      app.add_subcommand("export", "Write a network, or the FE model behind it, for other programs to run");
-  command->add_option("input", options->input, "network file, .rom; for decks a spindle description, .toml")
+      app.add_subcommand("export", has_decks ? "Write a network, or the FE model behind it, for other programs to run"
+                                             : "Write a network for other programs to run");
+  command
+      ->add_option("input", options->input,
+                   has_decks ? "network file, .rom; for decks a spindle description, .toml" : "network file, .rom")
       ->required();
-#else
-  CLI::App* command = app.add_subcommand("export", "Write a network for other programs to run");
-  command->add_option("input", options->input, "network file, .rom")->required();
-#endif
   CLI::Option* spice = command->add_option("--spice", options->netlist, "netlist for ngspice to write");
   command
       ->add_option("--schedule", options->schedule,
@@ -133,11 +122,11 @@ void add_export(CLI::App& app) {
       ->needs(spice);
   command->add_option("--matrices", options->matrices, "new folder for Matrix Market files");
   command->add_option("--fmu", options->fmu, "FMU to write: FMI 2.0, co-simulation");
-#ifdef SPINDLE_TWIN_OFFLINE
-  command->add_option("--calculix", options->calculix_directory, "folder for a CalculiX deck");
-  command->add_option("--freefem", options->freefem_directory, "folder for a FreeFEM deck");
-#endif
-  command->callback([options] { run_export(*options); });
+  if (has_decks) {
+    command->add_option("--calculix", options->calculix_directory, "folder for a CalculiX deck");
+    command->add_option("--freefem", options->freefem_directory, "folder for a FreeFEM deck");
+  }
+  command->callback([options, write_decks] { run_export(*options, write_decks); });
 }
 
 }  // namespace spindle_twin::host_tools

@@ -5,10 +5,12 @@ host_tool_input_test.py SPINDLE_TWIN SPINDLE_TWIND SPINDLES_FOLDER [unittest opt
 import csv
 import pathlib
 import re
+import shutil
 import socket
+import subprocess
 import unittest
 
-from host_tool_case import REFERENCE, SMALL, SPINDLES, Case
+from host_tool_case import REFERENCE, SMALL, SPINDLES, TWIN, Case
 from ports import free_port
 
 COMMANDS = ["solve", "build", "verify", "inspect", "simulate", "registers", "plant", "report"]
@@ -55,6 +57,16 @@ class Usage(Case):
             with self.subTest(str(arguments)):
                 self.assertRegex(self.error_of(*arguments), r"; see spindle-twin( [a-z]+)? --help$")
         self.assertRegex(self.error_of("paint"), r"no command paint, allowed are .*build, .*solve|solve, .*build")
+
+
+    def test_without_the_program_of_the_fe_model_commands_that_need_none_still_run(self):
+        alone = shutil.copy(TWIN, self.folder / "spindle-twin")
+        known = subprocess.run([alone, "laws"], capture_output=True, text=True)
+        self.assertEqual((known.returncode, known.stdout), (0, self.good("laws").stdout), known.stderr)
+        refused = subprocess.run([alone, "solve", REFERENCE], capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 2)
+        self.assertRegex(refused.stderr, r"no spindle-twin-fem beside it nor in libexec")
+        self.assertRegex(refused.stderr, r"no command solve, allowed are assemble, ")
 
 
 class Implausible(Case):

@@ -47,28 +47,26 @@ class Solve(Case):
     def test_schedule_gives_a_series_and_fields(self):
         schedule = self.text("hour.csv", HOUR)
         fields = self.folder / "new" / "fields"
-        state = self.json_of("solve", REFERENCE, "--schedule", schedule, "--output-period", 60, "--vtu", fields)
+        state = self.json_of("solve", COARSE, "--schedule", schedule, "--output-period", 60, "--vtu", fields)
         series = state["series"]
         self.assertEqual(series["time_s"], [60.0 * n for n in range(16)])
-        self.assertEqual(series["key_points_K"][0], [0.0, 0.0, 0.0])
+        self.assertLess(max(map(abs, series["key_points_K"][0])), 1e-9)
         self.assertEqual(series["key_points_K"][-1], state["rise_K"]["key_points"])
         self.assertEqual(len(series["part_max_K"]["rotor"]), 16)
         self.assertEqual(series["deformation_um"]["nose"][-1], state["deformation_um"]["nose"])
         self.assertTrue((fields / "reference.vtu").read_text(errors="replace").lstrip().startswith("<?xml"))
-        rows = list(csv.DictReader(self.good("solve", REFERENCE, "--schedule", schedule, "--output-period", 60)
+        rows = list(csv.DictReader(self.good("solve", COARSE, "--schedule", schedule, "--output-period", 60)
                                    .stdout.splitlines()))
         self.assertEqual([float(row["time_s"]) for row in rows], series["time_s"])
         self.assertAlmostEqual(float(rows[-1]["nose_um"]), state["deformation_um"]["nose"], delta=1e-4)
         # The default's steps leave less than 1e-5 of the span at 60 s, beside steps a thousand times finer.
-        fine = self.json_of("solve", REFERENCE, "--schedule", schedule, "--output-period", 60, "--step-tolerance-K", 1e-7)
+        fine = self.json_of("solve", COARSE, "--schedule", schedule, "--output-period", 60, "--step-tolerance-K", 1e-7)
         span = max(max(values) for values in fine["series"]["part_max_K"].values())
         for part, values in fine["series"]["part_max_K"].items():
             self.assertAlmostEqual(series["part_max_K"][part][1], values[1], delta=1e-5 * span, msg=part)
         # One form per quantity: the columns of `simulate`, and degC where the JSON has rises.
-        network = self.folder / "columns.rom"
-        self.good("build", REFERENCE, "-o", network, "--nodes", 40, "--certificate-cases", 0)
         simulated = self.folder / "columns.csv"
-        self.good("simulate", network, "--schedule", schedule, "-o", simulated)
+        self.good("simulate", reference_network()["rom"], "--schedule", schedule, "-o", simulated)
         with simulated.open() as file:
             names = next(csv.reader(file))
         self.assertEqual([name for name in rows[0] if not name.endswith("_W")],

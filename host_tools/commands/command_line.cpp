@@ -1,0 +1,86 @@
+#include "host_tools/commands/command_line.hpp"
+
+#include <cstdio>
+#include <string>
+
+#include "host_tools/commands/commands.hpp"
+
+namespace spindle_twin::host_tools {
+namespace {
+
+constexpr int usage_error = 2;
+
+std::string usage_message(const CLI::App* app, const CLI::Error& error) {
+  std::string command = "spindle-twin";
+  for (const CLI::App* given : app->get_subcommands()) command += " " + given->get_name();
+  return command + ": " + error.what() + "; see " + command + " --help\n";
+}
+
+bool has_command(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == name) return true;
+  }
+  return false;
+}
+
+/// What to say where the first argument is no option and no command; else nothing.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  const std::string given = argc > 1 ? argv[1] : "-";
+  if (given.starts_with("-") || has_command(app, given)) return "";
+  std::string allowed;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    allowed += (allowed.empty() ? "" : ", ") + command->get_name();
+  }
+  return "spindle-twin: no command " + given + ", allowed are " + allowed + "; see spindle-twin --help";
+}
+
+}  // namespace
+
+void prepare(CLI::App& app) {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", SPINDLE_TWIN_VERSION, "print the version and exit");
+  app.set_help_flag("-h,--help", "print this help and exit");
+  app.failure_message(usage_message);
+}
+
+void add_edge_commands(CLI::App& app) {
+  add_assemble(app);
+  add_inspect(app);
+  add_diff(app);
+  add_keys(app);
+  add_sign(app);
+  add_verify_signature(app);
+  add_deploy(app);
+  add_simulate(app);
+  add_replay(app);
+  add_history(app);
+  add_evaluate(app);
+  add_identify(app);
+  add_calibrate(app);
+  add_thermal_test_report(app);
+  add_compare(app);
+  add_laws(app);
+  add_registers(app);
+}
+
+bool can_answer(const CLI::App& app, int argc, char** argv) {
+  const std::string given = argc > 1 ? argv[1] : "";
+  return given == "--version" || has_command(app, given);
+}
+
+int run_command_line(CLI::App& app, int argc, char** argv) {
+  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+    std::fprintf(stderr, "%s\n", unknown.c_str());
+    return usage_error;
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : usage_error;
+  }
+  return 0;
+}
+
+}  // namespace spindle_twin::host_tools
