@@ -17,8 +17,8 @@ void add_edge_commands(CLI::App& app);
 /// True if the first argument is a command of `app` or asks for its version: `app` can answer alone.
 bool can_answer(const CLI::App& app, int argc, char** argv);
 
-/// Parses and runs one command. Gives the exit code: 0, that of the command, or 2 for a wrong command line. Throws what a
-/// command throws.
+/// Parses and runs one command. Gives the exit code: 0, that of the command, or 2 for a wrong command line. Throws what
+/// a command throws.
 int run_command_line(CLI::App& app, int argc, char** argv);
 
 }  // namespace spindle_twin::host_tools
