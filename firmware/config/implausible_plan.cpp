@@ -4,30 +4,15 @@
 #include <cstddef>
 #include <string>
 
+#include "firmware/cycle/judge.hpp"
 #include "rom/boundary_values/plausible_inputs.hpp"
 
 namespace spindle_twin::firmware {
 namespace {
 
-/// Puts one signal's constant into the state; false where no value of a description stands against it.
-bool set_signal(const rom::Boundaries& boundaries, std::size_t signal, double value, rom::OperatingState& state) {
-  if (signal == static_cast<std::size_t>(Signal::speed)) {
-    state.speed_rpm = value;
-  } else if (signal == static_cast<std::size_t>(Signal::load)) {
-    state.load = value;
-  } else if (signal == static_cast<std::size_t>(Signal::coolant) ||
-             signal == static_cast<std::size_t>(Signal::ambient)) {
-    const auto kind = signal == static_cast<std::size_t>(Signal::coolant) ? rom::EnvironmentKind::coolant
-                                                                          : rom::EnvironmentKind::ambient;
-    for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
-      if (boundaries.environments[e].kind == kind) state.environment_K[static_cast<Eigen::Index>(e)] = value;
-    }
-  } else if (signal >= first_flow_signal && signal < first_heat_signal) {
-    state.flow_kg_per_s[static_cast<Eigen::Index>(signal - first_flow_signal)] = value;
-  } else {
-    return false;
-  }
-  return true;
+/// No value of a description stands against current and power.
+bool has_range(std::size_t signal) {
+  return signal != static_cast<std::size_t>(Signal::current) && signal != static_cast<std::size_t>(Signal::power);
 }
 
 /// Where the configuration has the signal.
@@ -47,9 +32,9 @@ std::vector<rom::InputError> implausible_plan(const Config& config, const rom::N
   const rom::PlausibleInputs believed = rom::plausible_inputs(boundaries, network.certificate.box.speed_high_rpm);
   std::vector<rom::InputError> found;
   for (std::size_t signal = 0; signal < first_heat_signal; ++signal) {
-    if (plan.signals[signal].source != SignalSource::constant) continue;
+    if (plan.signals[signal].source != SignalSource::constant || !has_range(signal)) continue;
     rom::OperatingState state = boundaries.operating;
-    if (!set_signal(boundaries, signal, plan.signals[signal].value, state)) continue;
+    put_signal(boundaries, signal, plan.signals[signal].value, state);
     const std::vector<rom::Implausible> of_signal = rom::implausible_inputs(boundaries, believed, state);
     if (of_signal.empty()) continue;
     const ConfiguredSignal& said = configured(config, boundaries, signal);

@@ -56,6 +56,8 @@ void judge_signal(const CyclePlan& plan, const SensedInputs& sensed, std::size_t
   if (fresh) judgement.signals_implausible |= bit;
 }
 
+constexpr std::size_t index_of(Signal signal) { return static_cast<std::size_t>(signal); }
+
 std::optional<double> if_known(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
 
 }  // namespace
@@ -92,22 +94,25 @@ void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgeme
   }
 }
 
+void put_signal(const rom::Boundaries& boundaries, std::size_t s, double value, rom::OperatingState& operating) {
+  if (s == index_of(Signal::speed)) operating.speed_rpm = value;
+  if (s == index_of(Signal::load)) operating.load = value;
+  if (s == index_of(Signal::current)) operating.current_A = if_known(value);
+  if (s == index_of(Signal::power)) operating.power_W = if_known(value);
+  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+    const bool is_coolant = boundaries.environments[e].kind == rom::EnvironmentKind::coolant;
+    if (s != index_of(is_coolant ? Signal::coolant : Signal::ambient)) continue;
+    operating.environment_K[static_cast<Eigen::Index>(e)] = value;
+  }
+  const auto circuit = static_cast<Eigen::Index>(s) - static_cast<Eigen::Index>(first_flow_signal);
+  if (circuit >= 0 && circuit < operating.flow_kg_per_s.size()) operating.flow_kg_per_s[circuit] = value;
+  const auto heat = static_cast<Eigen::Index>(s) - static_cast<Eigen::Index>(first_heat_signal);
+  if (heat >= 0 && heat < operating.heat_W.size()) operating.heat_W[heat] = value;
+}
+
 void set_operating(const rom::Network& network, const Judgement& judgement, rom::OperatingState& operating) {
-  const auto signal = [&](Signal which) { return judgement.signals[static_cast<std::size_t>(which)]; };
-  operating.speed_rpm = signal(Signal::speed);
-  operating.load = signal(Signal::load);
-  operating.current_A = if_known(signal(Signal::current));
-  operating.power_W = if_known(signal(Signal::power));
-  const auto& environments = network.boundaries.environments;
-  for (std::size_t e = 0; e < environments.size(); ++e) {
-    operating.environment_K[static_cast<Eigen::Index>(e)] =
-        signal(environments[e].kind == rom::EnvironmentKind::coolant ? Signal::coolant : Signal::ambient);
-  }
-  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
-    operating.flow_kg_per_s[c] = judgement.signals[first_flow_signal + static_cast<std::size_t>(c)];
-  }
-  for (Eigen::Index h = 0; h < operating.heat_W.size(); ++h) {
-    operating.heat_W[h] = judgement.signals[first_heat_signal + static_cast<std::size_t>(h)];
+  for (std::size_t s = 0; s < signal_count; ++s) {
+    put_signal(network.boundaries, s, judgement.signals[s], operating);
   }
 }
 

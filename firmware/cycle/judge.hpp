@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "firmware/cycle/sense.hpp"
 #include "rom/network.hpp"
 
@@ -26,9 +28,13 @@ Judgement first_judgement(const CyclePlan& plan);
 /// in the cycle.
 void judge(const CyclePlan& plan, const SensedInputs& sensed, Judgement& judgement);
 
-/// The operating state that the network's boundaries see: every coolant circuit at the coolant inlet temperature,
-/// every other environment at ambient, every circuit's flow and every measured heat as judged (a heat that was never
-/// told is NaN); current and power where they are known. Runs in the cycle; `operating` is already sized.
+/// Puts the value of signal `s` (a Signal, a flow or a measured heat; K, rpm, kg/s, W) where an operating state has it:
+/// coolant into every coolant environment, ambient into every other, current and power as unknown where NaN. A flow or
+/// a heat that the network does not have changes nothing. Runs in the cycle; `operating` is already sized.
+void put_signal(const rom::Boundaries& boundaries, std::size_t s, double value, rom::OperatingState& operating);
+
+/// The operating state that the network's boundaries see: put_signal of every signal as judged (a heat that was never
+/// told is NaN). Runs in the cycle; `operating` is already sized.
 void set_operating(const rom::Network& network, const Judgement& judgement, rom::OperatingState& operating);
 
 }  // namespace spindle_twin::firmware

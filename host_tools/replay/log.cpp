@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "firmware/cycle/judge.hpp"
 #include "firmware/keep/read_sqlite_history.hpp"
 #include "host_tools/replay/replay.hpp"
 #include "rom/boundary_values/held_law.hpp"
@@ -243,25 +244,9 @@ Log read_log(const std::string& path, const rom::Network& network, double longes
 }
 
 void take_signals(const rom::Network& network, const Log& log, const LogRow& row, rom::OperatingState& operating) {
-  const auto is_said = [&](std::size_t signal) { return log.has_signal[signal] && std::isfinite(row.signals[signal]); };
-  const auto at = [](firmware::Signal signal) { return static_cast<std::size_t>(signal); };
-  if (is_said(at(firmware::Signal::speed))) operating.speed_rpm = row.signals[at(firmware::Signal::speed)];
-  if (is_said(at(firmware::Signal::load))) operating.load = row.signals[at(firmware::Signal::load)];
-  if (is_said(at(firmware::Signal::current))) operating.current_A = row.signals[at(firmware::Signal::current)];
-  if (is_said(at(firmware::Signal::power))) operating.power_W = row.signals[at(firmware::Signal::power)];
-  const auto& environments = network.boundaries.environments;
-  for (std::size_t e = 0; e < environments.size(); ++e) {
-    const std::size_t signal = at(environments[e].kind == rom::EnvironmentKind::coolant ? firmware::Signal::coolant
-                                                                                        : firmware::Signal::ambient);
-    if (is_said(signal)) operating.environment_K[static_cast<Eigen::Index>(e)] = row.signals[signal];
-  }
-  for (Eigen::Index c = 0; c < operating.flow_kg_per_s.size(); ++c) {
-    const std::size_t signal = firmware::first_flow_signal + static_cast<std::size_t>(c);
-    if (is_said(signal)) operating.flow_kg_per_s[c] = row.signals[signal];
-  }
-  for (Eigen::Index h = 0; h < operating.heat_W.size(); ++h) {
-    const std::size_t signal = firmware::first_heat_signal + static_cast<std::size_t>(h);
-    if (is_said(signal)) operating.heat_W[h] = row.signals[signal];
+  for (std::size_t s = 0; s < firmware::signal_count; ++s) {
+    if (!log.has_signal[s] || !std::isfinite(row.signals[s])) continue;
+    firmware::put_signal(network.boundaries, s, row.signals[s], operating);
   }
 }
 

@@ -123,6 +123,22 @@ TEST(Judge, each_signal_goes_to_its_own_environment_circuit_and_heat) {
   for (Eigen::Index h = 0; h < static_cast<Eigen::Index>(slots::heats); ++h) {
     EXPECT_EQ(operating.heat_W[h], told(static_cast<Eigen::Index>(first_heat_signal) + h)) << h;
   }
+  EXPECT_EQ(operating.current_A, told(Signal::current));
+  EXPECT_EQ(operating.power_W, told(Signal::power));
+  put_signal(network.boundaries, static_cast<std::size_t>(Signal::power), not_a_value, operating);
+  EXPECT_FALSE(operating.power_W);
+  EXPECT_EQ(operating.current_A, told(Signal::current));
+}
+
+TEST(Judge, a_flow_or_heat_that_the_network_does_not_have_changes_nothing) {
+  rom::OperatingState operating;
+  operating.flow_kg_per_s.setZero(1);
+  operating.heat_W.setZero(1);
+  for (std::size_t s = first_flow_signal; s < signal_count; ++s) {
+    if (s != first_flow_signal && s != first_heat_signal) put_signal(rom::Boundaries{}, s, 7.0, operating);
+  }
+  EXPECT_EQ(operating.flow_kg_per_s[0], 0.0);
+  EXPECT_EQ(operating.heat_W[0], 0.0);
 }
 
 TEST(Judge, a_lost_device_shows_at_once) {
