@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "fem_offline/reduce/analysed_system.hpp"
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/full_histories.hpp"

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "fem_offline/reduce/analysed_system.hpp"
 #include "fem_offline/reduce/dense_model.hpp"
 #include "fem_offline/reduce/full_histories.hpp"
 #include "fem_offline/reduce/parallel.hpp"

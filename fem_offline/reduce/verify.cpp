@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fem_offline/reduce/analysed_system.hpp"
 #include "fem_offline/reduce/error_limit.hpp"
-#include "fem_offline/reduce/full_histories.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "rom/units.hpp"
 
