@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -107,6 +109,7 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
              rom::Network& network, fem_offline::ReduceReport& report) {
   fem_offline::StageClock clock(&report, progress);
   const auto timed = [&](const std::string& stage, const auto& work) {
+    malloc_trim(0);  // what the threads of the stages before have freed: these stages hold most
     work();
     clock.finish(stage);
   };
@@ -137,6 +140,7 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
 
 void run(BuildArguments& arguments) {
   rom::check_writable(arguments.output_path, "--output");
+  mallopt(M_ARENA_MAX, 1);  // what one thread has freed another can have: threads hold large matrices in turn
   ProgressDisplay display;
   const auto progress = [&](const std::string& stage, double fraction) { display.show(stage, fraction); };
 
