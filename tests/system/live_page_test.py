@@ -36,7 +36,15 @@ class LivePage(RunningDaemon):
         wait_until(lambda: can_connect(self.http_port), "the HTTP port")
         self.browser = self.start(["node", DRIVE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.browser.stdout.close)
-        self.addCleanup(self.browser.stdin.close)
+        self.addCleanup(self.end_browser)
+
+    def end_browser(self):
+        """Lets it end by itself: killed, it would leave its profile in the folder for temporary files."""
+        self.browser.stdin.close()
+        try:
+            self.browser.wait(20)
+        except subprocess.TimeoutExpired:
+            pass  # it is killed after this
 
     def tell(self, **order):
         self.browser.stdin.write(json.dumps(order) + "\n")
