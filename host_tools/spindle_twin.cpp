@@ -1,9 +1,7 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <string>
 #include <system_error>
 
 #include "host_tools/commands/command_line.hpp"
@@ -26,25 +24,16 @@ void become_offline_program(char** argv) {
 }
 #endif
 
-int run(int argc, char** argv) {
-  CLI::App app{"spindle-twin: thermal digital twin of a CNC spindle, host tool"};
-  prepare(app);
-  add_edge_commands(app);
-#ifdef SPINDLE_TWIN_OFFLINE
-  if (!can_answer(app, argc, argv)) become_offline_program(argv);
-#endif
-  add_export(app, nullptr);
-  return run_command_line(app, argc, argv);
-}
-
 }  // namespace
 }  // namespace spindle_twin::host_tools
 
 int main(int argc, char** argv) {
-  try {
-    return spindle_twin::host_tools::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "spindle-twin: %s\n", error.what());
-    return 1;
-  }
+  using namespace spindle_twin::host_tools;
+  return run_program(argc, argv, [&](CLI::App& app) {
+    add_edge_commands(app);
+#ifdef SPINDLE_TWIN_OFFLINE
+    if (!can_answer(app, argc, argv)) become_offline_program(argv);
+#endif
+    add_export(app, nullptr);
+  });
 }

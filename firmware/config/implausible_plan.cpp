@@ -10,7 +10,7 @@
 namespace spindle_twin::firmware {
 namespace {
 
-/// No value of a description stands against current and power.
+/// Not current and power, of which a description says nothing.
 bool has_range(std::size_t signal) {
   return signal != static_cast<std::size_t>(Signal::current) && signal != static_cast<std::size_t>(Signal::power);
 }

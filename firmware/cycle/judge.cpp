@@ -99,10 +99,12 @@ void put_signal(const rom::Boundaries& boundaries, std::size_t s, double value, 
   if (s == index_of(Signal::load)) operating.load = value;
   if (s == index_of(Signal::current)) operating.current_A = if_known(value);
   if (s == index_of(Signal::power)) operating.power_W = if_known(value);
-  for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
-    const bool is_coolant = boundaries.environments[e].kind == rom::EnvironmentKind::coolant;
-    if (s != index_of(is_coolant ? Signal::coolant : Signal::ambient)) continue;
-    operating.environment_K[static_cast<Eigen::Index>(e)] = value;
+  if (s == index_of(Signal::coolant) || s == index_of(Signal::ambient)) {
+    const bool is_coolant = s == index_of(Signal::coolant);
+    for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
+      const bool has_coolant = boundaries.environments[e].kind == rom::EnvironmentKind::coolant;
+      if (has_coolant == is_coolant) operating.environment_K[static_cast<Eigen::Index>(e)] = value;
+    }
   }
   const auto circuit = static_cast<Eigen::Index>(s) - static_cast<Eigen::Index>(first_flow_signal);
   if (circuit >= 0 && circuit < operating.flow_kg_per_s.size()) operating.flow_kg_per_s[circuit] = value;

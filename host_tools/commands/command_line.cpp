@@ -1,6 +1,7 @@
 #include "host_tools/commands/command_line.hpp"
 
 #include <cstdio>
+#include <exception>
 #include <string>
 
 #include "host_tools/commands/commands.hpp"
@@ -34,14 +35,29 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   return "spindle-twin: no command " + given + ", allowed are " + allowed + "; see spindle-twin --help";
 }
 
-}  // namespace
-
 void prepare(CLI::App& app) {
   app.require_subcommand(1);
   app.set_version_flag("--version", SPINDLE_TWIN_VERSION, "print the version and exit");
   app.set_help_flag("-h,--help", "print this help and exit");
   app.failure_message(usage_message);
 }
+
+int run_command_line(CLI::App& app, int argc, char** argv) {
+  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+    std::fprintf(stderr, "%s\n", unknown.c_str());
+    return usage_error;
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : usage_error;
+  }
+  return 0;
+}
+
+}  // namespace
 
 void add_edge_commands(CLI::App& app) {
   add_assemble(app);
@@ -68,19 +84,16 @@ bool can_answer(const CLI::App& app, int argc, char** argv) {
   return given == "--version" || has_command(app, given);
 }
 
-int run_command_line(CLI::App& app, int argc, char** argv) {
-  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
-    std::fprintf(stderr, "%s\n", unknown.c_str());
-    return usage_error;
-  }
+int run_program(int argc, char** argv, const std::function<void(CLI::App&)>& add_commands) {
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::RuntimeError& error) {
-    return error.get_exit_code();
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : usage_error;
+    CLI::App app{"spindle-twin: thermal digital twin of a CNC spindle, host tool"};
+    prepare(app);
+    add_commands(app);
+    return run_command_line(app, argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "spindle-twin: %s\n", error.what());
+    return 1;
   }
-  return 0;
 }
 
 }  // namespace spindle_twin::host_tools

@@ -58,7 +58,6 @@ class Usage(Case):
                 self.assertRegex(self.error_of(*arguments), r"; see spindle-twin( [a-z]+)? --help$")
         self.assertRegex(self.error_of("paint"), r"no command paint, allowed are .*build, .*solve|solve, .*build")
 
-
     def test_without_the_program_of_the_fe_model_commands_that_need_none_still_run(self):
         alone = shutil.copy(TWIN, self.folder / "spindle-twin")
         known = subprocess.run([alone, "laws"], capture_output=True, text=True)
