@@ -20,6 +20,7 @@ from ports import wait_until  # noqa: E402
 
 PERIOD_S = 0.1
 MOST_MISSED = 1e-4
+SLACK = 3.0  # periods: a cycle begins within its period, and is published when it ends
 SEQUENCE, OVERRUNS = 8, 30
 # As firmware/service has them: no unit at all, spindle-twind.service, real-time.conf; that one's memory is locked where
 # this computer lets root raise the limit.
@@ -47,10 +48,23 @@ class Wall(RunningDaemon):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
     def counts(self):
-        """Time, cycles made and periods missed, of one answer."""
+        """Cycles made and periods missed, of one answer."""
         words = self.read(SEQUENCE, OVERRUNS + 2 - SEQUENCE)
         number = lambda at: words[at - SEQUENCE] << 16 | words[at - SEQUENCE + 1]  # noqa: E731
-        return time.monotonic(), number(SEQUENCE), number(OVERRUNS)
+        return number(SEQUENCE), number(OVERRUNS)
+
+    def fresh_counts(self):
+        """The counts that a new cycle has just published, and the times between which it did: a count may lag behind
+        the clock by as long as the daemon had to wait for a processor, but not when its cycle has just been made."""
+        earlier_s = time.monotonic()
+        cycles = self.counts()[0]
+        while True:
+            asked_s = time.monotonic()
+            counts = self.counts()
+            if counts[0] != cycles:
+                return earlier_s, time.monotonic(), *counts
+            earlier_s = asked_s
+            time.sleep(0.1 * PERIOD_S)
 
     def test_every_period_is_made_or_counted(self):
         self.write_signals()
@@ -58,21 +72,25 @@ class Wall(RunningDaemon):
         seconds = 4.0 if OPTIONS.minutes is None else 60.0 * OPTIONS.minutes
         load = self.start_load(seconds + 2.0)
         time.sleep(1.0)
-        begin_s, cycles, missed = self.counts()
+        begin_earliest_s, begin_latest_s, cycles, missed = self.fresh_counts()
         last_missed, worst = missed, 0
-        while (now := self.counts())[0] < begin_s + seconds:
-            worst, last_missed = max(worst, now[2] - last_missed), now[2]
+        while (now_s := time.monotonic()) < begin_latest_s + seconds:
+            now_missed = self.counts()[1]
+            worst, last_missed = max(worst, now_missed - last_missed), now_missed
             self.write_signals()
-            time.sleep(min(1.0, max(0.0, begin_s + seconds - time.monotonic())))
-        passed_s, cycles, missed = now[0] - begin_s, now[1] - cycles, now[2] - missed
-        told = {"priority": OPTIONS.priority, "memory_locked": "memory locked" in self.log_text(), 
+            time.sleep(min(1.0, max(0.0, begin_latest_s + seconds - now_s)))
+        end_earliest_s, end_latest_s, end_cycles, end_missed = self.fresh_counts()
+        passed_s = end_latest_s - begin_latest_s
+        cycles, missed = end_cycles - cycles, end_missed - missed
+        told = {"priority": OPTIONS.priority, "memory_locked": "memory locked" in self.log_text(),
                 "processors": os.cpu_count(), "seconds": round(passed_s, 1),
                 "cycles": cycles, "missed": missed, "share": missed / (cycles + missed),
                 "most_missed_between_readings": worst, "load_average": os.getloadavg()}
         if load is not None:
             told["load"] = [line for line in load.communicate()[0].splitlines() if "metrc" in line or "fail" in line]
         print(json.dumps(told, indent=2))
-        self.assertAlmostEqual(cycles + missed, passed_s / PERIOD_S, delta=3.0)
+        self.assertGreaterEqual(cycles + missed, (end_earliest_s - begin_latest_s) / PERIOD_S - SLACK)
+        self.assertLessEqual(cycles + missed, (end_latest_s - begin_earliest_s) / PERIOD_S + SLACK)
         self.assertGreater(cycles, 0)
         self.assertIsNone(self.daemon.poll())
         wait_until(lambda: self.read(10, 1)[0] == 1, "state running")
