@@ -12,10 +12,11 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 /// Longest FE step, for an error in time well below that of the network (README.md has the command that shows it):
-/// short behind a jump, where the balls and the air follow within seconds.
+/// short behind a jump, where the balls and the air follow within seconds; by powers of four, as FeStepper's.
 double fe_step_for_s(const HeldInterval& interval, double longest_s) {
-  constexpr double first_s = 0.5, share_of_time_since_jump = 1.0 / 2.0;
-  return std::clamp(share_of_time_since_jump * interval.since_jump_s, std::min(first_s, longest_s), longest_s);
+  double step_s = 0.5;
+  while (4.0 * step_s <= interval.since_jump_s) step_s *= 4.0;
+  return std::min(step_s, longest_s);
 }
 
 /// Inputs of every interval in turn.
