@@ -108,8 +108,27 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
   const int chosen = nodes_of(choice.reached ? enough : nearest.tried.step);
   if (!choice.reached) choice.missed = std::move(nearest.missed);
   choice.larger_possible = most == largest_size;
-  choice.network = reduction.network(chosen, report, progress);
+  choice.network = reduction.network(chosen, report, progress, &extremes);
   return choice;
+}
+
+rom::Network grow_until_kept(rom::Network first, std::vector<MissedOutput> missed, int largest,
+                             const GrowSteps& steps) {
+  rom::Network best = std::move(first);
+  int nodes = static_cast<int>(best.nodes.size());
+  double least = missed.empty() ? 0.0 : missed.front().ratio();
+  for (int round = 1; !missed.empty() && nodes < largest; ++round) {
+    const int wanted = nodes_likely_enough(nodes, missed) + size_step;
+    rom::Network larger = steps.network(std::min((wanted + size_step - 1) / size_step * size_step, largest));
+    if (static_cast<int>(larger.nodes.size()) <= nodes) break;  // as many as the basis has
+    nodes = static_cast<int>(larger.nodes.size());
+    missed = steps.certify(larger, round);
+    const double ratio = missed.empty() ? 0.0 : missed.front().ratio();
+    if (ratio >= least) continue;
+    least = ratio;
+    best = std::move(larger);
+  }
+  return best;
 }
 
 }  // namespace spindle_twin::fem_offline

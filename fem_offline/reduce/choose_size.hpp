@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,23 @@ struct SizeSearch {
 };
 
 /// Smallest network, in steps of size_step nodes, that keeps share_of_tolerance of the tolerance along the histories of
-/// the search: up at the usual rate of errors over the nested basis until one is enough, then by halves. While it
-/// searches, all sizes have the points of part extremes of the first; the chosen one gets its own. Where no size up to
-/// largest_size keeps it, the network is the tried one with the smallest excess, and `missed` names its outputs.
-/// `report` gets the stages of search and network.
+/// the search: up at the usual rate of errors over the nested basis until one is enough, then by halves. All sizes have
+/// the points of part extremes of the first one tried. Where no size up to largest_size keeps it, the network is the
+/// tried one with the smallest excess, and `missed` names its outputs. `report` gets the stages of search and network.
 SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, const SizeSearch& search,
                        const ReduceOptions& options, const Progress& progress = {}, ReduceReport* report = nullptr);
+
+/// Makes and judges the networks of grow_until_kept.
+struct GrowSteps {
+  std::function<rom::Network(int nodes)> network;
+  /// Certifies it, and gives what its limits miss, the furthest first; `round` counts from 1.
+  std::function<std::vector<MissedOutput>(rom::Network& network, int round)> certify;
+};
+
+/// The histories of the search are few: where the certificate of the network that it chose misses the tolerance, larger
+/// ones follow, each of the size that nodes_likely_enough names for the one before and size_step more, until one misses
+/// nothing or has `largest` nodes. Gives that which misses least, the first of those that miss nothing. `missed`: by
+/// `first`.
+rom::Network grow_until_kept(rom::Network first, std::vector<MissedOutput> missed, int largest, const GrowSteps& steps);
 
 }  // namespace spindle_twin::fem_offline
