@@ -18,10 +18,14 @@ namespace {
 constexpr double least_corner_sine = 0.05;
 constexpr double largest_aspect = 5000.0;
 
-void check_shapes(const Part& named, const SectionMesh& mesh, std::size_t first_quad, std::size_t last_quad) {
+/// `halvings` of a mesh that was sound before: where two sides of one element lie on an arc, each halves the angle by
+/// which they differ from one straight side, and spoils no more than before.
+void check_shapes(const Part& named, const SectionMesh& mesh, std::size_t first_quad, std::size_t last_quad,
+                  int halvings = 0) {
+  const double least_sine = std::ldexp(least_corner_sine, -halvings);
   for (std::size_t q = first_quad; q < last_quad; ++q) {
     const ElementShape shape = shape_of(mesh, mesh.quads[q]);
-    if (shape.scaled_jacobian < least_corner_sine || shape.aspect > largest_aspect) {
+    if (shape.scaled_jacobian < least_sine || shape.aspect > largest_aspect) {
       const Point& at = mesh.points[mesh.quads[q][0]];
       std::ostringstream message;
       message << "inverted or sliver element near (r, z) = (" << 1e3 * at.r_m << ", " << 1e3 * at.z_m
@@ -73,7 +77,7 @@ SectionMesh mesh_section(const Spindle& spindle, const Section& section, double 
     const auto first_quad = static_cast<std::size_t>(first - mesh.part_of_quad.begin());
     const auto last_quad = static_cast<std::size_t>(last - mesh.part_of_quad.begin());
     bend_sides(section.outlines[part], first_quad, last_quad, mesh);
-    check_shapes(spindle.parts[part], mesh, first_quad, last_quad);
+    check_shapes(spindle.parts[part], mesh, first_quad, last_quad, spindle.mesh.halvings);
   }
   return mesh;
 }

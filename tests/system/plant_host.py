@@ -22,7 +22,8 @@ class Broker:
         self.case, self.port = case, port
         self.config = folder / "mosquitto.conf"
         self.config.write_text(f"listener {port} 127.0.0.1\n{lines}\npersistence true\npersistence_location {folder}/\n"
-                               "queue_qos0_messages true\nmax_queued_messages 0\nuser root\n")
+                               "queue_qos0_messages true\nmax_queued_messages 0\nuser root\n"
+                               "log_type error\nlog_type warning\nlog_type notice\nlog_type subscribe\n")
         self.log = open(folder / "mosquitto.log", "a+")
         case.addCleanup(self.log.close)
         self.start()

@@ -128,6 +128,8 @@ class Messages(Plant):
         self.assertIs(read["fault/orders_lost"], False)
         self.assertIsNone(read["motor_current"])
 
+        self.assertRegex(self.broker.text(), r" 1 spBv1\.0/hall 3/NCMD/mill_7\n", "subscribed with the quality 1")
+        self.assertNotIn("refuses", self.log_text())
         before = len(self.host.messages("NBIRTH"))
         self.host.client.publish("spBv1.0/hall 3/NCMD/mill_7", REBIRTH)
         again = self.host.wait_for("NBIRTH", before + 1)[-1]

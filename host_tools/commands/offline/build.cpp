@@ -142,7 +142,14 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
       network.certificate.worst_found = found.errors();
     });
   }
-  timed("mesh error", [&] { fem_offline::measure_mesh_error(model, progress, network.certificate); });
+  timed("mesh error", [&] {
+    try {
+      fem_offline::measure_mesh_error(model, progress, network.certificate);
+    } catch (const rom::InputError& error) {  // no reason to lose the network
+      std::fprintf(stderr, "spindle-twin: no mesh error in the certificate, no finer mesh can be made: %s\n",
+                   error.what());
+    }
+  });
 }
 
 std::vector<fem_offline::MissedOutput> missed_by(const BuildArguments& arguments, const fem_offline::FeModel& model,

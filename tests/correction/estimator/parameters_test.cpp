@@ -141,6 +141,30 @@ TEST(Parameters, of_bearings_with_one_grease_and_joints_of_one_fit_share_their_c
   for (const std::string& other : others) EXPECT_EQ(correlation_of(model, fitted[0], other), 0.0) << other;
 }
 
+/// Also where it is the first of the network's pressures.
+TEST(Parameters, of_a_joint_whose_law_reads_a_pressure_share_the_cause_of_the_fits) {
+  rom::Network network = bearings_and_fits();
+  network.contact_pressures = {
+      {"screwed", 2e6, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.nodes.size()))}};
+  std::vector<std::string> fitted;
+  for (rom::Conductance& conductance : network.boundaries.conductances) {
+    if (conductance.kind != rom::ConductanceKind::contact) continue;
+    if (!conductance.fit && fitted.size() == 2) {
+      conductance.physics = rom::BoundLaw{};
+      conductance.physics->pressure = 0;
+      fitted.push_back("contact " + conductance.name);
+    } else if (conductance.fit) {
+      fitted.push_back("contact " + conductance.name);
+    }
+  }
+  ASSERT_EQ(fitted.size(), 3U);
+  EstimatorPriors priors;
+  priors.contact = 0.5;
+  priors.fit_common = 0.25;
+  const ParameterModel model(network, priors);
+  EXPECT_NEAR(correlation_of(model, fitted[0], fitted[2]), 0.25 * 0.25 / (0.5 * 0.5 + 0.25 * 0.25), 1e-12);
+}
+
 /// What one bearing's sensor says of its heat it then says, by the shared cause, of the other's.
 TEST(Parameters, with_one_grease_a_reading_at_one_bearing_tells_of_the_other) {
   const rom::Network network = bearings_and_fits();

@@ -166,6 +166,16 @@ TEST(Halving, cuts_every_element_in_four_and_moves_nothing) {
   }
 }
 
+/// Certificates cut elements twice; the grinding spindle's nose has a quadrilateral with two sides on its arc.
+TEST(Halving, can_be_done_three_times_with_every_spindle) {
+  for (const char* name : {"belt_driven", "four_bearing_milling", "grinding_40k", "jacket_circuit", "reference"}) {
+    Spindle spindle = shipped(name);
+    const std::size_t whole = meshed(spindle).quads.size();
+    spindle.mesh.halvings = 3;
+    EXPECT_EQ(meshed(spindle).quads.size(), 64 * whole) << name;
+  }
+}
+
 TEST(Halving, puts_the_new_points_of_arcs_on_them) {
   Spindle spindle = read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/verify_cases/orders/harmonic_arcs.toml", 8.0);
   const auto farthest_m = [](const SectionMesh& mesh) {
