@@ -35,6 +35,23 @@ struct Inputs {
   }
 };
 
+TEST(Sense, a_plc_is_silent_after_its_time_of_any_length_and_without_one_never) {
+  for (const double timeout_s : {0.5, 10.0}) {
+    Inputs inputs;
+    inputs.plan.plc_timeout_s = timeout_s;
+    inputs.at(100.0);
+    EXPECT_FALSE(inputs.sensed.plc_silent) << "it was never heard";
+    inputs.command.alive_ns = 100 * second_ns;
+    inputs.at(100.0 + 0.9 * timeout_s);
+    EXPECT_FALSE(inputs.sensed.plc_silent);
+    inputs.at(100.0 + 1.1 * timeout_s);
+    EXPECT_TRUE(inputs.sensed.plc_silent);
+    inputs.plan.plc_timeout_s = 0.0;
+    inputs.at(100.0 + 1.1 * timeout_s);
+    EXPECT_FALSE(inputs.sensed.plc_silent);
+  }
+}
+
 TEST(Judge, fresh_readings_are_good_and_used) {
   Inputs inputs;
   inputs.at(11.5);
