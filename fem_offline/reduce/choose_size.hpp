@@ -33,7 +33,8 @@ inline constexpr int size_choice_histories = 64;
 /// Share of the tolerance that the search asks for, since other cases may be somewhat worse than its own.
 inline constexpr double share_of_tolerance = 0.6;
 inline constexpr int size_step = 10;
-inline constexpr int largest_size = 320;
+inline constexpr int largest_size = 320;   ///< of the search
+inline constexpr int largest_grown = 480;  ///< of grow_until_kept: a cycle costs an edge computer as the square of it
 
 struct SizeSearch {
   Tolerance tolerance{};

@@ -122,7 +122,9 @@ VerifyReport verify_until(const rom::Network& network, const AffineModel& model,
                           const Tolerance& wanted, const Progress& progress) {
   VerifyReport report = verify_network(network, model, options, progress);
   VerifyOptions more = options;
-  while (more.cases < cases_of_any_distribution && !missed_limits(model, report.certificate, wanted).empty()) {
+  const auto may_be_kept = [&] { return missed_outputs(model, report.errors.rowwise().maxCoeff(), wanted).empty(); };
+  while (more.cases < cases_of_any_distribution && !missed_limits(model, report.certificate, wanted).empty() &&
+         may_be_kept()) {
     const std::uint32_t known = more.cases;
     more.cases = std::min(known + cases_more, cases_of_any_distribution);
     Eigen::MatrixXd errors(report.errors.rows(), more.cases);

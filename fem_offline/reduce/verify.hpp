@@ -39,7 +39,8 @@ inline constexpr std::uint32_t cases_of_any_distribution = 59;
 inline constexpr std::uint32_t cases_more = 13;
 
 /// The same with cases_more cases again and again, as long as missed_limits has something to say and there are fewer
-/// than cases_of_any_distribution: few cases give a limit that is wide, not one that is wrong.
+/// than cases_of_any_distribution: few cases give a limit that is wide, not one that is wrong. None are added where an
+/// error exceeds what is wanted in a case that is known: then no limit can keep it.
 VerifyReport verify_until(const rom::Network& network, const AffineModel& model, const VerifyOptions& options,
                           const Tolerance& wanted, const Progress& progress = {});
 

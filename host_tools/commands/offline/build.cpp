@@ -91,9 +91,10 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
   print_certificate(network);
 }
 
-/// For a nested basis that holds every size.
-fem_offline::ReduceOptions of_any_size(const fem_offline::AffineModel& model, fem_offline::ReduceOptions options) {
-  options.nodes = std::min(fem_offline::largest_size, static_cast<int>(model.capacity_J_per_K.rows()));
+/// For a nested basis that holds every size up to the largest.
+fem_offline::ReduceOptions of_any_size(const fem_offline::AffineModel& model, fem_offline::ReduceOptions options,
+                                       int largest) {
+  options.nodes = std::min(largest, static_cast<int>(model.capacity_J_per_K.rows()));
   return options;
 }
 
@@ -102,7 +103,7 @@ Reduced reduce(const BuildArguments& arguments, const fem_offline::AffineModel& 
                const fem_offline::ReduceOptions& options, const fem_offline::Progress& progress,
                fem_offline::ReduceReport& report) {
   if (arguments.fixed_size) return {fem_offline::reduce_model(model, options, progress, &report), std::nullopt};
-  const fem_offline::ReduceOptions any_size = of_any_size(model, options);
+  const fem_offline::ReduceOptions any_size = of_any_size(model, options, fem_offline::largest_size);
   const fem_offline::Reduction reduction(model, any_size, progress, &report);
   const fem_offline::SizeSearch search{parse_tolerance(arguments.tolerance)};
   fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, search, any_size, progress, &report);
@@ -165,7 +166,7 @@ void grow(const BuildArguments& arguments, const fem_offline::FeModel& model,
           fem_offline::ReduceReport& report) {
   std::vector<fem_offline::MissedOutput> missed = missed_by(arguments, model, reduced.network);
   if (!reduced.choice || missed.empty()) return;
-  const fem_offline::ReduceOptions any_size = of_any_size(model.affine(), reduce_options);
+  const fem_offline::ReduceOptions any_size = of_any_size(model.affine(), reduce_options, fem_offline::largest_grown);
   std::optional<fem_offline::Reduction> reduction;
   std::string of;
   fem_offline::GrowSteps steps;
@@ -259,7 +260,7 @@ void add_build(CLI::App& app) {
       ->add_option(
           "--certificate-cases", arguments->certificate_cases,
           "random cases behind the certificate in the file; 0 for none. With --tolerance up to 59 as long as a "
-          "limit exceeds it")
+          "limit exceeds it and no case does")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   command

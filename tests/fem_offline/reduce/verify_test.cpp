@@ -164,19 +164,24 @@ TEST(Verify, refuses_a_network_of_another_model) {
   EXPECT_THROW(verify_network(other, make_grid_model(), {}), std::invalid_argument);
 }
 
-TEST(Verify, cases_are_added_as_long_as_a_limit_is_wider_than_wanted) {
+TEST(Verify, cases_are_added_as_long_as_a_limit_is_wider_than_wanted_and_no_case_is) {
   VerifyOptions options;
   options.cases = 12;
   options.seed = 77;
   const AffineModel model = make_grid_model();
-  const rom::Certificate few = verify_until(verified_network(), model, options, {1e3, 1e3, 1e3}).certificate;
+  const rom::Network network = verified_network();
+  const rom::Certificate few = verify_until(network, model, options, {1e3, 1e3, 1e3}).certificate;
   EXPECT_EQ(few.cases, 12U);
-  const VerifyReport all = verify_until(verified_network(), model, options, {0.0, 0.0, 0.0});
-  EXPECT_EQ(all.certificate.cases, 59U);
-  EXPECT_FALSE(all.certificate.limit_rule.fitted);
+  EXPECT_EQ(verify_until(network, model, options, {0.0, 1e3, 1e3}).certificate.cases, 12U) << "no limit can keep it";
+  const double kept_K = 1.001 * few.worst.key_points_K;
+  ASSERT_LT(kept_K, few.limit.key_points_K);
+  const VerifyReport more = verify_until(network, model, options, {kept_K, 1e3, 1e3});
+  EXPECT_GT(more.certificate.cases, 12U);
+  const bool is_exceeded = more.certificate.worst.key_points_K > kept_K;
+  EXPECT_TRUE(is_exceeded || more.certificate.cases == 59U || more.certificate.limit.key_points_K <= kept_K);
   // The same cases as in one go.
-  options.cases = 59;
-  EXPECT_EQ(verify_network(verified_network(), model, options).errors, all.errors);
+  options.cases = more.certificate.cases;
+  EXPECT_EQ(verify_network(network, model, options).errors, more.errors);
 }
 
 }  // namespace reduce_verify_test

@@ -9,6 +9,7 @@
 
 #include "tests/firmware/support/machine.hpp"
 #include "tests/rom/heap_calls.hpp"
+#include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::firmware {
 namespace cycle_heat_paths_test {
@@ -24,6 +25,18 @@ std::map<std::string, double> by_name(const rom::Network& network, const Snapsho
     heat_W[network.boundaries.conductances[j].name] = snapshot.flow_W[p];
   }
   return heat_W;
+}
+
+/// Sixty plates in a row: of the contact between the last body that is told and the next one only one end is told.
+TEST(HeatPaths, of_more_bodies_than_there_is_room_for_are_those_between_bodies_that_are_told) {
+  const ToldFlows told = told_flows(rom::tests::make_synthetic_network({60, 1, 1, true}, 1));
+  ASSERT_EQ(told.bodies.size(), slots::bodies);
+  const auto room = static_cast<Eigen::Index>(slots::bodies);
+  EXPECT_GE(told.paths.size(), slots::bodies - 1);
+  for (const rom::FlowPath& path : told.paths) {
+    EXPECT_LT(path.from, room);
+    EXPECT_LT(path.to, room);
+  }
 }
 
 TEST(HeatPaths, before_the_first_prediction_there_are_none) {
