@@ -62,7 +62,8 @@ path = "history.csv"
 path = "twin.checkpoint"
 )";
 
-/// Lines "name value", or "name value value..." where there are several.
+/// Lines "name value", or "name value value..." where there are several. Options of corrections and of health have
+/// their range behind the value: least, most, and whether these ends are excluded.
 class Lines {
  public:
   template <class... Values>
@@ -149,8 +150,10 @@ void add_laws(const CyclePlan& plan, Lines& lines) {
   lines.add("correction: enabled, estimator, paper, corrects", plan.correction_enabled, plan.estimator.has_value(),
             plan.paper.has_value(), plan.estimator_corrects);
   const auto of = [&](const std::string& table) {
-    return
-        [&lines, table](const rom::Option& option, auto value) { lines.add(table + std::string(option.key), value); };
+    return [&lines, table](const rom::Option& option, auto value) {
+      const rom::Range& range = option.range;
+      lines.add(table + std::string(option.key), value, range.min, range.max, range.min_excluded, range.max_excluded);
+    };
   };
   if (plan.estimator) {
     correction::EstimatorOptions::each(*plan.estimator, of("correction."));
