@@ -52,6 +52,14 @@ struct Reduced {
   std::optional<fem_offline::SizeChoice> choice;  ///< its own network has no certificate; none where --nodes is given
 };
 
+/// What all stages share.
+struct Work {
+  const BuildArguments& arguments;
+  const fem_offline::FeModel& model;
+  const fem_offline::Progress& progress;
+  fem_offline::ReduceReport& report;
+};
+
 void print_json(const BuildArguments& arguments, const rom::Network& network,
                 const std::optional<ToleranceVerdict>& verdict, const fem_offline::ReduceReport& report) {
   nlohmann::ordered_json result;
@@ -112,13 +120,15 @@ Reduced reduce(const BuildArguments& arguments, const fem_offline::AffineModel& 
 }
 
 /// `of`: behind the names of the stages.
-void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
-             const fem_offline::ReduceOptions& reduce_options, const fem_offline::Progress& progress,
-             rom::Network& network, fem_offline::ReduceReport& report, const std::string& of = {}) {
-  fem_offline::StageClock clock(&report, progress);
-  const auto timed = [&](const std::string& stage, const auto& work) {
+void certify(const Work& work, const fem_offline::ReduceOptions& reduce_options, rom::Network& network,
+             const std::string& of = {}) {
+  const BuildArguments& arguments = work.arguments;
+  const fem_offline::FeModel& model = work.model;
+  const fem_offline::Progress& progress = work.progress;
+  fem_offline::StageClock clock(&work.report, progress);
+  const auto timed = [&](const std::string& stage, const auto& make) {
     malloc_trim(0);  // what the threads of the stages before have freed: these stages hold most
-    work();
+    make();
     clock.finish(stage + of);
   };
   timed("verification", [&] {
@@ -153,39 +163,38 @@ void certify(const BuildArguments& arguments, const fem_offline::FeModel& model,
   });
 }
 
-std::vector<fem_offline::MissedOutput> missed_by(const BuildArguments& arguments, const fem_offline::FeModel& model,
-                                                 const rom::Network& network) {
+std::vector<fem_offline::MissedOutput> missed_by(const Work& work, const rom::Network& network) {
   if (network.certificate.limit_rule.content <= 0.0) return {};
-  return fem_offline::missed_limits(model.affine(), network.certificate, parse_tolerance(arguments.tolerance));
+  return fem_offline::missed_limits(work.model.affine(), network.certificate,
+                                    parse_tolerance(work.arguments.tolerance));
 }
 
 /// Replaces a network whose certificate misses the tolerance by a larger one, if that misses it less. Each is certified
 /// by cases of its own seed, for those of the one before have asked for it.
-void grow(const BuildArguments& arguments, const fem_offline::FeModel& model,
-          const fem_offline::ReduceOptions& reduce_options, const fem_offline::Progress& progress, Reduced& reduced,
-          fem_offline::ReduceReport& report) {
-  std::vector<fem_offline::MissedOutput> missed = missed_by(arguments, model, reduced.network);
+void grow(const Work& work, const fem_offline::ReduceOptions& reduce_options, Reduced& reduced) {
+  std::vector<fem_offline::MissedOutput> missed = missed_by(work, reduced.network);
   if (!reduced.choice || missed.empty()) return;
-  const fem_offline::ReduceOptions any_size = of_any_size(model.affine(), reduce_options, fem_offline::largest_grown);
+  const fem_offline::ReduceOptions any_size =
+      of_any_size(work.model.affine(), reduce_options, fem_offline::largest_grown);
   std::optional<fem_offline::Reduction> reduction;
   std::string of;
   fem_offline::GrowSteps steps;
   steps.network = [&](int nodes) {
     of = ": " + std::to_string(nodes) + " nodes";
-    fem_offline::StageClock clock(&report, progress);
-    progress("grown" + of, 0.0);
-    if (!reduction) reduction.emplace(model.affine(), any_size, progress);
+    fem_offline::StageClock clock(&work.report, work.progress);
+    work.progress("grown" + of, 0.0);
+    if (!reduction) reduction.emplace(work.model.affine(), any_size, work.progress);
     fem_offline::ReduceReport own;
-    rom::Network network = reduction->network(std::min(nodes, reduction->most_nodes()), &own, progress);
-    report.condition = own.condition;
+    rom::Network network = reduction->network(std::min(nodes, reduction->most_nodes()), &own, work.progress);
+    work.report.condition = own.condition;
     clock.finish("grown" + of);
     return network;
   };
   steps.certify = [&](rom::Network& network, int round) {
     fem_offline::ReduceOptions own = reduce_options;
     own.seed += static_cast<std::uint64_t>(round);
-    certify(arguments, model, own, progress, network, report, of);
-    return missed_by(arguments, model, network);
+    certify(work, own, network, of);
+    return missed_by(work, network);
   };
   reduced.network = fem_offline::grow_until_kept(std::move(reduced.network), std::move(missed), any_size.nodes, steps);
   reduced.choice->network = reduced.network;
@@ -211,8 +220,9 @@ void run(BuildArguments& arguments) {
   options.box = named_box(arguments.box, model.affine().boundaries.reference_speed_rpm);
   Reduced reduced = reduce(arguments, model.affine(), options, progress, report);
   rom::Network& network = reduced.network;
-  if (arguments.certificate_cases > 0) certify(arguments, model, options, progress, network, report);
-  grow(arguments, model, options, progress, reduced, report);
+  const Work work{arguments, model, progress, report};
+  if (arguments.certificate_cases > 0) certify(work, options, network);
+  grow(work, options, reduced);
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);
   std::optional<ToleranceVerdict> verdict;
