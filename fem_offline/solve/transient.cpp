@@ -39,8 +39,8 @@ Tableau order_4() {
   below.row(4).head(4) << 25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0;
   Eigen::VectorXd error(5);
   error << 25.0 / 24.0 - 59.0 / 48.0, -49.0 / 48.0 + 17.0 / 96.0, 125.0 / 16.0 - 225.0 / 32.0, 0.0, 0.25;
-  // A factor costs as much as two steps, and steps that double would need twice as many factors. Of certificate cases
-  // this leaves 1e-3 K in the balls, which follow a jump fastest, and 1e-5 um.
+  // A factor costs as much as two steps, and steps that double would need twice as many factors. In four certificate
+  // cases of the reference spindle this left 1e-3 K in the balls, which follow a jump fastest, and 1e-5 um.
   return {0.25, below, error, 1.0 / 2.0, 4};
 }
 

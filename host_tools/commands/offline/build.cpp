@@ -119,19 +119,21 @@ Reduced reduce(const BuildArguments& arguments, const fem_offline::AffineModel& 
   return {std::move(network), std::move(choice)};
 }
 
-/// `of`: behind the names of the stages.
+/// Runs a stage, and notes what it took.
+template <typename Make>
+void timed(const Work& work, const std::string& stage, const Make& make) {
+  malloc_trim(0);  // what the threads of the stages before have freed: these stages hold most
+  fem_offline::StageClock clock(&work.report, work.progress);
+  make();
+  clock.finish(stage);
+}
+
+/// The certificate's errors and limits. `of`: behind the name of the stage.
 void certify(const Work& work, const fem_offline::ReduceOptions& reduce_options, rom::Network& network,
              const std::string& of = {}) {
   const BuildArguments& arguments = work.arguments;
-  const fem_offline::FeModel& model = work.model;
-  const fem_offline::Progress& progress = work.progress;
-  fem_offline::StageClock clock(&work.report, progress);
-  const auto timed = [&](const std::string& stage, const auto& make) {
-    malloc_trim(0);  // what the threads of the stages before have freed: these stages hold most
-    make();
-    clock.finish(stage + of);
-  };
-  timed("verification", [&] {
+  const fem_offline::AffineModel& model = work.model.affine();
+  timed(work, "verification" + of, [&] {
     fem_offline::VerifyOptions options;
     options.cases = arguments.certificate_cases;
     options.seed = reduce_options.seed;
@@ -140,22 +142,28 @@ void certify(const Work& work, const fem_offline::ReduceOptions& reduce_options,
     const fem_offline::Tolerance wanted = parse_tolerance(arguments.tolerance);
     network.certificate =
         arguments.fixed_size || static_cast<int>(arguments.certificate_cases) < fem_offline::fewest_limiting_cases
-            ? fem_offline::verify_network(network, model.affine(), options, progress).certificate
-            : fem_offline::verify_until(network, model.affine(), options, wanted, progress).certificate;
-    network.certificate.mesh_size_m = model.description().mesh.element_size_m;
+            ? fem_offline::verify_network(network, model, options, work.progress).certificate
+            : fem_offline::verify_until(network, model, options, wanted, work.progress).certificate;
+    network.certificate.mesh_size_m = work.model.description().mesh.element_size_m;
   });
+}
+
+/// What else stands in the certificate of the network that is written: the worst found, and the mesh's own error.
+void complete_certificate(const Work& work, const fem_offline::ReduceOptions& reduce_options, rom::Network& network) {
+  const BuildArguments& arguments = work.arguments;
   if (arguments.search_cases > 0) {
-    timed("search for the worst", [&] {
+    timed(work, "search for the worst", [&] {
       fem_offline::WorstSearchOptions search{arguments.search_cases, reduce_options.seed, reduce_options.threads,
                                              reduce_options.box};
-      const fem_offline::WorstFound found = fem_offline::search_worst(network, model.affine(), search, progress);
+      const fem_offline::WorstFound found =
+          fem_offline::search_worst(network, work.model.affine(), search, work.progress);
       network.certificate.searched = static_cast<std::uint32_t>(found.cases);
       network.certificate.worst_found = found.errors();
     });
   }
-  timed("mesh error", [&] {
+  timed(work, "mesh error", [&] {
     try {
-      fem_offline::measure_mesh_error(model, progress, network.certificate);
+      fem_offline::measure_mesh_error(work.model, work.progress, network.certificate);
     } catch (const rom::InputError& error) {  // no reason to lose the network
       std::fprintf(stderr, "spindle-twin: no mesh error in the certificate, no finer mesh can be made: %s\n",
                    error.what());
@@ -181,13 +189,14 @@ void grow(const Work& work, const fem_offline::ReduceOptions& reduce_options, Re
   fem_offline::GrowSteps steps;
   steps.network = [&](int nodes) {
     of = ": " + std::to_string(nodes) + " nodes";
-    fem_offline::StageClock clock(&work.report, work.progress);
+    rom::Network network;
     work.progress("grown" + of, 0.0);
-    if (!reduction) reduction.emplace(work.model.affine(), any_size, work.progress);
-    fem_offline::ReduceReport own;
-    rom::Network network = reduction->network(std::min(nodes, reduction->most_nodes()), &own, work.progress);
-    work.report.condition = own.condition;
-    clock.finish("grown" + of);
+    timed(work, "grown" + of, [&] {
+      if (!reduction) reduction.emplace(work.model.affine(), any_size, work.progress);
+      fem_offline::ReduceReport own;
+      network = reduction->network(std::min(nodes, reduction->most_nodes()), &own, work.progress);
+      work.report.condition = own.condition;
+    });
     return network;
   };
   steps.certify = [&](rom::Network& network, int round) {
@@ -221,8 +230,11 @@ void run(BuildArguments& arguments) {
   Reduced reduced = reduce(arguments, model.affine(), options, progress, report);
   rom::Network& network = reduced.network;
   const Work work{arguments, model, progress, report};
-  if (arguments.certificate_cases > 0) certify(work, options, network);
-  grow(work, options, reduced);
+  if (arguments.certificate_cases > 0) {
+    certify(work, options, network);
+    grow(work, options, reduced);
+    complete_certificate(work, options, network);
+  }
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
   rom::write_network(network, arguments.output_path);
   std::optional<ToleranceVerdict> verdict;
