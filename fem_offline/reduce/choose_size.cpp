@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "fem_offline/reduce/error_limit.hpp"
 #include "fem_offline/reduce/history_errors.hpp"
 #include "fem_offline/reduce/stage_clock.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
@@ -15,12 +17,34 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-Tolerance worst_of(const Eigen::MatrixXd& errors, const OutputLayout& layout) {
-  const auto worst = [&](Eigen::Index first, Eigen::Index count) {
-    return count > 0 ? errors.middleRows(first, count).maxCoeff() : 0.0;
+/// What at most 1 − size_choice_content of all histories exceed, by those that gave `errors`; the largest where they
+/// are too few to say.
+double limit_of_histories(const Eigen::RowVectorXd& errors) {
+  std::vector<double> sorted(errors.begin(), errors.end());
+  std::sort(sorted.begin(), sorted.end(), std::greater<>());
+  const int rank = limiting_rank(static_cast<int>(sorted.size()), size_choice_content);
+  return sorted[static_cast<std::size_t>(std::max(rank, 1) - 1)];
+}
+
+struct HistoryLimits {
+  Tolerance of_kinds{};        ///< of the largest error of each kind of output in a history
+  Eigen::VectorXd of_outputs;  ///< of each output, SI; of those of one kind the largest is that of the kind
+};
+
+HistoryLimits limits_of(const Eigen::MatrixXd& errors, const OutputLayout& layout) {
+  HistoryLimits limits;
+  limits.of_outputs.resize(errors.rows());
+  for (Eigen::Index i = 0; i < errors.rows(); ++i) limits.of_outputs[i] = limit_of_histories(errors.row(i));
+  const auto of_kind = [&](Eigen::Index first, Eigen::Index count) {
+    if (count == 0) return 0.0;
+    Eigen::Index most = 0;
+    limits.of_outputs.segment(first, count).maxCoeff(&most);
+    return limits.of_outputs[first + most] = limit_of_histories(errors.middleRows(first, count).colwise().maxCoeff());
   };
-  return {worst(0, layout.key_points), worst(layout.deformations_at(), layout.deformations) * rom::um_per_m,
-          worst(layout.maxima_at(), layout.parts)};
+  limits.of_kinds.key_points_K = of_kind(0, layout.key_points);
+  limits.of_kinds.deformations_um = of_kind(layout.deformations_at(), layout.deformations) * rom::um_per_m;
+  limits.of_kinds.part_max_K = of_kind(layout.maxima_at(), layout.parts);
+  return limits;
 }
 
 /// How many times what is wanted; at most 1 keeps it.
@@ -36,6 +60,7 @@ Tolerance with_margin(const Tolerance& tolerance) {
 }
 
 constexpr double usual_rate_per_node = -0.02;  ///< of the logarithm of the errors
+constexpr int first_step = 20;                 ///< most spindles need about as many nodes for the usual tolerance
 
 struct TriedStep {
   int step;
@@ -53,9 +78,10 @@ struct Nearest {
 /// halves.
 int next_step(const std::optional<TriedStep>& last, int too_small, int enough, bool enough_tried) {
   constexpr double usual_rate = usual_rate_per_node * size_step;
-  if (!last || (enough_tried && too_small > 0)) return (too_small + enough) / 2;
-  const double wanted = std::ceil(last->step - last->logarithm / usual_rate);
-  return static_cast<int>(std::clamp(wanted, too_small + 1.0, enough - 1.0));
+  if (!last) return std::min(first_step, (too_small + enough) / 2);
+  if (enough_tried && too_small > 0) return (too_small + enough) / 2;
+  const double expected = std::ceil(last->step - last->logarithm / usual_rate);
+  return static_cast<int>(std::clamp(expected, too_small + 1.0, enough - 1.0));
 }
 
 }  // namespace
@@ -94,13 +120,13 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     const rom::Network network = reduction.network(nodes, nullptr, {}, &extremes);
     show(stage, 0.5);
     const Eigen::MatrixXd errors = history_errors(network, histories, options.threads);
-    const Tolerance reached = worst_of(errors, layout);
+    const HistoryLimits reached = limits_of(errors, layout);
     show(stage, 1.0);
-    choice.tried.push_back({nodes, reached});
-    last = TriedStep{step, std::log(excess(reached, wanted))};
+    choice.tried.push_back({nodes, reached.of_kinds});
+    last = TriedStep{step, std::log(excess(reached.of_kinds, wanted))};
     (last->logarithm <= 0.0 ? enough : too_small) = step;
     if (last->logarithm < nearest.tried.logarithm) {
-      nearest = {*last, missed_outputs(model, errors.rowwise().maxCoeff(), wanted)};
+      nearest = {*last, missed_outputs(model, reached.of_outputs, wanted)};
     }
   }
   choice.reached = enough <= last_step;

@@ -10,8 +10,8 @@
 
 namespace spindle_twin::fem_offline {
 
-int limiting_rank(int cases) {
-  const boost::math::binomial above(cases, 1.0 - limit_content);
+int limiting_rank(int cases, double content) {
+  const boost::math::binomial above(cases, 1.0 - content);
   int rank = 0;
   while (rank < cases && boost::math::cdf(above, rank) <= 1.0 - limit_confidence) ++rank;
   return rank;

@@ -16,8 +16,8 @@ inline constexpr int fewest_limiting_cases = 10;
 
 /// Which error of `cases` independent cases, the largest being 1, is a limit by itself, whatever the errors'
 /// distribution (S. S. Wilks 1941): the largest k with P(Binomial(cases, 1 − content) < k) <= 1 − confidence. 0 where
-/// even the largest is none: below 59 cases.
-int limiting_rank(int cases);
+/// even the largest is none: below 59 cases for a content of 0.95. `content` in (0, 1).
+int limiting_rank(int cases, double content = limit_content);
 
 /// k of the one-sided tolerance limit mean + k·deviation of a normal sample of that size (W. A. Shewhart's problem, by
 /// the noncentral t distribution: k = t(confidence; n − 1, √n z_content) / √n). `cases` >= 2.

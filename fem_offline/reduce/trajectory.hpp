@@ -42,7 +42,8 @@ struct FeTrajectory {
   Eigen::MatrixXd outputs;  ///< one column per interval
 };
 
-/// `fe_step_s`: longest time step; after a jump they are shorter anyway. `analysed`: as FeStepper has it, several
+/// `fe_step_s`: longest time step; after a jump they are shorter anyway, and in a model of fewer than 3000 unknowns a
+/// quarter as long, at most 8 s. `analysed`: as FeStepper has it, several
 /// threads may share it.
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s,
                           const CholeskyFactor* analysed = nullptr);

@@ -82,6 +82,7 @@ class Tolerance(Case):
         self.assertEqual(result.returncode, 3, result.stderr)
         said = json.loads(result.stdout)
         self.assertEqual(said["tolerance"]["kept"], False)
+        self.assertIn(said["nodes"], [size["nodes"] for size in said["sizes_tried"]])
         self.assertEqual([missed["output"] for missed in said["tolerance"]["missed"]], ["deformation outer_growth"])
         self.assertRegex(result.stderr, r"deformation outer_growth +errs by \S+ um")
         offered = re.search(r"--tolerance (\S+),", result.stderr)[1]

@@ -49,7 +49,8 @@ struct BuildArguments {
 
 struct Reduced {
   rom::Network network;
-  std::optional<fem_offline::SizeChoice> choice;  ///< its own network has no certificate; none where --nodes is given
+  std::optional<fem_offline::SizeChoice> choice;    ///< its own network has no certificate; none where --nodes is given
+  std::optional<fem_offline::Reduction> reduction;  ///< that larger ones are made of; none where --nodes is given
 };
 
 /// What all stages share.
@@ -60,8 +61,20 @@ struct Work {
   fem_offline::ReduceReport& report;
 };
 
+nlohmann::ordered_json tried_json(const std::vector<fem_offline::TriedSize>& tried) {
+  nlohmann::ordered_json result = nlohmann::ordered_json::array();
+  for (const fem_offline::TriedSize& size : tried) {
+    result.push_back({{"nodes", size.nodes},
+                      {"key_points_K", size.reached.key_points_K},
+                      {"deformations_um", size.reached.deformations_um},
+                      {"part_max_K", size.reached.part_max_K}});
+  }
+  return result;
+}
+
 void print_json(const BuildArguments& arguments, const rom::Network& network,
-                const std::optional<ToleranceVerdict>& verdict, const fem_offline::ReduceReport& report) {
+                const std::optional<fem_offline::SizeChoice>& choice, const std::optional<ToleranceVerdict>& verdict,
+                const fem_offline::ReduceReport& report) {
   nlohmann::ordered_json result;
   result["file"] = arguments.output_path;
   result["spindle"] = network.spindle;
@@ -74,13 +87,25 @@ void print_json(const BuildArguments& arguments, const rom::Network& network,
     result["stages_s"][stage.stage] = stage.seconds;
     result["stages_processor_s"][stage.stage] = stage.processor_s;
   }
+  if (choice) result["sizes_tried"] = tried_json(choice->tried);
   if (verdict) result["tolerance"] = tolerance_json(*verdict);
   result["certificate"] = certificate_to_json(network);
   std::printf("%s\n", result.dump(2).c_str());
 }
 
+void print_tried(const std::vector<fem_offline::TriedSize>& tried) {
+  std::printf(
+      "  sizes tried: at most a tenth of all histories err more (with 95 %% confidence, by %d of them)\n"
+      "  %8s %14s %16s %14s\n",
+      fem_offline::size_choice_histories, "nodes", "key points, K", "deformations, um", "part maxima, K");
+  for (const fem_offline::TriedSize& size : tried) {
+    std::printf("  %8d %14.4f %16.4f %14.4f\n", size.nodes, size.reached.key_points_K, size.reached.deformations_um,
+                size.reached.part_max_K);
+  }
+}
+
 void print_table(const BuildArguments& arguments, const rom::Network& network,
-                 const fem_offline::ReduceReport& report) {
+                 const std::optional<fem_offline::SizeChoice>& choice, const fem_offline::ReduceReport& report) {
   std::printf("%s: %zu nodes from %d FE unknowns, condition %.1f\n", arguments.output_path.c_str(),
               network.nodes.size(), report.full_unknowns, report.condition);
   std::printf("  %-24s %8s %16s\n", "", "s", "s of processors");
@@ -91,6 +116,7 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
     processor_s += stage.processor_s;
   }
   std::printf("  %-24s %8.1f %16.1f\n", "all", seconds, processor_s);
+  if (choice) print_tried(choice->tried);
   const rom::Certificate& certificate = network.certificate;
   if (certificate.cases == 0) {
     std::printf("  no certificate measured\n");
@@ -99,10 +125,9 @@ void print_table(const BuildArguments& arguments, const rom::Network& network,
   print_certificate(network);
 }
 
-/// For a nested basis that holds every size up to the largest.
-fem_offline::ReduceOptions of_any_size(const fem_offline::AffineModel& model, fem_offline::ReduceOptions options,
-                                       int largest) {
-  options.nodes = std::min(largest, static_cast<int>(model.capacity_J_per_K.rows()));
+/// For a nested basis that holds every size up to the largest that build grows to.
+fem_offline::ReduceOptions of_any_size(const fem_offline::AffineModel& model, fem_offline::ReduceOptions options) {
+  options.nodes = std::min(fem_offline::largest_size, static_cast<int>(model.capacity_J_per_K.rows()));
   return options;
 }
 
@@ -110,13 +135,13 @@ fem_offline::ReduceOptions of_any_size(const fem_offline::AffineModel& model, fe
 Reduced reduce(const BuildArguments& arguments, const fem_offline::AffineModel& model,
                const fem_offline::ReduceOptions& options, const fem_offline::Progress& progress,
                fem_offline::ReduceReport& report) {
-  if (arguments.fixed_size) return {fem_offline::reduce_model(model, options, progress, &report), std::nullopt};
-  const fem_offline::ReduceOptions any_size = of_any_size(model, options, fem_offline::largest_size);
-  const fem_offline::Reduction reduction(model, any_size, progress, &report);
+  if (arguments.fixed_size) return {fem_offline::reduce_model(model, options, progress, &report), {}, {}};
+  const fem_offline::ReduceOptions any_size = of_any_size(model, options);
+  fem_offline::Reduction reduction(model, any_size, progress, &report);
   const fem_offline::SizeSearch search{parse_tolerance(arguments.tolerance)};
   fem_offline::SizeChoice choice = fem_offline::choose_size(model, reduction, search, any_size, progress, &report);
   rom::Network network = choice.network;
-  return {std::move(network), std::move(choice)};
+  return {std::move(network), std::move(choice), std::move(reduction)};
 }
 
 /// Runs a stage, and notes what it took.
@@ -181,10 +206,9 @@ std::vector<fem_offline::MissedOutput> missed_by(const Work& work, const rom::Ne
 /// by cases of its own seed, for those of the one before have asked for it.
 void grow(const Work& work, const fem_offline::ReduceOptions& reduce_options, Reduced& reduced) {
   std::vector<fem_offline::MissedOutput> missed = missed_by(work, reduced.network);
-  if (!reduced.choice || missed.empty()) return;
-  const fem_offline::ReduceOptions any_size =
-      of_any_size(work.model.affine(), reduce_options, fem_offline::largest_grown);
-  std::optional<fem_offline::Reduction> reduction;
+  if (!reduced.reduction || missed.empty()) return;
+  const fem_offline::Reduction& reduction = *reduced.reduction;
+  const int largest = std::min(fem_offline::largest_size, reduction.most_nodes());
   std::string of;
   fem_offline::GrowSteps steps;
   steps.network = [&](int nodes) {
@@ -192,9 +216,8 @@ void grow(const Work& work, const fem_offline::ReduceOptions& reduce_options, Re
     rom::Network network;
     work.progress("grown" + of, 0.0);
     timed(work, "grown" + of, [&] {
-      if (!reduction) reduction.emplace(work.model.affine(), any_size, work.progress);
       fem_offline::ReduceReport own;
-      network = reduction->network(std::min(nodes, reduction->most_nodes()), &own, work.progress);
+      network = reduction.network(nodes, &own, work.progress);
       work.report.condition = own.condition;
     });
     return network;
@@ -205,7 +228,7 @@ void grow(const Work& work, const fem_offline::ReduceOptions& reduce_options, Re
     certify(work, own, network, of);
     return missed_by(work, network);
   };
-  reduced.network = fem_offline::grow_until_kept(std::move(reduced.network), std::move(missed), any_size.nodes, steps);
+  reduced.network = fem_offline::grow_until_kept(std::move(reduced.network), std::move(missed), largest, steps);
   reduced.choice->network = reduced.network;
 }
 
@@ -233,6 +256,7 @@ void run(BuildArguments& arguments) {
   if (arguments.certificate_cases > 0) {
     certify(work, options, network);
     grow(work, options, reduced);
+    reduced.reduction.reset();  // what follows needs the memory
     complete_certificate(work, options, network);
   }
   network.outlines = fem_offline::section_outlines(model.description(), model.section());
@@ -242,7 +266,8 @@ void run(BuildArguments& arguments) {
     verdict =
         judge_tolerance(*reduced.choice, model.affine(), network.certificate, parse_tolerance(arguments.tolerance));
   }
-  arguments.json ? print_json(arguments, network, verdict, report) : print_table(arguments, network, report);
+  arguments.json ? print_json(arguments, network, reduced.choice, verdict, report)
+                 : print_table(arguments, network, reduced.choice, report);
   if (!verdict) return;
   const std::string text = tolerance_text(*verdict, arguments.box);
   if (!text.empty()) {

@@ -38,6 +38,9 @@ TEST(ErrorLimit, ranks_are_those_of_the_tables) {
        {std::pair{10, 0}, {58, 0}, {59, 1}, {92, 1}, {93, 2}, {123, 2}, {124, 3}, {181, 5}}) {
     EXPECT_EQ(limiting_rank(cases), rank) << cases;
   }
+  for (const auto& [cases, rank] : {std::pair{28, 0}, {29, 1}, {45, 1}, {46, 2}, {61, 3}, {64, 3}, {76, 4}}) {
+    EXPECT_EQ(limiting_rank(cases, 0.9), rank) << cases;
+  }
 }
 
 TEST(ErrorLimit, factors_of_a_normal_law_are_those_of_the_tables) {

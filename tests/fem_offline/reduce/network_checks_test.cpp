@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "fem_offline/model/build_model.hpp"
 #include "fem_offline/reduce/choose_size.hpp"
+#include "fem_offline/reduce/history_errors.hpp"
 #include "fem_offline/reduce/mesh_error.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "grid_model.hpp"
@@ -91,6 +93,24 @@ TEST(SizeChoice, takes_the_smallest_size_that_keeps_the_tolerance) {
     return choice.network.nodes.size();
   };
   EXPECT_LT(nodes_for({3.0, 3.0, 12.0}), nodes_for({0.2, 0.2, 0.8}));
+}
+
+TEST(SizeChoice, judges_a_size_by_what_a_tenth_of_all_histories_may_exceed) {
+  const AffineModel model = make_grid_model();
+  const ReduceOptions options = checked_options(2);
+  const Reduction reduction(model, options);
+  const SizeChoice choice = choose_size(model, reduction, {{3.0, 3.0, 12.0}, size_choice_histories}, options);
+  const TriedSize& tried = choice.tried.front();
+  const Eigen::MatrixXd errors = history_errors(
+      reduction.network(tried.nodes), run_fe_histories(model, options, size_choice_histories), options.threads);
+  const OutputLayout layout = output_layout(model);
+  const auto third_largest = [&](Eigen::Index first, Eigen::Index count) {
+    Eigen::VectorXd largest = errors.middleRows(first, count).colwise().maxCoeff();
+    std::sort(largest.begin(), largest.end());
+    return largest[size_choice_histories - 3];
+  };
+  EXPECT_EQ(tried.reached.key_points_K, third_largest(0, layout.key_points));
+  EXPECT_EQ(tried.reached.part_max_K, third_largest(layout.maxima_at(), layout.parts));
 }
 
 TEST(SizeChoice, says_when_no_size_is_enough) {
