@@ -43,8 +43,7 @@ struct FeTrajectory {
 };
 
 /// `fe_step_s`: longest time step; after a jump they are shorter anyway, and in a model of fewer than 3000 unknowns a
-/// quarter as long, at most 8 s. `analysed`: as FeStepper has it, several
-/// threads may share it.
+/// quarter as long, at most 8 s. `analysed`: as FeStepper has it, several threads may share it.
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s,
                           const CholeskyFactor* analysed = nullptr);
 
