@@ -101,12 +101,16 @@ class Values(LivePage):
         self.open()
         self.run_well()
         def both():
+            """The page of a cycle between two readings of the registers, with a nose that stands still between them."""
+            before = self.read(0, 124)
             cycle = self.number(self.text("moment"))
             shown = self.facts("growth"), self.facts("machine"), self.table("temperatures"), self.table("factors")
             same = cycle == self.number(self.text("moment"))
             words = self.read(0, 124)
-            return (shown, words) if same and words[8] << 16 | words[9] <= cycle + 15 else None
-        (growth, machine, temperatures, factors), words = wait_until(both, "page and registers at nearly one time")
+            between = before[8] << 16 | before[9] <= cycle + 3 and words[8] << 16 | words[9] <= cycle + 15
+            still = abs(float32(*before[20:22]) - float32(*words[20:22])) <= 0.1
+            return (shown, words) if same and between and still else None
+        (growth, machine, temperatures, factors), words = wait_until(both, "page and registers at nearly one time", 30)
         self.assertAlmostEqual(self.number(growth["nose growth minus tare"]), float32(*words[20:22]), delta=0.2)
         self.assertEqual(self.number(machine["speed"]), words[34])
         self.assertEqual(self.number(machine["load"]), words[35] / 10)

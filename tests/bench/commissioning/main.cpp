@@ -118,13 +118,15 @@ int run(const Options& options) {
   if (options.wrong_models) return check_wrong_models(options, options.plan);
   const rom::Network network = twin_network(options.twin);
   const fem_offline::FeModel fe = model_of(options.truth_mm);
-  std::printf("seed %llu, %d machines of each of A and B; twin: %zu nodes; truth: %g mm\n",
-              static_cast<unsigned long long>(options.seed), options.runs, network.nodes.size(), options.truth_mm);
+  std::printf("seed %llu, %d machines of %s; twin: %zu nodes; truth: %g mm\n",
+              static_cast<unsigned long long>(options.seed), options.runs, options.is_short ? "A" : "each of A and B",
+              network.nodes.size(), options.truth_mm);
   std::fflush(stdout);
   if (options.hidden_pairs) return check_hidden_pairs(network, fe.affine(), options.twin.threads);
-  std::vector<Commissioned> machines(static_cast<std::size_t>(2 * options.runs));
+  const int count = options.is_short ? 1 : 2 * options.runs;
+  std::vector<Commissioned> machines(static_cast<std::size_t>(count));
   std::mutex printing;
-  in_parallel(options.twin.threads, 2 * options.runs, [&](int i) {
+  in_parallel(options.twin.threads, count, [&](int i) {
     const HeatErrors heats = i < options.runs ? HeatErrors::independent : HeatErrors::common;
     const std::uint64_t seed = seed_of(options, i < options.runs ? i : i - options.runs, heats);
     Commissioned& machine = machines[static_cast<std::size_t>(i)];
@@ -155,7 +157,7 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"commissioning_campaign: virtual spindles that get one test with a probe"};
   options.runs = 6;
-  add_options(app, options, "machines, for each of A and B", "one machine of each with coarse models");
+  add_options(app, options, "machines, for each of A and B", "one machine of A with coarse models");
   app.add_option("--test-s", options.plan.test_s, "length of the test")->capture_default_str();
   app.add_option("--service-s", options.plan.service_s, "length of a day of service")->capture_default_str();
   app.add_flag("--touch-offs", options.plan.touch_offs, "a touch-off each half hour instead of the probe");
