@@ -20,10 +20,8 @@ namespace {
 /// What at most 1 − size_choice_content of all histories exceed, by those that gave `errors`; the largest where they
 /// are too few to say.
 double limit_of_histories(const Eigen::RowVectorXd& errors) {
-  std::vector<double> sorted(errors.begin(), errors.end());
-  std::sort(sorted.begin(), sorted.end(), std::greater<>());
-  const int rank = limiting_rank(static_cast<int>(sorted.size()), size_choice_content);
-  return sorted[static_cast<std::size_t>(std::max(rank, 1) - 1)];
+  const int rank = limiting_rank(static_cast<int>(errors.size()), size_choice_content);
+  return error_of_rank({errors.begin(), errors.end()}, std::max(rank, 1));
 }
 
 struct HistoryLimits {

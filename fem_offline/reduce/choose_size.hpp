@@ -13,7 +13,7 @@ namespace spindle_twin::fem_offline {
 
 struct TriedSize {
   int nodes = 0;
-  Tolerance reached;  ///< with 95 % confidence at most a tenth of all histories err more
+  Tolerance reached;  ///< size_choice_content of all histories err less, with limit_confidence
 };
 
 struct SizeChoice {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <utility>
 
 namespace spindle_twin::fem_offline {
 
@@ -15,6 +16,12 @@ int limiting_rank(int cases, double content) {
   int rank = 0;
   while (rank < cases && boost::math::cdf(above, rank) <= 1.0 - limit_confidence) ++rank;
   return rank;
+}
+
+double error_of_rank(std::vector<double> errors, int rank) {
+  const auto wanted = errors.begin() + (rank - 1);
+  std::nth_element(errors.begin(), wanted, errors.end(), std::greater<>());
+  return *wanted;
 }
 
 double normal_limit_factor(int cases) {
@@ -27,10 +34,9 @@ double normal_limit_factor(int cases) {
 double error_limit(std::vector<double> errors) {
   const int cases = static_cast<int>(errors.size());
   if (cases < fewest_limiting_cases) return 0.0;
-  std::sort(errors.begin(), errors.end(), std::greater<>());
-  const double largest = errors.front();
+  const double largest = *std::max_element(errors.begin(), errors.end());
   if (largest <= 0.0) return 0.0;
-  if (const int rank = limiting_rank(cases); rank > 0) return errors[static_cast<std::size_t>(rank - 1)];
+  if (const int rank = limiting_rank(cases); rank > 0) return error_of_rank(std::move(errors), rank);
   constexpr double negligible = 1e-12;  // of the largest: what is smaller is rounding, whose logarithm says nothing
   Eigen::ArrayXd logarithms(cases);
   for (int i = 0; i < cases; ++i) {

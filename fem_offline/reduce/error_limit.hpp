@@ -19,6 +19,9 @@ inline constexpr int fewest_limiting_cases = 10;
 /// even the largest is none: below 59 cases for a content of 0.95. `content` in (0, 1).
 int limiting_rank(int cases, double content = limit_content);
 
+/// That of `errors` (not empty) which has this rank, the largest being 1. `rank` in 1 … their number.
+double error_of_rank(std::vector<double> errors, int rank);
+
 /// k of the one-sided tolerance limit mean + k·deviation of a normal sample of that size (W. A. Shewhart's problem, by
 /// the noncentral t distribution: k = t(confidence; n − 1, √n z_content) / √n). `cases` >= 2.
 double normal_limit_factor(int cases);

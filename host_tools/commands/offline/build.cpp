@@ -95,8 +95,9 @@ void print_json(const BuildArguments& arguments, const rom::Network& network,
 
 void print_tried(const std::vector<fem_offline::TriedSize>& tried) {
   std::printf(
-      "  sizes tried: at most a tenth of all histories err more (with 95 %% confidence, by %d of them)\n"
+      "  sizes tried: %.0f %% of all histories err less (with %.0f %% confidence, by %d of them)\n"
       "  %8s %14s %16s %14s\n",
+      100.0 * fem_offline::size_choice_content, 100.0 * fem_offline::limit_confidence,
       fem_offline::size_choice_histories, "nodes", "key points, K", "deformations, um", "part maxima, K");
   for (const fem_offline::TriedSize& size : tried) {
     std::printf("  %8d %14.4f %16.4f %14.4f\n", size.nodes, size.reached.key_points_K, size.reached.deformations_um,
