@@ -50,7 +50,7 @@ if(SPINDLE_TWIN_PRECOMPILE)
   target_link_libraries(spindle_twin_eigen_kernels PRIVATE spindle_twin_flags Eigen3::Eigen)
   set_target_properties(spindle_twin_eigen_kernels PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(SPINDLE_TWIN_SANITIZE MATCHES "address")
-    # Where tests spend half of their time. Accesses to memory are watched there too; Eigen's own arithmetic of indices is
+    # Where tests spend much of their time. Accesses to memory are watched there too; Eigen's own arithmetic of indices is
     # not what is tested here.
     set_source_files_properties(cmake/eigen_kernels.cpp PROPERTIES COMPILE_OPTIONS "-O1;-fno-sanitize=undefined")
   endif()
