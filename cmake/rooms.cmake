@@ -60,7 +60,7 @@ set(spindle_twin_common_headers ${PROJECT_SOURCE_DIR}/cmake/eigen_kernels.hpp <a
   <stdexcept> <string> <utility> <vector>)
 
 # For sources whose programs are busy elsewhere: tests, commands that read options and print, the daemon's main.cpp, and
-# rooms that read, write, draw or serve. The compiler's time for them falls by a third.
+# rooms that read, write, draw or serve.
 set(spindle_twin_light $<$<CONFIG:Release>:-O1>)
 
 # spindle_twin_precompile(TARGET GROUP): the targets of a group share a precompiled header; they have the same compiler flags

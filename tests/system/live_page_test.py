@@ -101,7 +101,7 @@ class Values(LivePage):
         self.open()
         self.run_well()
         def both():
-            """The page of a cycle between two readings of the registers, with a nose that stands still between them."""
+            """Page and registers of nearly one cycle: the registers are read before and after, and the nose hardly moves between."""
             before = self.read(0, 124)
             cycle = self.number(self.text("moment"))
             shown = self.facts("growth"), self.facts("machine"), self.table("temperatures"), self.table("factors")
