@@ -101,7 +101,7 @@ class Values(LivePage):
         self.open()
         self.run_well()
         def both():
-            """Page and registers of nearly one cycle: the registers are read before and after, and the nose hardly moves between."""
+            """Of nearly one cycle: registers are read before and after the page, and the nose hardly moves between."""
             before = self.read(0, 124)
             cycle = self.number(self.text("moment"))
             shown = self.facts("growth"), self.facts("machine"), self.table("temperatures"), self.table("factors")
