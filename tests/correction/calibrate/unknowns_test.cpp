@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "correction/estimator/estimator_correction.hpp"
 #include "tests/rom/law_network.hpp"
 
 namespace spindle_twin::correction::test {

@@ -194,6 +194,17 @@ TEST(Estimator, touch_offs_narrow_the_nose_and_correct_it) {
   EXPECT_LT(std::abs(pair.nose_error_m()), 0.2 * error_m);
 }
 
+TEST(Estimator, a_length_without_a_deviation_tells_nothing) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  for (const double deviation_m : {0.0, -1e-6, std::numeric_limits<double>::quiet_NaN()}) {
+    pair.estimator.note_displacement(0, 1e-5, deviation_m);
+    pair.cycle();
+    EXPECT_FALSE(pair.estimator.displacement_record().fused) << deviation_m;
+    EXPECT_TRUE(std::isfinite(pair.nose_error_m()));
+  }
+}
+
 TEST(Estimator, sensors_of_different_rates_and_lags_lead_to_the_same_temperatures) {
   const rom::Network network = plates();
   EstimatorOptions options;

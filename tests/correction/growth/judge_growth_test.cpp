@@ -99,6 +99,15 @@ TEST(JudgeGrowth, weeks_begin_on_monday_and_only_those_with_growth_are_told) {
   EXPECT_TRUE(judge_weeks({}).empty());
 }
 
+TEST(JudgeGrowth, three_readings_after_the_zero_are_enough_and_two_are_not) {
+  const std::vector<GrowthReading> whole = warm_up(1.0);
+  const std::vector<GrowthReading> four(whole.begin(), whole.begin() + 4), three(whole.begin(), whole.begin() + 3);
+  EXPECT_EQ(judge_growth(four, -ever, ever).verdict, Verdict::helps);
+  EXPECT_TRUE(measured_times(four));
+  EXPECT_EQ(judge_growth(three, -ever, ever).verdict, Verdict::too_few);
+  EXPECT_FALSE(measured_times(three));
+}
+
 TEST(JudgeGrowth, how_many_times_the_published_growth_was_measured_has_the_sign_of_what_is_wrong) {
   for (const double published : {1.0, -1.0, 2.0, 0.5}) {
     const auto times = measured_times(warm_up(published));

@@ -102,6 +102,9 @@ TEST(IsothermalTare, says_what_it_waits_for_and_which_sensor_it_is) {
   cooling.run(900.0);
   EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::apart);
   EXPECT_EQ(cooling.tare.outlook().channel, 2);
+  cooling.offset_K = {-1.4, 0.1, -0.1};  // one that reads too cold as well
+  cooling.run(900.0);
+  EXPECT_EQ(cooling.tare.outlook().channel, 0);
   cooling.offset_K = {};
   cooling.tare.step(cooling.samples, true, 1.0);
   EXPECT_EQ(cooling.tare.outlook().waits_for, TareWait::heat);

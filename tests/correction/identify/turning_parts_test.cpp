@@ -28,6 +28,18 @@ TEST(TurningParts, what_is_joined_to_the_shaft_turns_with_it) {
   EXPECT_EQ(turning_parts(with_nut()), (Names{"rotor", "bearing", "nut"}));
 }
 
+TEST(TurningParts, parts_of_a_hand_written_network_are_joined_where_heat_is_conducted_between_them) {
+  rom::Network network = with_nut();
+  network.hand_written = true;
+  network.boundaries.conductances[1].part_a = network.boundaries.conductances[1].part_b;  // no contact
+  network.conduction_W_per_K.setZero();
+  EXPECT_EQ(turning_parts(network), (Names{"rotor", "bearing"}));
+  Eigen::Index rotor = 0;
+  while (network.nodes[static_cast<std::size_t>(rotor)].part != "rotor") ++rotor;
+  network.conduction_W_per_K(2, rotor) = network.conduction_W_per_K(rotor, 2) = -1.0;
+  EXPECT_EQ(turning_parts(network), (Names{"rotor", "bearing", "nut"}));
+}
+
 TEST(TurningParts, where_all_is_joined_to_the_outermost_part_only_the_balls_are_sure) {
   rom::Network network = with_nut();
   network.boundaries.conductances[0].part_a = 3;
