@@ -63,8 +63,7 @@ constexpr T extreme(std::initializer_list<T> values) {
   return *found;
 }
 
-/// Stands between two operators, as in `a < Between<17, false>{} < b`: the whole keeps precedence and order of
-/// evaluation's operands.
+/// Stands between two operators, as in `a < Between<17, false>{} < b`, so that what binds tighter or looser still does.
 template <int N, bool or_never>
 struct Between {};
 template <int N, bool or_never, class A>

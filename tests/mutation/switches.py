@@ -40,37 +40,31 @@ def switched_line(line, faults, in_class):
     return line
 
 
+def first_end(code, places, inwards, outwards, ends):
+    """The first of these places, in their order, where an expression ends: at a bracket that leads out of it, or, outside
+    of brackets, where `ends` says so; None if there is none."""
+    depth = 0
+    for place in places:
+        if code[place] in inwards:
+            depth += 1
+        elif code[place] in outwards:
+            if depth == 0:
+                return place
+            depth -= 1
+        elif depth == 0 and ends(place):
+            return place
+    return None
+
+
 def bounds_of_logical(code, at):
     """Where the logical expression begins and ends that holds the operator at `at`; None if it cannot be told."""
-    depth, begin = 0, at
-    while begin > 0:
-        letter = code[begin - 1]
-        if letter in CLOSES:
-            depth += 1
-        elif letter in OPENS:
-            if depth == 0:
-                break
-            depth -= 1
-        elif depth == 0 and (letter in ",;?" or letter == ":" and code[begin - 2:begin] not in ("::",) and code[begin:begin + 1] != ":"):
-            break
-        elif depth == 0 and code[begin - 3:begin] == " = ":
-            break
-        elif depth == 0 and re.search(r"\breturn $", code[begin - 8:begin]):
-            break
-        begin -= 1
-    depth, end = 0, at + 4
-    while end < len(code):
-        letter = code[end]
-        if letter in OPENS:
-            depth += 1
-        elif letter in CLOSES:
-            if depth == 0:
-                break
-            depth -= 1
-        elif depth == 0 and (letter in ",;?" or code[end:end + 3] == " : "):
-            break
-        end += 1
-    return (begin, end) if 0 < begin < at and end < len(code) else None
+    def before(place):
+        colon = code[place] == ":" and ":" not in (code[place - 1], code[place + 1])
+        return colon or code[place] in ",;?" or code[place - 2:place + 1] == " = " or code[:place + 1].endswith("return ")
+
+    begin = first_end(code, range(at - 1, 0, -1), CLOSES, OPENS, before)
+    end = first_end(code, range(at + 4, len(code)), OPENS, CLOSES, lambda place: code[place] in ",;?" or code[place:place + 3] == " : ")
+    return None if begin is None or end is None else (begin + 1, end)
 
 
 def with_switches(text, faults, is_header):
@@ -80,7 +74,7 @@ def with_switches(text, faults, is_header):
     for line in lines:
         starts.append(starts[-1] + len(line) + 1)
     code = "\n".join(map(code_of, lines))
-    written, pieces, taken = set(), [], []
+    written, taken = set(), []
     for number, line, column, token, how in faults:
         if how == NEVER or token not in LOGICAL:
             continue
@@ -106,8 +100,6 @@ def with_switches(text, faults, is_header):
             wrong = text[begin:at] + other(token) + text[at + len(token):end]
             lead = piece[:len(piece) - len(piece.lstrip())]
             piece = f"{lead}({FAULT}::is<{key}, true>() ? bool({wrong.strip()}) : bool({piece.strip()}))"
-        pieces.append((begin, end, piece))
-    for begin, end, piece in pieces:
         text = text[:begin] + piece + text[end:]
     if written:
         first, rest = text.split("\n", 1)
