@@ -90,9 +90,15 @@ class Tls(RunningDaemon):
             context.load_cert_chain(self.folder / f"{who}.pem", self.folder / f"{who}.key")
         return context
 
-    def connect(self, context, source="127.0.0.1"):
-        plain = socket.create_connection(("127.0.0.1", self.tls_port), timeout=8, source_address=(source, 0))
+    def connect(self, context, source="127.0.0.1", unread_bytes=None):
+        """unread_bytes: what the system keeps for a client that does not read; otherwise as much as it likes."""
+        plain = socket.socket()
         self.addCleanup(plain.close)
+        if unread_bytes:
+            plain.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, unread_bytes)
+        plain.settimeout(8)
+        plain.bind((source, 0))
+        plain.connect(("127.0.0.1", self.tls_port))
         client = context.wrap_socket(plain, server_hostname="edge-7")
         self.addCleanup(client.close)
         return client
@@ -151,7 +157,7 @@ class Clients(Tls):
         self.assertEqual(client.recv(300), b"")
 
     def test_who_reads_nothing_is_ended_and_others_are_answered_meanwhile(self):
-        deaf = self.connect(self.context())
+        deaf = self.connect(self.context(), unread_bytes=65536)
         other = self.connect(self.context(), "127.0.0.2")
         ask_for_much = bytes([0, 1, 0, 0, 0, 6, 1, 4, 0, 0, 0, 125])
         deaf.settimeout(1.0)
