@@ -153,10 +153,6 @@ bool SecondPass::fits() const {
 
 bool SecondPass::conclude() {
   unknowns_ = pass_.filter_.mean();
-  if (!unknowns_.allFinite()) {
-    end_passes();
-    return false;
-  }
   pass_.bound(unknowns_);
   double moved = 0.0;
   for (Eigen::Index i = 0; i < pass_.parameters().count(); ++i) {

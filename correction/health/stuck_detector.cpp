@@ -59,7 +59,7 @@ bool StuckDetector::observe(double time_s, double reading_K, const Movements& mo
 }
 
 bool StuckDetector::repeats() const {
-  const double changing = std::min({change_share_, turns_to_changes * turn_share_, 0.99});
+  const double changing = std::min(change_share_, turns_to_changes * turn_share_);
   return repeated_ >= 3 && std::pow(1.0 - changing, repeated_) < hardly;
 }
 

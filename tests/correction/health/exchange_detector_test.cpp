@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
+#include <vector>
 
 namespace spindle_twin::correction::test {
 namespace health_exchange_detector_test {
@@ -102,6 +104,112 @@ TEST(ExchangeDetector, what_has_been_seen_counts_for_an_hour) {
   const double hour = evidence_after(3600), five_hours = evidence_after(18000);
   // Of steady movement 1 − e^(−t/τ) has been kept: 0.99 / 0.63; with twice or half the memory it would be 2.3 or 1.2.
   EXPECT_NEAR(five_hours / hour, 1.57, 0.2);
+}
+
+/// The evidence of two places by its equations, from all that was told, with sums over the whole history.
+struct ByTheEquations {
+  std::vector<std::array<double, 2>> readings_K, models_K;  // one a second
+
+  static std::vector<double> freed_from_mean(const std::vector<std::array<double, 2>>& told, std::size_t i,
+                                             double tau_s) {
+    std::vector<double> moved;
+    double mean = told.front()[i];
+    for (const auto& each : told) {
+      moved.push_back(each[i] - mean);
+      mean = std::exp(-1.0 / tau_s) * mean + (1.0 - std::exp(-1.0 / tau_s)) * each[i];
+    }
+    return moved;
+  }
+  double evidence(double noise_K, const HealthLimits& limits) const {
+    const std::size_t n = readings_K.size();
+    std::vector<double> weight(n);
+    double seen_s = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      weight[k] = std::exp(-static_cast<double>(n - 1 - k) / limits.swap_memory_s);
+      seen_s += weight[k];
+    }
+    const auto sum = [&](const auto& term) {
+      double total = 0.0;
+      for (std::size_t k = 0; k < n; ++k) total += weight[k] * term(k);
+      return total;
+    };
+    double gains = 0.0, penalty = 0.0;
+    for (const double tau_s : ExchangeDetector::scales_s) {
+      std::array<std::vector<double>, 2> y, m;
+      for (std::size_t i = 0; i < 2; ++i) {
+        y[i] = freed_from_mean(readings_K, i, tau_s);
+        m[i] = freed_from_mean(models_K, i, tau_s);
+      }
+      std::array<double, 2> samples{}, square{};
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double second = sum([&](std::size_t k) { return std::pow(m[i][k], 2); });
+        samples[i] = second * second / sum([&](std::size_t k) { return std::pow(m[i][k], 4); }) / tau_s;
+        square[i] = sum([&](std::size_t k) { return std::pow(y[i][k], 2); });
+      }
+      const auto gain = [&](std::size_t i, std::size_t j) {
+        return sum([&](std::size_t k) { return y[i][k] * m[j][k]; }) /
+               sum([&](std::size_t k) { return std::pow(m[j][k], 2); });
+      };
+      const auto left_over = [&](std::size_t i, std::size_t j) {
+        const double factor = gain(i, j);
+        return sum([&](std::size_t k) { return std::pow(y[i][k] - factor * m[j][k], 2); });
+      };
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double least = std::pow(limits.swap_floor, 2) * square[i] + noise_K * noise_K * seen_s;
+        gains += std::min(samples[0], samples[1]) * std::log((left_over(i, i) + least) / (left_over(i, 1 - i) + least));
+        if (tau_s != 300.0) continue;
+        const double unsure = std::pow(limits.swap_gain, 2) + std::pow(limits.swap_K, 2) * seen_s / square[i];
+        penalty += (std::pow(std::log(gain(i, i)), 2) - std::pow(std::log(gain(i, 1 - i)), 2)) / unsure;
+      }
+    }
+    return gains + penalty;
+  }
+};
+
+TEST(ExchangeDetector, the_evidence_is_that_of_the_equations) {
+  HealthLimits limits;
+  limits.swap_fit = 1e3;  // what is no condition does not end the comparison
+  ExchangeDetector detector({0.03, 0.03});
+  ByTheEquations equations;
+  std::array<double, 2> truth_K{}, model_K{};
+  for (int t = 0; t < 3000; ++t) {
+    const double level_K = 10.0 * std::sin(t / 170.0) + (t % 900 < 400 ? 4.0 : 0.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+      truth_K[i] += (level_K - truth_K[i]) / (i == 0 ? 120.0 : 700.0);
+      model_K[i] += (0.8 * level_K - model_K[i]) / (i == 0 ? 200.0 : 500.0);
+      detector.note_model(i, model_K[i], 1.0);
+    }
+    equations.readings_K.push_back({truth_K[1], truth_K[0]});
+    equations.models_K.push_back(model_K);
+    for (std::size_t i = 0; i < 2; ++i) detector.note_reading(i, truth_K[1 - i], 1.0, true, limits);
+    if (t < 400 || t % 200 != 0) continue;
+    const double expected = equations.evidence(0.03, limits);
+    EXPECT_NEAR(detector.evidence(0, 1, limits), expected, 1e-6 * std::abs(expected)) << t;
+  }
+}
+
+TEST(ExchangeDetector, two_that_read_the_same_place_are_not_exchanged) {
+  HealthLimits limits;
+  limits.swap_fit = 1e3;
+  for (const bool same : {false, true}) {
+    ExchangeDetector detector({0.03, 0.03});
+    std::array<double, 2> place_K{};
+    for (int t = 0; t < 3000; ++t) {
+      const double level_K = t % 600 < 300 ? 5.0 : 0.0;
+      for (std::size_t i = 0; i < 2; ++i) {
+        place_K[i] += (level_K - place_K[i]) / (i == 0 ? 60.0 : 900.0);
+        detector.note_model(i, place_K[i], 1.0);
+      }
+      detector.note_reading(0, place_K[1], 1.0, true, limits);
+      detector.note_reading(1, place_K[same ? 1 : 0], 1.0, true, limits);
+    }
+    const double evidence = detector.evidence(0, 1, limits);
+    if (same) {
+      EXPECT_EQ(evidence, -std::numeric_limits<double>::infinity()) << "the second fits its own place";
+    } else {
+      EXPECT_GT(evidence, limits.swap_limit);
+    }
+  }
 }
 
 TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {

@@ -85,6 +85,16 @@ TEST(Isolation, drift_is_no_verdict_in_the_first_quarter_of_an_hour_nor_after_a_
   EXPECT_EQ(restarted.go({0, 60, 0, 0}, 890.0).channel, -1);
 }
 
+TEST(Isolation, of_channels_that_say_nothing_none_counts_as_one_that_agrees) {
+  for (const bool third_reads : {false, true}) {
+    Rising rising(6);
+    for (std::size_t i = 3; i < 6; ++i) rising.updates[i] = HealthUpdate{};
+    if (!third_reads) rising.updates[2] = HealthUpdate{};
+    rising.go(std::vector<double>(6, 0.0), 1200.0);
+    EXPECT_EQ(rising.go({40, 0, 0, 0, 0, 0}, 600.0).channel, third_reads ? 0 : -1) << "of two nobody knows which";
+  }
+}
+
 TEST(Isolation, what_the_start_has_said_is_forgotten_within_an_hour) {
   const HealthLimits limits;
   Rising rising(4);

@@ -48,6 +48,30 @@ TEST(Health, swapped_channels_fail_together_and_name_each_other) {
   }
 }
 
+TEST(Health, a_channel_that_is_silent_or_out_of_use_has_no_voice_in_what_most_do) {
+  // Three of six leave their course at once: with the sixth that is half of them, without it more than half.
+  enum class Sixth { reads, silent, failed };
+  for (const Sixth sixth : {Sixth::reads, Sixth::silent, Sixth::failed}) {
+    SensorHealth health(std::vector<HealthChannel>(6, {true, 253.15, 423.15, 0.01}), {});
+    std::vector<HealthSample> samples(6);
+    bool together = false;
+    for (int t = 0; t < 100; ++t) {
+      for (std::size_t i = 0; i < 6; ++i) {
+        samples[i].present = true;
+        samples[i].reading_K = 300.0 + 0.02 * (t % 2) + (t >= 90 && i < 3 ? 5.0 : 0.0);
+        samples[i].predicted_K = samples[i].uncorrected_K = 300.0;
+      }
+      samples[5].present = sixth != Sixth::silent || t < 90;
+      if (sixth == Sixth::failed && t >= 50) samples[5].reading_K = 900.0 - 599.0 * (t >= 80 ? 1.0 : 0.0);
+      health.step(samples, t, 1.0);
+      together = together || health.model_in_doubt();
+    }
+    EXPECT_EQ(together, sixth != Sixth::reads);
+    EXPECT_EQ(health.record(5).state == HealthState::good, sixth != Sixth::failed);
+    EXPECT_EQ(health.record(0).failures, sixth == Sixth::reads ? 1 : 0);
+  }
+}
+
 /// With which no pair fails by its movement alone, without a contradiction.
 HealthLimits never_sure() {
   HealthLimits limits;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "correction/calibrate/fit.hpp"
@@ -160,6 +161,22 @@ TEST(PlanTest, temporary_sensors_are_the_best_of_all_and_what_each_tells_is_what
     EXPECT_GE(one.worth.with_sensors_m, plan.temporary[1].worth.with_sensors_m);
   }
   EXPECT_EQ(plan.without[2].worth.with_sensors_m, plan.temporary[0].worth.with_sensors_m);
+}
+
+TEST(PlanTest, a_day_of_work_is_four_hours_from_standstill_to_the_top_at_half_load) {
+  const rom::Schedule day = usual_service(top_rpm, plates().boundaries);
+  EXPECT_EQ(day.end_s, 4.0 * 3600.0);
+  double least_rpm = top_rpm, most_rpm = 0.0, longest_s = 0.0;
+  for (std::size_t i = 0; i + 1 < day.rows.size(); ++i) {
+    const rom::OperatingState& state = day.rows[i].state;
+    least_rpm = std::min(least_rpm, state.speed_rpm);
+    most_rpm = std::max(most_rpm, state.speed_rpm);
+    longest_s = std::max(longest_s, day.rows[i + 1].time_s - day.rows[i].time_s);
+    EXPECT_EQ(state.load, state.speed_rpm > 0.0 ? 0.5 : 0.0) << i;
+  }
+  EXPECT_EQ(least_rpm, 0.0);
+  EXPECT_EQ(most_rpm, top_rpm);
+  EXPECT_LT(longest_s, 3600.0) << "shorter than a spindle takes to settle";
 }
 
 TEST(PlanTest, the_spectrum_goes_up_to_the_top_and_stands_still_and_ends_in_time) {
