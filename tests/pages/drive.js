@@ -1,5 +1,6 @@
 // A browser that a test in another language drives: each line of the input is JSON, each gives one line of JSON.
-//   {"open": ADDRESS, "options": {...}}    a new page there, the only one
+//   {"open": ADDRESS, "options": {...}}    a new page there, the only one, which knows nothing of those before
+//   {"close": true}                        no page
 //   {"evaluate": EXPRESSION}               its value in the page
 //   {"choose": [SELECTOR, VALUE]}          in a select element
 //   {"reload": true}                       the page again, in the same tab
@@ -14,8 +15,14 @@ const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta
 const browser = await startBrowser();
 let page, seen;
 
-async function open(address, options) {
+async function close() {
   await page?.context().close();
+  page = undefined;
+  return null;
+}
+
+async function open(address, options) {
+  await close();
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   page = await context.newPage();
   seen = { elsewhere: [], complaints: [] };
@@ -49,6 +56,7 @@ async function choose([selector, value]) {
 
 function obey(order) {
   if (order.open) return open(order.open, order.options ?? {});
+  if (order.close) return close();
   if (order.evaluate) return page.evaluate(order.evaluate);
   if (order.choose) return choose(order.choose);
   if (order.reload) return page.reload().then(() => null);

@@ -3,6 +3,8 @@
 live_page_test.py DAEMON MAKE_SMALL_NETWORK [unittest options]
 With SPINDLE_TWIN_PICTURES=FOLDER it leaves pictures there, of desktop and phone, light and dark.
 """
+import atexit
+import functools
 import json
 import os
 import pathlib
@@ -22,6 +24,23 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "hasTouch": True, "isMobile"
 NOT_A_NUMBER = struct.unpack(">HH", struct.pack(">f", float("nan")))
 
 
+@functools.cache
+def shared_browser():
+    """One for all tests of a program, from the first that needs it: each opens a page that knows nothing of others."""
+    browser = subprocess.Popen(["node", DRIVE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def end():
+        """Lets it end by itself: killed, it would leave its profile in the folder for temporary files."""
+        browser.stdin.close()
+        try:
+            browser.wait(20)
+        except subprocess.TimeoutExpired:
+            browser.kill()
+            browser.wait()
+    atexit.register(end)
+    return browser
+
+
 class LivePage(RunningDaemon):
     # Slow enough that the device's values, which never move, are not called stuck within a test.
     config_text = CONFIG.replace("clock_rate = 10.0", "clock_rate = 3.0") + (
@@ -34,22 +53,13 @@ class LivePage(RunningDaemon):
     def setUp(self):
         super().setUp()
         wait_until(lambda: can_connect(self.http_port), "the HTTP port")
-        self.browser = self.start(["node", DRIVE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.addCleanup(self.browser.stdout.close)
-        self.addCleanup(self.end_browser)
-
-    def end_browser(self):
-        """Lets it end by itself: killed, it would leave its profile in the folder for temporary files."""
-        self.browser.stdin.close()
-        try:
-            self.browser.wait(20)
-        except subprocess.TimeoutExpired:
-            pass  # it is killed after this
+        self.addCleanup(lambda: shared_browser.cache_info().currsize and self.tell(close=True))
 
     def tell(self, **order):
-        self.browser.stdin.write(json.dumps(order) + "\n")
-        self.browser.stdin.flush()
-        answer = json.loads(self.browser.stdout.readline())
+        browser = shared_browser()
+        browser.stdin.write(json.dumps(order) + "\n")
+        browser.stdin.flush()
+        answer = json.loads(browser.stdout.readline())
         self.assertNotIn("error", answer, order)
         return answer["value"]
 
