@@ -130,7 +130,7 @@ void state_at(const Schedule& schedule, double time_s, OperatingState& state) {
 
 Schedule constant_schedule(const Boundaries& boundaries, double duration_s) {
   Schedule schedule;
-  schedule.rows = {{0.0, boundaries.operating, 0}, {duration_s, boundaries.operating, 0}};
+  schedule.rows = {{0.0, boundaries.operating}, {duration_s, boundaries.operating}};
   schedule.end_s = duration_s;
   return schedule;
 }

@@ -55,7 +55,7 @@ class Batch:
             if all(fault[0] != name for _, fault in drawn):
                 renew(name, (SOURCE / name).read_bytes(), TREE)
         self._write()
-        configure()
+        configure(bundles=True)
         self._build()
         self.asked = set().union(*(switches.asked_when_running(BUILD / "bin" / program) for program in self.programs_built))
         for program in self.programs:
@@ -121,6 +121,7 @@ class Batch:
         """The copy as the tree is, for faults that are judged alone."""
         for name in sorted({fault[0] for _, fault in self.drawn}):
             renew(name, (SOURCE / name).read_bytes(), TREE)
+        configure(bundles=False)
 
 
 def objects_beside(room, header):

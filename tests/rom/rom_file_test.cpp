@@ -6,10 +6,12 @@
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <random>
 
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"
+#include "tests/rom/law_network.hpp"
 #include "tests/rom/synthetic_network.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/texts.hpp"
@@ -166,6 +168,86 @@ TEST(RomFile, a_payload_behind_a_valid_hash_cannot_crash_the_reader) {
     if (!decode_refusal(bytes).empty()) ++refused;
   }
   EXPECT_GT(refused, 1000);
+}
+
+std::uint64_t read_varint(const std::vector<std::uint8_t>& bytes, std::size_t& at) {
+  std::uint64_t value = 0;
+  for (int shift = 0;; shift += 7) {
+    value |= static_cast<std::uint64_t>(bytes[at] & 0x7fU) << shift;
+    if ((bytes[at++] & 0x80U) == 0) return value;
+  }
+}
+
+std::vector<std::uint8_t> varint(std::uint64_t value) {
+  std::vector<std::uint8_t> bytes;
+  for (; value > 0x7f; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 0x80U));
+  bytes.push_back(static_cast<std::uint8_t>(value));
+  return bytes;
+}
+
+/// A field of a payload that has a length, as protobuf writes it: key, length, content.
+struct Field {
+  std::uint64_t number = 0;
+  std::size_t length_at = 0, begin = 0, end = 0;
+};
+
+/// The last of each number, of those that have a length.
+std::map<std::uint64_t, Field> fields_of(const std::vector<std::uint8_t>& bytes) {
+  std::map<std::uint64_t, Field> found;
+  for (std::size_t at = header_size; at < bytes.size();) {
+    const std::uint64_t key = read_varint(bytes, at);
+    const std::size_t length_at = at;
+    switch (key & 7U) {
+      case 0:
+        read_varint(bytes, at);
+        break;
+      case 1:
+        at += 8;
+        break;
+      case 2: {
+        const auto length = static_cast<std::size_t>(read_varint(bytes, at));
+        found[key >> 3] = {key >> 3, length_at, at, at + length};
+        at += length;
+        break;
+      }
+      default:
+        at += 4;
+    }
+  }
+  return found;
+}
+
+/// The file with a byte at the end of a field that begins no field of a message, and is no number; header and lengths
+/// agree with it.
+std::vector<std::uint8_t> with_a_byte_more(const std::vector<std::uint8_t>& bytes, const Field& field) {
+  const auto at = [&](std::size_t place) { return bytes.begin() + static_cast<std::ptrdiff_t>(place); };
+  std::vector<std::uint8_t> changed(bytes.begin(), at(field.length_at));
+  const std::vector<std::uint8_t> length = varint(field.end - field.begin + 1);
+  changed.insert(changed.end(), length.begin(), length.end());
+  changed.insert(changed.end(), at(field.begin), at(field.end));
+  changed.push_back(0x07);
+  changed.insert(changed.end(), at(field.end), bytes.end());
+  const std::uint64_t payload = changed.size() - header_size;
+  for (std::size_t i = 0; i < 8; ++i) changed[12 + i] = static_cast<std::uint8_t>(payload >> (8 * i));
+  renew_hash(changed);
+  return changed;
+}
+
+TEST(RomFile, a_broken_message_of_every_kind_behind_a_valid_hash_is_refused) {
+  Network network = make_network_with_laws();
+  network.contact_pressures = {{"a/b", 1.5e6, Eigen::VectorXd::Zero(network.capacity_J_per_K.rows())}};
+  network.outlines = {{"shaft", (Eigen::MatrixXd(2, 3) << 0.0, 0.02, 0.02, 0.0, 0.0, 0.1).finished()}};
+  network.boundaries.plausible = {{"speed_rpm", between(0.0, 20000.0)}};
+  const std::vector<std::uint8_t> good = encode_network(network);
+  ASSERT_EQ(decode_refusal(good), "accepted");
+  const auto is_text = [](const Field& field) { return field.number == 2 || field.number == 3; };
+  int broken = 0;
+  for (const auto& [number, field] : fields_of(good)) {
+    if (is_text(field)) continue;
+    EXPECT_NE(decode_refusal(with_a_byte_more(good, field)), "accepted") << "field " << number;
+    ++broken;
+  }
+  EXPECT_GT(broken, 12);
 }
 
 TEST(RomFile, physics_that_does_not_hold_is_refused) {

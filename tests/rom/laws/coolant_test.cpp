@@ -154,6 +154,21 @@ TEST(Channel, published_transition_has_a_corner_of_slope) {
   EXPECT_GT(jumps.slope, 0.1);  // what the scan is there to find
 }
 
+TEST(Channel, a_liquid_is_a_law_over_two_kelvin_at_least_above_its_vogel_temperature) {
+  ChannelLaw law = ChannelLaw::example();
+  EXPECT_EQ(law.fault(), "");
+  const double coldest_K = law.liquid.coldest_K;
+  law.liquid.hottest_K = coldest_K + 2.01;
+  EXPECT_EQ(law.fault(), "");
+  for (const double width_K : {1.99, 0.0, -1.99}) {
+    law.liquid.hottest_K = coldest_K + width_K;
+    EXPECT_NE(law.fault(), "") << width_K;
+  }
+  law = ChannelLaw::example();
+  law.liquid.vogel_zero_K = coldest_K;
+  EXPECT_NE(law.fault(), "");
+}
+
 TEST(ChannelLaw, heat_up_reference_values) {
   for (const ReferenceRow& row : reference_rows("coolant_heat_up_200_W_per_K")) {
     const double flow_W_per_K = row["flow_kg_per_s"] * 4179.0;

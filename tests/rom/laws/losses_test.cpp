@@ -110,6 +110,21 @@ TEST(Copper, printed_formula_holds_the_resistivity_twice) {
   expect_close(copper_loss_W(LawMode::as_printed, copper, 10.0, room_K).value, 80.0 * 1.724e-8, "as printed");
 }
 
+TEST(Copper, resistance_falls_with_temperature_to_a_tenth_and_no_further) {
+  CopperLoss copper;
+  copper.resistance_20_ohm = 1.0;
+  copper.phases = 1.0;
+  const auto share_at = [&](double raw) {
+    const double T = 293.15 + (raw - 1.0) / copper.temperature_per_K;
+    return copper_loss_W(LawMode::standard, copper, 1.0, T).value;
+  };
+  EXPECT_NEAR(share_at(0.5), 0.5, 1e-12);
+  EXPECT_NEAR(share_at(0.2), 0.2, 1e-12) << "the corner begins a tenth above";
+  EXPECT_NEAR(share_at(0.1), 0.125, 1e-12) << "its middle: a quarter of the tenth";
+  EXPECT_NEAR(share_at(0.05), 0.1 + 0.05 * 0.05 / 0.4, 1e-12);
+  EXPECT_NEAR(share_at(-0.5), 0.1, 1e-12);
+}
+
 TEST(Copper, slopes_and_smoothness) {
   CopperLoss copper;
   copper.resistance_20_ohm = 0.35;
