@@ -129,7 +129,8 @@ def environment(fault=None, reached=None):
 
 def run_whole(names, fault=None, reached=None):
     """The first of these tests of the whole daemon that fails, or None."""
-    command = ["ctest", "--test-dir", BUILD, "--no-tests=error", "--stop-on-failure", "-R", "^(" + "|".join(names) + ")$"]
+    command = ["ctest", "--test-dir", BUILD, "-j", str(os.cpu_count()), "--no-tests=error", "--stop-on-failure",
+               "-R", "^(" + "|".join(names) + ")$"]
     code, output = run(command, env=environment(fault, reached), stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if code == 0:
         return None

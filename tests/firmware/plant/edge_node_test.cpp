@@ -221,6 +221,23 @@ TEST(PlantMetrics, are_of_the_registers_that_were_asked_for) {
   EXPECT_FALSE(is_published("nose_float32"));
 }
 
+TEST(PlantMetrics, counts_and_codes_stay_whole_and_what_has_steps_or_fractions_is_a_float) {
+  const PlantMetrics all(names_of(tests::small_network()));
+  std::set<DataType> met;
+  for (const PlantMetric& metric : all.all()) {
+    const RegisterEntry& entry = entry_of(metric.shown.which);
+    const bool real = entry.type == RegisterType::float32 || entry.type == RegisterType::float32_cdab;
+    const bool whole = entry.resolution == 1.0 && !real;
+    met.insert(metric.type);
+    EXPECT_EQ(metric.type == DataType::boolean, metric.shown.bit != nullptr) << metric.name;
+    EXPECT_EQ(metric.type == DataType::float32, !whole && metric.shown.bit == nullptr) << metric.name;
+    if (entry.type == RegisterType::uint32 && whole && metric.shown.bit == nullptr) {
+      EXPECT_EQ(metric.type, DataType::int64) << metric.name << ": some libraries have no UInt32";
+    }
+  }
+  EXPECT_GE(met.size(), 4U);
+}
+
 TEST(PlantMetrics, tell_how_good_a_number_is) {
   const std::string key_point = tests::small_network().key_points[0].name;
   const PlantMetrics all(names_of(tests::small_network()));
