@@ -96,12 +96,15 @@ TEST(Calibrate, readings_far_off_hardly_move_the_fit) {
   for (const ChannelFit& channel : hit.fit.channels) outliers += channel.outliers;
   EXPECT_GE(outliers, 3u);
   const Eigen::MatrixXd assumed = residual_covariance(hit.fit.readings[0], parameters, options);
+  std::size_t beyond = 0;
   for (Eigen::Index r = 0; r < assumed.rows(); ++r) {
     const double q = std::abs(hit.fit.left[0][r]) / std::sqrt(assumed(r, r));
+    beyond += q > 3.0 ? 1 : 0;
     EXPECT_NEAR(hit.fit.weights[0](r, r) / assumed(r, r), q > 3.0 ? 1.0 + q * (q / 3.0 - 1.0) : 1.0,
                 1e-9 * (1.0 + q * q))
         << "reading " << r << ", " << q << " deviations off";
   }
+  EXPECT_EQ(outliers, beyond) << "those counted are those weighted";
   for (std::size_t i = 0; i < clean.calibration.names.size(); ++i) {
     const auto slot = static_cast<Eigen::Index>(i);
     EXPECT_LT(std::abs(hit.calibration.mean[slot] - clean.calibration.mean[slot]),

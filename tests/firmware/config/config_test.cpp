@@ -219,8 +219,7 @@ TEST(ConfigErrors, a_network_too_large_for_the_map) {
   }
 }
 
-TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
-  const std::string text = R"(network = "small.rom"
+const std::string all_from_the_plc = R"(network = "small.rom"
 [serve]
 [signals]
 speed = { source = "plc" }
@@ -228,6 +227,15 @@ load = { source = "plc" }
 coolant = { source = "plc" }
 ambient = { source = "plc" }
 )";
+
+TEST(Config, until_it_is_written_a_signal_is_standstill_without_load_at_twenty_degrees) {
+  const Config config = parse_config(all_from_the_plc + "[start]\ntemperature_degC = 25.0\n", "x.toml");
+  const auto signals = bind_config(config, tests::small_network()).cycle.signals;
+  for (std::size_t s = 0; s < 4; ++s) EXPECT_DOUBLE_EQ(signals[s].value, s < 2 ? 0.0 : 293.15) << s;
+}
+
+TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
+  const std::string& text = all_from_the_plc;
   EXPECT_EQ(error_of(text),
             "/etc/twin.toml:1: start: temperature_degC is required here when there is no sensor to start from");
   EXPECT_EQ(error_of(text + "[start]\ntemperature_degC = 25.0\n"), "accepted");

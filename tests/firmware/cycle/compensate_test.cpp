@@ -91,6 +91,21 @@ TEST(Compensation, the_ladder_goes_down_and_up_without_a_step) {
   EXPECT_LE(largest_m, 0.5 * um * (1.0 + 1e-9));
 }
 
+TEST(Compensation, of_a_pause_only_what_passes_while_the_prediction_is_lost_makes_it_older) {
+  for (const bool lost_before : {false, true}) {
+    Compensation compensation(plan());
+    Snapshot snapshot = live(10.0);
+    run(compensation, snapshot, 60);
+    Snapshot gone = lost(10.0);
+    gone.compensation = snapshot.compensation;
+    if (lost_before) run(compensation, gone, 10);
+    compensation.pass(500.0);
+    run(compensation, gone, 1);
+    EXPECT_EQ(gone.compensation.rung, lost_before ? Rung::decay : Rung::hold);
+    EXPECT_EQ(gone.compensation.age_s, lost_before ? 511.0 : 1.0);
+  }
+}
+
 TEST(Compensation, held_for_ever_where_the_plan_says_so) {
   CompensationPlan holds = plan();
   holds.on_loss = OnLoss::hold;
