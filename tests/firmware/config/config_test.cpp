@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::firmware {
@@ -239,6 +243,26 @@ TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
   EXPECT_EQ(error_of(text),
             "/etc/twin.toml:1: start: temperature_degC is required here when there is no sensor to start from");
   EXPECT_EQ(error_of(text + "[start]\ntemperature_degC = 25.0\n"), "accepted");
+}
+
+TEST(Config, sessions_of_the_page_end_within_limits_that_are_refused_beyond) {
+  const tests::TemporaryFolder folder;
+  const std::string accounts = folder.file("accounts");
+  std::ofstream(accounts) << "anna:$argon2id$v=19$m=8,t=1,p=1$c2FsdHNhbHRzYWx0c2FsdA$" << std::string(43, 'A') << "\n";
+  std::filesystem::permissions(accounts, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  const auto commands = [&](const std::string& line) {
+    return good + "[http]\n[http.commands]\naccounts = \"" + accounts + "\"\n" + line + "\n";
+  };
+  EXPECT_EQ(error_of(commands("")), "accepted");
+  for (const char* line : {"idle_min = 1.0", "idle_min = 1440.0", "longest_h = 0.1", "longest_h = 168.0"}) {
+    EXPECT_EQ(error_of(commands(line)), "accepted") << line;
+  }
+  for (const char* line : {"idle_min = 0.9", "idle_min = 1441.0", "longest_h = 0.09", "longest_h = 168.1"}) {
+    EXPECT_NE(error_of(commands(line)).find("must be a number from"), std::string::npos) << line;
+  }
+  const CommandPlan plan = *parse_config(commands("idle_min = 2.0\nlongest_h = 3.0"), "x.toml").show.commands;
+  EXPECT_DOUBLE_EQ(plan.idle_s, 120.0);
+  EXPECT_DOUBLE_EQ(plan.longest_s, 10800.0);
 }
 
 TEST(Config, the_commented_example_is_valid) {

@@ -51,5 +51,23 @@ TEST(ReadExchange, a_slot_that_is_no_folder_or_that_would_take_unsigned_networks
   }
 }
 
+TEST(ReadExchange, numbers_are_taken_up_to_their_limits_and_refused_beyond) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("twin.toml");
+  std::filesystem::create_directory(folder.file("slot"));
+  const auto said_to = [&](const std::string& line) {
+    return tests::refusal_of(
+        [&] { parse_config(text(with_key, "[exchange]\nslot = \"slot\"\n" + line + "\n"), path); });
+  };
+  for (const char* good : {"trial_min = 0.5", "trial_min = 10080.0", "watch_min = 0.5", "watch_min = 10080.0",
+                           "margin = 0.0", "margin = 10.0", "margin_K = 0.0", "margin_K = 10.0"}) {
+    EXPECT_EQ(said_to(good), "accepted") << good;
+  }
+  for (const char* bad : {"trial_min = 0.49", "trial_min = 10081.0", "watch_min = 0.49", "watch_min = 10081.0",
+                          "margin = -0.01", "margin = 10.01", "margin_K = -0.01", "margin_K = 10.01"}) {
+    EXPECT_NE(said_to(bad).find("must be a number from"), std::string::npos) << bad << ": " << said_to(bad);
+  }
+}
+
 }  // namespace config_read_exchange_test
 }  // namespace spindle_twin::firmware
