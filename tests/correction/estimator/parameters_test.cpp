@@ -45,6 +45,13 @@ Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_writte
   return {};
 }
 
+TEST(NominalShift, is_the_logarithm_of_two_values_and_none_where_one_of_them_is_zero) {
+  EXPECT_DOUBLE_EQ(nominal_shift(2.0, 1.0), std::log(2.0));
+  EXPECT_EQ(nominal_shift(3.0, 3.0), 0.0);
+  EXPECT_EQ(nominal_shift(0.0, 5.0), 0.0);
+  EXPECT_EQ(nominal_shift(5.0, 0.0), 0.0);
+}
+
 TEST(Parameters, of_a_network_have_the_priors_that_are_stated) {
   for (const rom::Network& network : {plates(), spindle_twin::tests::small_network_by_hand()}) {
     const ParameterModel model(network, EstimatorPriors{});
