@@ -13,7 +13,7 @@ namespace {
 
 constexpr double cycles_missed = 3.0;     // until the watchdog may bite
 constexpr double looks_a_watchdog = 4.0;  // sd_watchdog_enabled(3) asks for two at least
-constexpr double rarest_look_s = 0.1;     // nor does the end of the daemon wait longer for this thread
+constexpr double rarest_look_s = 0.1;     // the end of the daemon waits for this thread so long at most
 constexpr double start_extension_s = 30.0;
 
 std::string microseconds(double seconds) { return std::to_string(std::llround(1e6 * seconds)); }

@@ -80,8 +80,8 @@ def renew_source():
 
 
 def configure(bundles):
-    """The build of the copy with faults in it. `bundles`: several sources in one object, which takes half the time where
-    all is built; False: one each, where one is built again and again."""
+    """The build of the copy with faults in it. `bundles`: several sources in one object, which is quicker where
+    all is built; False: one each, for faults that are built one after another."""
     if (ROOT / NODE_MODULES).is_dir() and not (TREE / NODE_MODULES).exists():
         (TREE / NODE_MODULES).symlink_to(ROOT / NODE_MODULES)
     code, output = run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DSPINDLE_TWIN_OFFLINE=OFF",

@@ -1,9 +1,10 @@
 // A page in Debian's Chromium without a display: what it wanted to load and what it complained of is kept.
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 const program = "/usr/bin/chromium";
+const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 
 export async function startBrowser() {
   if (!existsSync(program)) throw new Error(`${program} is missing: host_tools/setup tests`);
@@ -30,4 +31,11 @@ export async function openPage(browser, file, options = {}) {
   await page.goto(address);
   await page.evaluate(() => document.fonts.ready);
   return seen;
+}
+
+// What axe-core finds wrong with a page, a line each.
+export async function findingsOfAxe(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate("axe.run()");
+  return violations.map(({ id, nodes }) => `${id}: ${nodes.map(node => node.html).join(" ")}`);
 }

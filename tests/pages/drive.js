@@ -7,11 +7,9 @@
 //   {"picture": FILE}                      of the whole page
 //   {"judge": true}                        what axe-core finds wrong
 //   {"seen": true}                         requests to elsewhere, and complaints of the console
-import { readFileSync } from "node:fs";
 import { createInterface } from "node:readline";
-import { startBrowser } from "./browser.js";
+import { findingsOfAxe, startBrowser } from "./browser.js";
 
-const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 const browser = await startBrowser();
 let page, seen;
 
@@ -38,12 +36,6 @@ async function open(address, options) {
   return null;
 }
 
-async function judge() {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate("axe.run()");
-  return violations.map(({ id, nodes }) => `${id}: ${nodes.map(node => node.html).join(" ")}`);
-}
-
 async function picture(path) {
   await page.screenshot({ path, fullPage: true });
   return null;
@@ -61,7 +53,7 @@ function obey(order) {
   if (order.choose) return choose(order.choose);
   if (order.reload) return page.reload().then(() => null);
   if (order.picture) return picture(order.picture);
-  return order.judge ? judge() : seen;
+  return order.judge ? findingsOfAxe(page) : seen;
 }
 
 for await (const line of createInterface({ input: process.stdin })) {

@@ -1,11 +1,11 @@
 // The pages of `spindle-twin` in a browser: what a person reads there is what the commands give as JSON, CSV and tables;
 // nothing is loaded, nothing is complained of.
 import assert from "node:assert/strict";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { openPage, startBrowser } from "./browser.js";
+import { findingsOfAxe, openPage, startBrowser } from "./browser.js";
 import { assembleLumps, buildNetwork, command, makeRun, makeTest, readTable, simulateHeld } from "./commands.js";
 
 const folder = mkdtempSync(join(tmpdir(), "spindle-twin-pages-"));
@@ -340,19 +340,15 @@ test("a phone shows the numbers that tables are ranked by without scrolling side
   }
 });
 
-const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
-
-async function findingsOfAxe(page) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate("axe.run()");
-  return violations.map(({ id, nodes }) => `${id}: ${nodes.map(node => node.html).join(" ")}`);
-}
-
 test("no page loads or complains, none is wider than a phone, and axe-core finds nothing in light and dark", async () => {
   for (const file of Object.values(files)) {
-    for (const [width, colorScheme, judged] of [[1280, "light", true], [820, "dark", false], [360, "dark", true]]) {
+    const looks = [[1280, "light", ["light"]], [820, "dark", []], [360, "dark", ["dark", "light"]]];
+    for (const [width, colorScheme, judged] of looks) {
       const { page, requests, complaints } = await openPage(browser, file, { viewport: { width, height: 844 }, colorScheme });
-      if (judged) assert.deepEqual(await findingsOfAxe(page), [], `${file}, ${width} px, ${colorScheme}`);
+      for (const scheme of judged) {
+        await page.emulateMedia({ colorScheme: scheme });
+        assert.deepEqual(await findingsOfAxe(page), [], `${file}, ${width} px, ${scheme}`);
+      }
       await page.setViewportSize({ width: width - 20, height: 844 });
       await page.mouse.wheel(0, 3000);
       await page.emulateMedia({ colorScheme: colorScheme === "dark" ? "light" : "dark" });

@@ -168,7 +168,7 @@ struct ByTheEquations {
 
 TEST(ExchangeDetector, the_evidence_is_that_of_the_equations) {
   HealthLimits limits;
-  limits.swap_fit = 1e3;  // what is no condition does not end the comparison
+  limits.swap_fit = 1e3;  // no pair is refused for what is left over, so that there is a number to compare
   ExchangeDetector detector({0.03, 0.03});
   ByTheEquations equations;
   std::array<double, 2> truth_K{}, model_K{};

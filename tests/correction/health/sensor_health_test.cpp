@@ -62,7 +62,7 @@ TEST(Health, a_channel_that_is_silent_or_out_of_use_has_no_voice_in_what_most_do
         samples[i].predicted_K = samples[i].uncorrected_K = 300.0;
       }
       samples[5].present = sixth != Sixth::silent || t < 90;
-      if (sixth == Sixth::failed && t >= 50) samples[5].reading_K = 900.0 - 599.0 * (t >= 80 ? 1.0 : 0.0);
+      if (sixth == Sixth::failed && t >= 50) samples[5].reading_K = t < 80 ? 900.0 : 300.0;  // a wire that was open
       health.step(samples, t, 1.0);
       together = together || health.model_in_doubt();
     }
