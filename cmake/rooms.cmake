@@ -59,9 +59,11 @@ set(spindle_twin_common_headers ${PROJECT_SOURCE_DIR}/cmake/eigen_kernels.hpp <a
   <filesystem> <fstream> <functional> <limits> <map> <memory> <numbers> <optional> <random> <set> <span> <sstream>
   <stdexcept> <string> <utility> <vector>)
 
-# For sources whose programs are busy elsewhere: tests, commands that read options and print, the daemon's main.cpp, and
-# rooms that read, write, draw or serve.
+# For sources whose programs are busy elsewhere: commands that read options and print, the daemon's main.cpp, and rooms that
+# read, write, draw or serve. Tests take a quarter less time to compile with -Og, which warns of variables that it has not
+# followed to their first value.
 set(spindle_twin_light $<$<CONFIG:Release>:-O1>)
+set(spindle_twin_light_of_tests "$<$<CONFIG:Release>:-Og;-Wno-maybe-uninitialized>")
 
 # spindle_twin_precompile(TARGET GROUP): the targets of a group share a precompiled header; they have the same compiler flags
 # (GCC compiles with the optimization of the header, whatever the source's own command says). `rooms`, `light_rooms`:
@@ -182,7 +184,7 @@ function(spindle_twin_tests name folder)
     add_executable(${name} ${sources})
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE SPINDLE_TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-    target_compile_options(${name} PRIVATE ${spindle_twin_light})
+    target_compile_options(${name} PRIVATE ${spindle_twin_light_of_tests})
     set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE "${spindle_twin_sources_in_one_go}")
     spindle_twin_precompile(${name} tests)
     if(SPINDLE_TWIN_SANITIZE MATCHES "address")
