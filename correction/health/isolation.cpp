@@ -16,9 +16,13 @@ constexpr double never_s = -1e18;
 Isolation::Isolation(std::size_t channels) : memories_(channels), wait_until_s_(never_s), first_until_s_(never_s) {}
 
 void Isolation::note_restart(double time_s) {
-  std::fill(memories_.begin(), memories_.end(), Memory{time_s, 0.0, 0.0});
+  for (Memory& memory : memories_) memory = {time_s, 0.0, 0.0, memory.opened};
   restart_s_ = last_s_ = time_s;
   model_in_doubt_ = false;
+}
+
+void Isolation::acknowledge() {
+  for (Memory& memory : memories_) memory.opened = false;
 }
 
 double Isolation::left_when_exchanged(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits) {
@@ -105,7 +109,13 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_i
   }
   const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
-  return {worst, -1, fast ? HealthFault::implausible : HealthFault::drift, model_in_doubt_};
+  if (fast) return {worst, -1, HealthFault::implausible, model_in_doubt_};
+  const bool may_be_offset = std::abs(updates[blamed].misfit_K) <= 3.0 * limits.return_offset_deviation_K;
+  if (may_be_offset && !memories_[blamed].opened) {
+    memories_[blamed].opened = true;
+    return {worst, -1, HealthFault::none, model_in_doubt_, false, true};
+  }
+  return {worst, -1, HealthFault::drift, model_in_doubt_};
 }
 
 }  // namespace spindle_twin::correction

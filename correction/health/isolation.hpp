@@ -25,6 +25,7 @@ struct Blame {
   HealthFault fault = HealthFault::none;
   bool model_in_doubt = false;  ///< while the model was in doubt: the channel may be healthy after all
   bool first = false;           ///< the first in second_opinion_s: it is laid to the model
+  bool offset = false;          ///< the channel's offset may be the reason: it is to be opened
 };
 
 /// Which channel the evidence of all blames: the one with most, above drift_limit, that leads the next by drift_lead;
@@ -35,7 +36,9 @@ struct Blame {
 /// place (left_when_exchanged). For either there is no lead to ask for.
 ///   A step of the spindle (flow, film, inlet) near one sensor looks like a fault of that sensor until the estimate has
 /// followed it. So the first verdict by evidence, an exchange aside, is laid to the model, which is to be loosened;
-/// only a second one within second_opinion_s blames the channel.
+/// only a second one within second_opinion_s blames the channel. One that was never tared is off from the start as far
+/// as a slow drift comes in time: where the misfit is what its offset may be, three return_offset_deviation_K, the
+/// first verdict of drift on a channel opens its offset, and only the next fails it.
 ///   At least three must have been judged, for an exchange four: of two that disagree nobody knows which is right.
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
@@ -55,6 +58,9 @@ class Isolation {
   Blame judge(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt, double time_s,
               const HealthLimits& limits);
 
+  /// Each channel's offset may be the reason of a verdict once more. May run in the cycle.
+  void acknowledge();
+
   /// At the last update: the estimator said so, or the evidence does. May run in the cycle.
   bool model_in_doubt() const { return model_in_doubt_; }
 
@@ -71,6 +77,7 @@ class Isolation {
     double calm_s = 0.0;   ///< time at which there was hardly any evidence last, that of the start included
     double settled = 0.0;  ///< evidence gathered while the estimator settled, as it has faded since
     double counted = 0.0;  ///< evidence without that
+    bool opened = false;   ///< its offset has been opened: the next verdict fails it
   };
   void count_evidence(const std::vector<HealthUpdate>& updates, double time_s, const HealthLimits& limits);
   /// Evidence of the channel and its partner (-1: none) against the sum of all others'.

@@ -92,7 +92,8 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   }
   if (blame.channel < 0) return {};
   const auto blamed = static_cast<std::size_t>(blame.channel);
-  if (blame.partner < 0 && blame.first) return {-1, -1, true};
+  if (blame.first) return {-1, -1, true};
+  if (blame.offset) return {-1, -1, false, blame.channel};
   if (blame.partner >= 0) {
     fail_pair(blamed, static_cast<std::size_t>(blame.partner));
     note_restart();
@@ -120,6 +121,7 @@ void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }
 
 void SensorHealth::acknowledge() {
   for (Channel& channel : channels_) channel.acknowledge();
+  isolation_.acknowledge();
 }
 
 }  // namespace spindle_twin::correction

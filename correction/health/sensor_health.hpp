@@ -15,6 +15,7 @@ struct HealthVerdict {
   int failed = -1;
   int partner = -1;
   bool loosen = false;  ///< the readings contradict the estimate, which is to be loosened (EstimatorCorrection)
+  int opened = -1;      ///< the channel whose offset may have been wrong by return_offset_deviation_K all the time
 };
 
 /// Judges every channel each cycle, so that one that fails leaves before it has moved the estimate, and comes back

@@ -78,6 +78,12 @@ void widen_returned(std::size_t k, SensorWatch& watch, Corrector& corrector) {
   if (watch.heat) watch.heat->follow(*corrector.estimator);
 }
 
+/// Filters that were sure of the old offset would hold it against the channel: they begin anew.
+void open_offset(std::size_t k, SensorWatch& watch, Corrector& corrector) {
+  corrector.estimator->widen_offset(channel_at(corrector, k), watch.health->limits().return_offset_deviation_K);
+  follow_estimator(*corrector.estimator, watch);
+}
+
 void rest(const WatchInputs& inputs, const Judgement& judgement, SensorWatch& watch) {
   constexpr double turning_rpm = 1.0;
   constexpr double loaded = 0.01;
@@ -254,6 +260,7 @@ void watch_update(const rom::Network& network, const rom::OperatingState& operat
       watch.health->note_update(watch.samples.updates, estimator.consistency().in_doubt());
   estimator.set_alternatives(watch.others->alternatives(estimator));
   if (verdict.loosen) estimator.note_contradiction();
+  if (verdict.opened >= 0) open_offset(static_cast<std::size_t>(verdict.opened), watch, corrector);
   if (verdict.failed < 0) return;
   if (verdict.partner >= 0) {
     leave_pair_out(network, operating, model, watch, corrector);

@@ -1,15 +1,12 @@
 #pragma once
 
-#include <functional>
-
-#include "correction/health/leave_one_out.hpp"
-#include "correction/health/sensor_health.hpp"
+#include "firmware/cycle/snapshot.hpp"
 #include "tests/bench/campaign/campaign.hpp"
 #include "tests/bench/faults/faults.hpp"
 
 namespace spindle_twin::bench {
 
-/// How one twin with sensor health and estimator followed one truth with one fault. Errors from the fault on.
+/// How the daemon's cycle with its defaults followed one truth with one fault. Errors from the fault on.
 struct Followed {
   Fault fault;
   double error_um = 0.0;      ///< rms
@@ -23,7 +20,7 @@ struct Followed {
   double inside_until_found = 1.0;  ///< share of the cycles before that with the truth inside ±2σ
   double largest_until_found = 0.0;
   double returned_s = -1.0;  ///< after the fault's end; -1: not
-  correction::HealthFault named = correction::HealthFault::none;
+  firmware::SensorFault named = firmware::SensorFault::none;
   int false_alarms = 0;  ///< failures of other channels, and of this one before the fault
   int withheld = 0;      ///< readings of channels without a fault that were withheld
 };
@@ -32,12 +29,7 @@ struct FollowOptions {
   double cycle_s = 1.0;
   double resolution_K = 0.01;
   bool with_health = true;  ///< false: every reading is believed
-  correction::EstimatorOptions estimator;
-  correction::HealthLimits limits;
-  /// Called after every cycle; may be empty.
-  std::function<void(double time_s, const correction::EstimatorCorrection&, const correction::SensorHealth&,
-                     const correction::LeaveOneOut&)>
-      each;
+  correction::EstimatorPriors priors;
 };
 
 /// Readings between the truth's samples lie on straight lines; noise is drawn anew for each.

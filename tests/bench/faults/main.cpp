@@ -18,6 +18,7 @@ struct Options : CampaignOptions {
   int drift_runs = 4;
   double cycle_s = 1.0;
   bool healthy_only = false;
+  bool drifts_only = false;
   bool swapped_from_start = false;
   bool verbose = false;
 };
@@ -37,10 +38,12 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
     const double jump_K = sign * (1.0 + 4.0 * unit(random));
     const bool repaired = unit(random) < 0.5;
     if (options.is_short && sensor != static_cast<int>(seed % sensors)) continue;
-    fault.kind = FaultKind::withdrawn;
-    faults.push_back(fault);
+    if (!options.drifts_only) {
+      fault.kind = FaultKind::withdrawn;
+      faults.push_back(fault);
+    }
     for (const FaultKind kind : all_faults) {
-      if (kind == FaultKind::drift) continue;
+      if (kind == FaultKind::drift || options.drifts_only) continue;
       if (kind == FaultKind::swapped) {
         fault.kind = FaultKind::withdrawn_pair;
         fault.until_s = 1e18;
@@ -94,8 +97,8 @@ int run(const Options& options) {
     const HeatErrors heats = i % 2 == 0 ? HeatErrors::independent : HeatErrors::common;
     FollowOptions follow_options;
     follow_options.cycle_s = options.cycle_s;
-    follow_options.estimator.priors = priors_of(heats);
-    const correction::ParameterModel parameters(network, follow_options.estimator.priors);
+    follow_options.priors = priors_of(heats);
+    const correction::ParameterModel parameters(network, follow_options.priors);
     const std::uint64_t seed = seed_of(options, i / 2, heats);
     const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
     SpindleRuns& runs = all[static_cast<std::size_t>(i)];
@@ -129,6 +132,7 @@ int main(int argc, char** argv) {
   app.get_option("--runs")->check(CLI::Range(1, 96));  // beyond that A would take the seeds of B
   app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
   app.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
+  app.add_flag("--drifts-only", options.drifts_only, "no other faults");
   app.add_flag("--swapped-from-start", options.swapped_from_start,
                "instead, every two sensors that differ are exchanged from the start");
   app.add_option("--cycle-s", options.cycle_s, "period of the daemon")

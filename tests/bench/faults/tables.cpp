@@ -195,7 +195,7 @@ int print_exchanges(const std::vector<SpindleRuns>& all) {
       for (PairRow* row : {&rows[pair], &rows["~all"]}) {
         ++row->runs;
         row->error_um.push_back(run.error_um);
-        if (run.named == correction::HealthFault::swapped) {
+        if (run.named == firmware::SensorFault::swapped) {
           ++row->found;
           row->delay_s.push_back(run.delay_s);
         } else if (run.delay_s >= 0.0) {

@@ -6,6 +6,7 @@
 
 #include "firmware/cycle/cycle.hpp"
 #include "rom/units.hpp"
+#include "tests/bench/reality/default_plan.hpp"
 #include "tests/bench/reality/machine_side.hpp"
 
 namespace spindle_twin::bench {
@@ -13,22 +14,6 @@ namespace {
 
 constexpr double back_window_s = 1800.0;
 constexpr double minute_s = 60.0;
-
-/// The daemon's own defaults, six sensors at a device and the signals from a PLC.
-firmware::CyclePlan default_plan(double cycle_s) {
-  firmware::CyclePlan plan;
-  plan.period_s = cycle_s;
-  for (std::size_t s = 0; s < sensor_count; ++s) {
-    plan.sensors[s].configured = true;
-    plan.sensors[s].stale_after_s = std::max(plan.sensors[s].stale_after_s, 1.5 * cycle_s);
-  }
-  for (std::size_t s = 0; s < static_cast<std::size_t>(firmware::Signal::current); ++s) {
-    plan.signals[s].source = firmware::SignalSource::plc;
-    plan.signals[s].stale_after_s = std::max(3.0, 1.5 * cycle_s);
-  }
-  plan.estimator.emplace().period_s = std::max(10.0, cycle_s);
-  return plan;
-}
 
 /// Sums on their way to a score.
 class Judge {
@@ -141,7 +126,7 @@ void print_row(const RealityTruth& truth, const firmware::Snapshot& now, double 
 RealityScore follow_reality(const rom::Network& network, const RealityTruth& truth, const Family& family,
                             double cycle_s, std::ostream* trace) {
   const double period_s = family.cycle_s > 0.0 ? family.cycle_s : cycle_s;
-  firmware::Cycle cycle(network, default_plan(period_s),
+  firmware::Cycle cycle(network, default_plan(sensor_count, period_s),
                         [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
   MachineSide machine(truth, family);
   Judge judge(truth, family, period_s);

@@ -135,6 +135,35 @@ TEST(Isolation, a_misfit_that_came_within_two_minutes_is_no_drift) {
   }
 }
 
+/// 0.6 K: three deviations of a class A PT100 that was never tared.
+TEST(Isolation, what_may_be_an_offset_opens_it_once_and_then_fails_the_channel) {
+  for (const double misfit_K : {-0.59, 0.59, 0.61}) {
+    Rising rising(4);
+    for (HealthUpdate& update : rising.updates) update.misfit_K = misfit_K;
+    const auto verdict = [&] {
+      rising.go({0, 0, 0, 0}, 1200.0);
+      return rising.go({0, 40, 0, 0}, 600.0);
+    };
+    const Blame one = verdict();
+    EXPECT_EQ(one.channel, 1);
+    EXPECT_EQ(one.offset, std::abs(misfit_K) < 0.6) << misfit_K;
+    EXPECT_EQ(one.fault, one.offset ? HealthFault::none : HealthFault::drift);
+    rising.isolation.note_restart(rising.time_s);
+    const Blame next = verdict();
+    EXPECT_FALSE(next.offset) << "has been opened, whatever restarts";
+    EXPECT_EQ(next.fault, HealthFault::drift);
+    rising.isolation.acknowledge();
+    EXPECT_EQ(verdict().offset, one.offset) << "a person says that it is right now";
+  }
+}
+
+TEST(Isolation, what_came_too_fast_for_a_drift_is_no_offset_however_small) {
+  Rising rising(4);
+  for (HealthUpdate& update : rising.updates) update.misfit_K = 0.3;
+  rising.go({0, 0, 0, 0}, 1200.0);
+  EXPECT_EQ(rising.go({0, 40, 0, 0}, 60.0).fault, HealthFault::implausible);
+}
+
 TEST(Isolation, while_the_model_is_in_doubt_only_what_explains_the_misfit_alone_is_blamed) {
   for (const bool in_doubt : {false, true}) {
     for (const double next : {7.0, 21.0}) {
@@ -180,7 +209,7 @@ TEST(Isolation, drift_fails_the_channel_that_the_others_contradict_most_and_only
   for (const std::size_t channels : {std::size_t{2}, std::size_t{3}}) {
     const HealthLimits limits;
     SensorHealth health = settled(channels);
-    std::vector<HealthUpdate> updates(channels, {true, 3.0, 0});
+    std::vector<HealthUpdate> updates(channels, {true, 3.0, 0, 300.0, 1.0});
     updates[1].evidence = limits.drift_limit;
     EXPECT_EQ(health.note_update(updates).failed, -1);
     updates[1].evidence = limits.drift_limit + 1.0;
@@ -194,7 +223,7 @@ TEST(Isolation, drift_fails_the_channel_that_the_others_contradict_most_and_only
 
 TEST(Isolation, drift_waits_while_two_channels_look_alike) {
   SensorHealth health = settled(4);
-  std::vector<HealthUpdate> updates(4, {true, 0.0, 0});
+  std::vector<HealthUpdate> updates(4, {true, 0.0, 0, 300.0, 1.0});
   for (const auto& [one, other] : {std::pair{1U, 2U}, {2U, 1U}}) {
     updates[one].evidence = 40.0;
     updates[other].evidence = 34.0;
@@ -229,8 +258,8 @@ TEST(Isolation, what_has_come_slowly_is_a_drift_even_where_it_fits_the_place_of_
     spend_first_verdict(drive.health, 6);
     drive.run_until(1200.0);
     std::vector<HealthUpdate> updates(6, {true, 0.0, 0, 300.0, 0.0});
-    updates[0] = {true, 20.0, 0, 300.3, 0.3};
-    updates[1] = {true, 10.0, 0, 300.0, -0.25};
+    updates[0] = {true, 20.0, 0, 300.9, 0.9};
+    updates[1] = {true, 10.0, 0, 300.0, -0.75};
     std::vector<HealthUpdate> calm(6, {true, 0.0, 0, 300.0, 0.0});
     drive.health.note_update(calm);
     drive.run_until(1200.0 + rise_s);

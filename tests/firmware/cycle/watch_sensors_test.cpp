@@ -78,6 +78,31 @@ TEST(WatchSensors, a_repaired_sensor_returns_without_a_step_of_the_nose) {
   EXPECT_NEAR(run.last.sensor_update[2].offset, 0.5, 0.1) << "half a kelvin is the sensor's, not the machine's";
 }
 
+/// The twin believes that its sensors are tared to 0.02 K; one goes off by 0.5 K/h.
+TEST(WatchSensors, a_sensor_off_by_what_untared_ones_may_be_has_its_offset_opened_and_fails_where_it_goes_on) {
+  const rom::Network network = tests::small_network();
+  for (const double most_K : {0.5, 5.0}) {
+    CyclePlan plan = estimated();
+    plan.estimator->offset_deviation_K = 0.02;
+    for (SensorPlan& sensor : plan.sensors) sensor.offset_deviation_K = 0.02;
+    Watched run(network, plan, 0.5);
+    run.tamper = [&](int n, DeviceFrame& frame) {
+      frame.sensors[1].value += std::clamp((n - 600) * 0.5 / 3600.0, 0.0, most_K);
+    };
+    double offset_K = 0.0, most_learnt_K = 0.0;
+    for (int second = 0; second <= 9000 && run.last.sensors_failed == 0; second += 10) {
+      run.until(second);
+      most_learnt_K = std::max(most_learnt_K, run.last.sensor_update[1].offset - offset_K);
+      offset_K = run.last.sensor_update[1].offset;
+    }
+    const bool goes_on = most_K > 1.0;
+    EXPECT_GT(most_learnt_K, 0.05) << "its offset was opened, and readings said what it is";
+    EXPECT_EQ(run.last.sensor_health[1].state, goes_on ? SensorState::failed : SensorState::good);
+    EXPECT_EQ(run.last.sensor_health[1].fault, goes_on ? SensorFault::drift : SensorFault::none);
+    EXPECT_EQ(run.last.sensors_failed, goes_on ? 1 : 0);
+  }
+}
+
 TEST(WatchSensors, no_order_calls_the_heap_not_even_the_first_tare) {
   const rom::Network network = tests::small_network();
   Watched run(network, at_rest(estimated()), 0.0);
