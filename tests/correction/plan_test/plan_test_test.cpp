@@ -146,6 +146,50 @@ TEST(PlanTest, the_search_beats_what_it_began_with_keeps_its_limits_and_comes_ou
   }
 }
 
+/// Each stage, its first half and its second half, at each other speed.
+std::vector<DriveCycle> neighbours_of(const DriveCycle& cycle, const DriveLimits& limits) {
+  std::vector<DriveCycle> others;
+  for (std::size_t k = 0; k < cycle.size(); ++k) {
+    for (const double share : limits.shares) {
+      const Stage whole = cycle[k], half{0.5 * whole.length_s, whole.speed_rpm},
+                  other{half.length_s, share * limits.top_rpm};
+      if (other.speed_rpm == whole.speed_rpm) continue;
+      for (const std::vector<Stage>& instead :
+           {std::vector<Stage>{{whole.length_s, other.speed_rpm}}, {other, half}, {half, other}}) {
+        if (instead.size() > 1 && half.length_s < limits.shortest_s) continue;
+        DriveCycle moved(cycle.begin(), cycle.begin() + static_cast<std::ptrdiff_t>(k));
+        moved.insert(moved.end(), instead.begin(), instead.end());
+        moved.insert(moved.end(), cycle.begin() + static_cast<std::ptrdiff_t>(k) + 1, cycle.end());
+        others.push_back(joined(moved));
+      }
+    }
+  }
+  return others;
+}
+
+TEST(PlanTest, a_search_that_ended_by_itself_has_found_what_no_other_speed_of_a_stage_or_half_of_one_betters) {
+  const rom::Network network = plates();
+  const TestWorth worth(network, worth_options(network), short_service(network));
+  for (const double length_s : {1500.0, 2400.0}) {
+    const DriveLimits limits = limits_of(length_s);
+    const TestPlan plan = plan_cycle(worth, limits, network.boundaries, {0});
+    ASSERT_LT(plan.evaluated, 300) << "it was broken off";
+    TakenReadings whole, early;
+    whole.sensors = early.sensors = {0};
+    early.until_s = early_s;
+    const auto score_m = [](const Worth& of_whole, const Worth& of_early) {
+      return std::pow(of_whole.with_sensors_m, 0.9) * std::pow(of_early.with_sensors_m, 0.1);
+    };
+    const std::vector<DriveCycle> others = neighbours_of(plan.cycle, limits);
+    ASSERT_GE(others.size(), 4U);
+    for (const DriveCycle& other : others) {
+      const TestPrediction test = worth.linearise(schedule_of(other, limits, network.boundaries));
+      EXPECT_GE(score_m(worth.of(test, whole), worth.of(test, early)), 0.9995 * score_m(plan.worth, plan.early))
+          << length_s;
+    }
+  }
+}
+
 TEST(PlanTest, temporary_sensors_are_the_best_of_all_and_what_each_tells_is_what_is_lost_without_it) {
   const rom::Network network = plates();
   const TestWorth worth(network, worth_options(network), short_service(network));
