@@ -60,8 +60,8 @@ set(spindle_twin_common_headers ${PROJECT_SOURCE_DIR}/cmake/eigen_kernels.hpp <a
   <stdexcept> <string> <utility> <vector>)
 
 # For sources whose programs are busy elsewhere: commands that read options and print, the daemon's main.cpp, and rooms that
-# read, write, draw or serve. Tests take a quarter less time to compile with -Og, which warns of variables that it has not
-# followed to their first value.
+# read, write, draw or serve. Tests take a quarter less time to compile with -Og, under which GCC calls variables uninitialized
+# that are not.
 set(spindle_twin_light $<$<CONFIG:Release>:-O1>)
 set(spindle_twin_light_of_tests "$<$<CONFIG:Release>:-Og;-Wno-maybe-uninitialized>")
 

@@ -10,6 +10,7 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double never_s = -1e18;
+constexpr double offset_deviations = 3.0;  // of an untared sensor: a misfit within may be its offset
 
 }  // namespace
 
@@ -110,7 +111,7 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_i
   const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
   if (fast) return {worst, -1, HealthFault::implausible, model_in_doubt_};
-  const bool may_be_offset = std::abs(updates[blamed].misfit_K) <= 3.0 * limits.return_offset_deviation_K;
+  const bool may_be_offset = std::abs(updates[blamed].misfit_K) <= offset_deviations * limits.return_offset_deviation_K;
   if (may_be_offset && !memories_[blamed].opened) {
     memories_[blamed].opened = true;
     return {worst, -1, HealthFault::none, model_in_doubt_, false, true};

@@ -103,7 +103,8 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
     visit({"swap_K", "rms movement from which on a gain counts for telling swapped sensors", kelvin}, limits.swap_K);
     visit({"swap_limit", "evidence that two sensors are swapped, as drift_limit", ratio}, limits.swap_limit);
     visit({"return_after_s", "without any sign of the fault", seconds}, limits.return_after_s);
-    visit({"return_offset_K", "what its offset may then be, besides what it shows", kelvin},
+    visit({"return_offset_K",
+           "what its offset may then be, besides what it shows; a drift of up to 3 times this opens it first", kelvin},
           limits.return_offset_deviation_K);
     visit({"failures", "then it waits for an acknowledgement (command_sensors = 3)", rom::between(1.0, 1000.0)},
           limits.failures);

@@ -50,8 +50,6 @@ struct Sensors {
   Eigen::VectorXd offsets_K, readings_K;
 };
 
-std::int64_t clock_ns(double time_s) { return 1'000'000'000LL + static_cast<std::int64_t>(std::llround(1e9 * time_s)); }
-
 double nose_m(const Truth& truth, double time_s) {
   const auto k = std::min(static_cast<Eigen::Index>(time_s / sample_s), truth.nose_m.size() - 2);
   const double share = time_s / sample_s - static_cast<double>(k);

@@ -23,47 +23,67 @@ struct Options : CampaignOptions {
   bool verbose = false;
 };
 
-/// The faults of one virtual spindle; first the run in which the sensor is only withdrawn.
+/// What is drawn for one sensor of one virtual spindle.
+struct Drawn {
+  Fault fault;  ///< sensor, partner and moment
+  double sign = 1.0;
+  double jump_K = 0.0;
+  bool repaired = false;
+};
+
+Drawn draw(int sensor, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Drawn drawn;
+  drawn.fault.sensor = sensor;
+  drawn.fault.partner = (sensor + 1 + static_cast<int>(unit(random) * (sensors - 1))) % sensors;
+  drawn.fault.from_s = std::floor(earliest_s + (latest_s - earliest_s) * unit(random));
+  drawn.sign = unit(random) < 0.5 ? -1.0 : 1.0;
+  drawn.jump_K = drawn.sign * (1.0 + 4.0 * unit(random));
+  drawn.repaired = unit(random) < 0.5;
+  return drawn;
+}
+
+/// All faults but drifts; before them the run in which the sensor is only withdrawn.
+void add_sudden(const Drawn& drawn, std::vector<Fault>& faults) {
+  Fault fault = drawn.fault;
+  fault.kind = FaultKind::withdrawn;
+  faults.push_back(fault);
+  for (const FaultKind kind : all_faults) {
+    if (kind == FaultKind::drift) continue;
+    if (kind == FaultKind::swapped) {
+      fault.kind = FaultKind::withdrawn_pair;
+      fault.until_s = 1e18;
+      faults.push_back(fault);
+    }
+    fault.kind = kind;
+    fault.size_K = kind == FaultKind::spikes ? 5.0 * drawn.sign : drawn.jump_K;
+    fault.until_s = drawn.repaired && kind != FaultKind::swapped ? fault.from_s + repaired_after_s : 1e18;
+    faults.push_back(fault);
+  }
+}
+
+void add_drifts(const Drawn& drawn, std::vector<Fault>& faults) {
+  Fault fault = drawn.fault;
+  fault.from_s = earliest_s;  // so that a slow one has time
+  fault.kind = FaultKind::withdrawn;
+  faults.push_back(fault);
+  fault.kind = FaultKind::drift;
+  for (const double rate_K_per_h : rates_K_per_h) {
+    fault.rate_K_per_s = drawn.sign * rate_K_per_h / 3600.0;
+    faults.push_back(fault);
+  }
+}
+
+/// The faults of one virtual spindle; first none.
 std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool drifts) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::vector<Fault> faults{{}};
   if (options.healthy_only) return faults;
   for (int sensor = 0; sensor < sensors; ++sensor) {
-    Fault fault;
-    fault.sensor = sensor;
-    fault.partner = (sensor + 1 + static_cast<int>(unit(random) * (sensors - 1))) % sensors;
-    fault.from_s = std::floor(earliest_s + (latest_s - earliest_s) * unit(random));
-    const double sign = unit(random) < 0.5 ? -1.0 : 1.0;
-    const double jump_K = sign * (1.0 + 4.0 * unit(random));
-    const bool repaired = unit(random) < 0.5;
+    const Drawn drawn = draw(sensor, random);
     if (options.is_short && sensor != static_cast<int>(seed % sensors)) continue;
-    if (!options.drifts_only) {
-      fault.kind = FaultKind::withdrawn;
-      faults.push_back(fault);
-    }
-    for (const FaultKind kind : all_faults) {
-      if (kind == FaultKind::drift || options.drifts_only) continue;
-      if (kind == FaultKind::swapped) {
-        fault.kind = FaultKind::withdrawn_pair;
-        fault.until_s = 1e18;
-        faults.push_back(fault);
-      }
-      fault.kind = kind;
-      fault.size_K = kind == FaultKind::spikes ? 5.0 * sign : jump_K;
-      fault.until_s = repaired && kind != FaultKind::swapped ? fault.from_s + repaired_after_s : 1e18;
-      faults.push_back(fault);
-    }
-    if (!drifts) continue;
-    fault.kind = FaultKind::drift;
-    fault.until_s = 1e18;
-    fault.from_s = earliest_s;  // so that a slow one has time
-    faults.push_back(fault);
-    faults.back().kind = FaultKind::withdrawn;
-    for (const double rate_K_per_h : rates_K_per_h) {
-      fault.rate_K_per_s = sign * rate_K_per_h / 3600.0;
-      faults.push_back(fault);
-    }
+    if (!options.drifts_only) add_sudden(drawn, faults);
+    if (drifts) add_drifts(drawn, faults);
   }
   return faults;
 }
@@ -131,8 +151,11 @@ int main(int argc, char** argv) {
               "one spindle, one sensor, coarse models: a quick look");
   app.get_option("--runs")->check(CLI::Range(1, 96));  // beyond that A would take the seeds of B
   app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
-  app.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
-  app.add_flag("--drifts-only", options.drifts_only, "no other faults");
+  CLI::Option* healthy_only =
+      app.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
+  app.add_flag("--drifts-only", options.drifts_only, "no other faults, on the first --drift-runs spindles")
+      ->excludes(healthy_only)
+      ->excludes(app.get_option("--short"));
   app.add_flag("--swapped-from-start", options.swapped_from_start,
                "instead, every two sensors that differ are exchanged from the start");
   app.add_option("--cycle-s", options.cycle_s, "period of the daemon")

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "firmware/cycle/plan.hpp"
 
@@ -21,6 +23,11 @@ inline firmware::CyclePlan default_plan(std::size_t sensors, double cycle_s) {
   }
   plan.estimator.emplace().period_s = std::max(10.0, cycle_s);
   return plan;
+}
+
+/// The daemon's clock at time_s of a run.
+inline std::int64_t clock_ns(double time_s) {
+  return 1'000'000'000LL + static_cast<std::int64_t>(std::llround(1e9 * time_s));
 }
 
 }  // namespace spindle_twin::bench

@@ -135,7 +135,7 @@ RealityScore follow_reality(const rom::Network& network, const RealityTruth& tru
   for (long k = 0; k < cycles; ++k) {
     const double time_s = static_cast<double>(k) * period_s;
     machine.tell(time_s);
-    const firmware::Snapshot& now = cycle.step(machine.frame(), machine.command(), MachineSide::clock_ns(time_s), 0);
+    const firmware::Snapshot& now = cycle.step(machine.frame(), machine.command(), clock_ns(time_s), 0);
     const double predicted_for_s = time_s + period_s;
     judge.note(now, predicted_for_s);
     if (trace != nullptr) print_row(truth, now, predicted_for_s, *trace);

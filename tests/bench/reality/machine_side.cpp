@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/bench/reality/default_plan.hpp"
+
 namespace spindle_twin::bench {
 namespace {
 
@@ -26,10 +28,6 @@ MachineSide::MachineSide(const RealityTruth& truth, const Family& family)
     place_[s] = family.displaced ? sensor_count + 2 * s + places() % 2 : s;
   }
   if (family.gaps != Gaps::none) draw_gaps();
-}
-
-std::int64_t MachineSide::clock_ns(double time_s) {
-  return 1'000'000'000LL + static_cast<std::int64_t>(std::llround(1e9 * time_s));
 }
 
 void MachineSide::draw_gaps() {

@@ -14,7 +14,6 @@ class MachineSide {
   void tell(double time_s);
   const firmware::DeviceFrame& frame() const { return frame_; }
   const firmware::PlcCommand& command() const { return command_; }
-  static std::int64_t clock_ns(double time_s);
 
  private:
   struct Gap {
