@@ -194,7 +194,8 @@ void EstimatorCorrection::close_period(double time_s) {
   }
 }
 
-void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const {
+void EstimatorCorrection::passing_of_time(double elapsed_s, const Widths& widths, Eigen::VectorXd& keep,
+                                          Eigen::VectorXd& growth) const {
   keep.setOnes();
   growth.setZero();
   for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
@@ -202,7 +203,7 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
     const double memory_s = i == parameters_.start() ? open_.start_memory_s : parameter.memory_s;
     if (memory_s > 0.0) {
       keep[i] = std::exp(-elapsed_s / memory_s);
-      growth[i] = std::pow(width_of(parameter) * parameter.deviation, 2.0) * (1.0 - keep[i] * keep[i]);
+      growth[i] = std::pow(width_of(parameter, widths) * parameter.deviation, 2.0) * (1.0 - keep[i] * keep[i]);
     } else {
       growth[i] = parameter.walk_per_root_s * parameter.walk_per_root_s * elapsed_s;
     }
@@ -213,9 +214,9 @@ void EstimatorCorrection::passing_of_time(double elapsed_s, Eigen::VectorXd& kee
   }
 }
 
-double EstimatorCorrection::width_of(const Parameter& parameter) const {
-  if (parameter.kind == ParameterKind::disturbance) return open_.disturbance;
-  return parameter.kind == ParameterKind::environment ? open_.environment : 1.0;
+double EstimatorCorrection::width_of(const Parameter& parameter, const Widths& widths) {
+  if (parameter.kind == ParameterKind::disturbance) return widths.disturbance;
+  return parameter.kind == ParameterKind::environment ? widths.environment : 1.0;
 }
 
 void EstimatorCorrection::pass_time(double elapsed_s) {

@@ -42,6 +42,12 @@ struct FoundHeat {
   double deviation_W = 0.0;
 };
 
+/// How wide unknowns of the day are open, in deviations of their prior.
+struct Widths {
+  double disturbance = 1.0;  ///< heats that no source explains
+  double environment = 1.0;  ///< what environments read wrong
+};
+
 struct EstimatorStep {
   bool corrected = false;        ///< factors() or environment_bias_K() changed by an update
   bool state_corrected = false;  ///< the caller sets its stepper to corrected_nodes_K() before it integrates on
@@ -155,7 +161,12 @@ class EstimatorCorrection {
   /// growth.
   const SquareRootFilter& filter() const { return filter_; }
   const SquareRootFilter& prior() const { return prior_; }
-  void passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const;
+  void passing_of_time(double elapsed_s, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const {
+    passing_of_time(elapsed_s, widths(), keep, growth);
+  }
+  /// The same for a filter that is not as open as the estimator is at the moment.
+  void passing_of_time(double elapsed_s, const Widths& widths, Eigen::VectorXd& keep, Eigen::VectorXd& growth) const;
+  Widths widths() const { return {open_.disturbance, open_.environment}; }
   /// Steps in θ (p x any number, as many in every call) of which one may be true besides: from the next update on
   /// deviations() has room for each.
   void set_alternatives(const Eigen::MatrixXd& steps) { outputs_.set_alternatives(steps); }
@@ -286,8 +297,8 @@ class EstimatorCorrection {
   /// Whether the readings contradict the estimate. Notes what the innovations say.
   bool contradicted(double time_s);
   /// Deviations of all parameters back to those of the prior, around the present means; the start is now, as open as
-  /// the largest innovation says; heats that no source explains become wider.
-  void loosen(double widest_K);
+  /// the largest innovation says; heats that no source explains become wider, `by_health` (note_contradiction) less.
+  void loosen(double widest_K, bool by_health);
   /// Unknowns further from their prior than it makes likely, in an estimate that its readings contradict, are no
   /// knowledge: they go back to it.
   void forget_the_implausible(bool as_unknown);
@@ -307,7 +318,7 @@ class EstimatorCorrection {
   /// What environments read wrong may be as large as widest_K from now on, and fades again within hours.
   void widen_environments(double widest_K);
   /// Of a parameter's prior deviation, how many it may be at the moment.
-  double width_of(const Parameter& parameter) const;
+  static double width_of(const Parameter& parameter, const Widths& widths);
   /// The length that waits is further off than its variance allows for.
   bool displacement_contradicts();
   bool update(double time_s);

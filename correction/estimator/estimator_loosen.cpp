@@ -21,6 +21,9 @@ constexpr double untared_K = 0.1;  // σ of a class A PT100 without tare, its to
 constexpr double disturbance_step = 3.0;
 constexpr double disturbance_first = 2.0;
 constexpr double disturbance_widest = 30.0;
+// Where health asks for it, it may be a sensor that drifts: as wide heats would follow it wherever it goes. Less than
+// what heats_are_open() counts, so that UnexplainedHeat looks for one all the same.
+constexpr double disturbance_by_health = 0.4;
 // What environments read wrong, of the largest innovation: a sensor shows a part of it. At most so many deviations.
 constexpr double environment_share = 2.0;
 constexpr double environment_widest = 50.0;
@@ -85,7 +88,7 @@ void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
   row_ = filter_.mean();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
     const bool is_parameter = i < parameters_.count();
-    const double width = is_parameter ? width_of(parameters_.list()[static_cast<std::size_t>(i)]) : 1.0;
+    const double width = is_parameter ? width_of(parameters_.list()[static_cast<std::size_t>(i)], widths()) : 1.0;
     const Opened open = opened(i, as_unknown);
     const double deviation = std::max(width, 1.0) * open.deviation;
     if (!(std::abs(row_[i] - open.mean) > implausible * deviation)) continue;
@@ -99,7 +102,7 @@ void EstimatorCorrection::forget_the_implausible(bool as_unknown) {
   filter_.set_mean(row_);
 }
 
-void EstimatorCorrection::loosen(double widest_K) {
+void EstimatorCorrection::loosen(double widest_K, bool by_health) {
   ++loosened_;
   begin_another_record();
   const bool as_unknown = times_.seen_s - loosened_s_ < again_within_s;
@@ -109,6 +112,9 @@ void EstimatorCorrection::loosen(double widest_K) {
   keep_.setOnes();
   growth_.setZero();
   for (Eigen::Index i = 0; i < filter_.size(); ++i) {
+    const bool shut = by_health && i < parameters_.count() &&
+                      parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance;
+    if (shut) continue;
     const double deviation = filter_.deviation(i);
     if (deviation > 0.0) keep_[i] = std::max(1.0, opened(i, as_unknown).deviation / deviation);
   }
@@ -117,7 +123,7 @@ void EstimatorCorrection::loosen(double widest_K) {
                  b = keep_[offset_at(s)] * filter_.deviation(offset_at(s));
     growth_[offset_at(s)] = std::max(0.0, wanted_K * wanted_K - b * b);
   }
-  widen_disturbances(disturbance_first);
+  widen_disturbances(by_health ? disturbance_by_health : disturbance_first);
   widen_environments(environment_share * open_K);
   forget_the_implausible(as_unknown);
   open_start(open_K, start_groups_share, start_groups_share);

@@ -158,7 +158,7 @@ bool EstimatorCorrection::update(double time_s) {
     held_in_vain_ = held_in_vain_ || found;
   } else if (found || contradicted_) {
     contradicted_ = false;
-    loosen(consistency_.largest_innovation_K());
+    loosen(consistency_.largest_innovation_K(), !found);
     measure(time_s);
   }
   measure_displacement();

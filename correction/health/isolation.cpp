@@ -75,6 +75,25 @@ bool Isolation::explains_alone(const std::vector<HealthUpdate>& updates, int cha
   return own > others;
 }
 
+bool Isolation::may_be_offset(int channel, double misfit_K, const HealthLimits& limits) const {
+  return !memories_[static_cast<std::size_t>(channel)].opened &&
+         std::abs(misfit_K) <= offset_deviations * limits.return_offset_deviation_K;
+}
+
+Blame Isolation::blame_drift(int channel, double misfit_K, const HealthLimits& limits) {
+  if (!may_be_offset(channel, misfit_K, limits)) return {channel, -1, HealthFault::drift, model_in_doubt_};
+  memories_[static_cast<std::size_t>(channel)].opened = true;
+  return {channel, -1, HealthFault::none, model_in_doubt_, false, true};
+}
+
+Blame Isolation::judge_suspect(int channel, double misfit_K, double deviation_K, double time_s,
+                               const HealthLimits& limits) {
+  const bool is_off = std::abs(misfit_K) > limits.opinion_deviations * deviation_K;
+  if (!is_off && !may_be_offset(channel, misfit_K, limits)) return {};
+  wait_until_s_ = time_s + limits.drift_wait_s;
+  return blame_drift(channel, misfit_K, limits);
+}
+
 Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt, double time_s,
                        const HealthLimits& limits) {
   count_evidence(updates, time_s, limits);
@@ -111,12 +130,7 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_i
   const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
   if (fast) return {worst, -1, HealthFault::implausible, model_in_doubt_};
-  const bool may_be_offset = std::abs(updates[blamed].misfit_K) <= offset_deviations * limits.return_offset_deviation_K;
-  if (may_be_offset && !memories_[blamed].opened) {
-    memories_[blamed].opened = true;
-    return {worst, -1, HealthFault::none, model_in_doubt_, false, true};
-  }
-  return {worst, -1, HealthFault::drift, model_in_doubt_};
+  return blame_drift(worst, updates[blamed].misfit_K, limits);
 }
 
 }  // namespace spindle_twin::correction

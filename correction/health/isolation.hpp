@@ -58,6 +58,11 @@ class Isolation {
   Blame judge(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt, double time_s,
               const HealthLimits& limits);
 
+  /// What came next speaks against the channel of a first verdict, and not against the model (second_opinion.hpp); a
+  /// filter that has never seen it says that it is off by so much: its offset is to be opened where that may be the
+  /// reason, else it drifts where that is more than opinion_deviations; else nobody is blamed. May run in the cycle.
+  Blame judge_suspect(int channel, double misfit_K, double deviation_K, double time_s, const HealthLimits& limits);
+
   /// Each channel's offset may be the reason of a verdict once more. May run in the cycle.
   void acknowledge();
 
@@ -80,6 +85,10 @@ class Isolation {
     bool opened = false;   ///< its offset has been opened: the next verdict fails it
   };
   void count_evidence(const std::vector<HealthUpdate>& updates, double time_s, const HealthLimits& limits);
+  /// Whether the channel's offset may be the reason of its misfit, and has not been opened yet.
+  bool may_be_offset(int channel, double misfit_K, const HealthLimits& limits) const;
+  /// Drift, or its offset, once until acknowledge().
+  Blame blame_drift(int channel, double misfit_K, const HealthLimits& limits);
   /// Evidence of the channel and its partner (-1: none) against the sum of all others'.
   bool explains_alone(const std::vector<HealthUpdate>& updates, int channel, int partner) const;
   int partner_of(std::size_t channel, const std::vector<HealthUpdate>& updates, double time_s,

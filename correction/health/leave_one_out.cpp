@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "correction/health/surprise.hpp"
+#include "correction/health/update_without.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -12,19 +13,6 @@ constexpr double least_memory_s = 120.0;  // twelve updates
 constexpr double keep_every_s = 300.0;    // three kept filters: the oldest is 10 to 15 minutes old
 constexpr double doubt_from = 4.0;        // evidence: odds of e^2 that the sensor has failed,
 constexpr double doubt_whole = 12.0;      // and of e^6
-
-/// J of the estimator's own last update.
-double surprise_of(const EstimatorCorrection& estimator) {
-  const EstimatorUpdate& made = estimator.last_update();
-  double sum = 0.0;
-  for (Eigen::Index s = 0; s < made.innovation_K.size(); ++s) {
-    const SensorRecord& record = estimator.record(s);
-    if (std::isfinite(made.innovation_K[s])) sum += surprise(record.innovation_K, record.variance_K2);
-  }
-  if (!std::isfinite(made.displacement_m)) return sum;
-  const SensorRecord& record = estimator.displacement_record();
-  return sum + surprise(record.innovation_K, record.variance_K2);
-}
 
 }  // namespace
 
@@ -35,7 +23,6 @@ LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
       keep_(Eigen::VectorXd::Ones(estimator.prior().size())),
       growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
       row_(growth_),
-      bounded_(growth_),
       alternatives_(Eigen::MatrixXd::Zero(estimator.parameters().count(), static_cast<Eigen::Index>(filters_.size()))) {
   for (Kept& kept : kept_) kept.filter = estimator.prior();
 }
@@ -94,41 +81,15 @@ double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Inde
   const EstimatorUpdate& made = estimator.last_update();
   SquareRootFilter& filter = filters_[static_cast<std::size_t>(sensor)];
   Misfit& misfit = misfits_[static_cast<std::size_t>(sensor)];
-  const auto sensors = static_cast<Eigen::Index>(filters_.size());
   filter.pass_time(estimator.prior().mean(), keep_, growth_);
-  const auto innovation_K = [&](Eigen::Index j) {
-    row_ = made.rows.col(j);
-    return made.innovation_at(j, filter.mean());
-  };
-  const double missed_K = innovation_K(sensor);
+  row_ = made.rows.col(sensor);
+  const double missed_K = made.innovation_at(sensor, filter.mean());
   misfit.judged = std::isfinite(missed_K);
   if (misfit.judged) {
     misfit.misfit_K = missed_K;
     misfit.deviation_K = std::sqrt(filter.variance_of(row_) + made.noise_K2[sensor]);
   }
-  const double gate = estimator.gate();
-  double surprised = 0.0;
-  for (Eigen::Index j = 0; j < sensors; ++j) {
-    if (j == sensor || !std::isfinite(made.innovation_K[j])) continue;
-    const double innovation = innovation_K(j);
-    const double variance_K2 = filter.variance_of(row_) + made.noise_K2[j];
-    surprised += surprise(innovation, variance_K2);
-    if (innovation * innovation > gate * gate * variance_K2) continue;
-    filter.update(row_, innovation, made.noise_K2[j]);
-  }
-  if (std::isfinite(made.displacement_m)) {
-    row_ = made.displacement_row;
-    const double innovation = made.displacement_at(filter.mean());
-    const double variance_m2 = filter.variance_of(row_) + made.displacement_variance_m2;
-    surprised += surprise(innovation, variance_m2);
-    if (innovation * innovation <= gate * gate * variance_m2) {
-      filter.update(row_, innovation, made.displacement_variance_m2);
-    }
-  }
-  bounded_ = filter.mean();
-  estimator.bound(bounded_);
-  filter.set_mean(bounded_);
-  return surprised;
+  return update_without(estimator, sensor, filter, row_);
 }
 
 void LeaveOneOut::widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K) {
@@ -148,7 +109,16 @@ const SquareRootFilter& LeaveOneOut::before(const EstimatorCorrection& estimator
   return before_;
 }
 
-const Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
+Eigen::Index LeaveOneOut::most_doubtful(double least) const {
+  Eigen::Index most = -1;
+  for (Eigen::Index s = 0; s < static_cast<Eigen::Index>(misfits_.size()); ++s) {
+    if (!misfit(s).judged || misfit(s).evidence < least) continue;
+    if (most < 0 || misfit(s).evidence > misfit(most).evidence) most = s;
+  }
+  return most;
+}
+
+Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
     const double weight =
         std::sqrt(std::clamp((misfit(s).evidence - doubt_from) / (doubt_whole - doubt_from), 0.0, 1.0));

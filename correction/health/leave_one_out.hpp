@@ -60,8 +60,10 @@ class LeaveOneOut {
   /// 12. As long as it is open whether s has failed, the truth may lie where its filter says (solution separation, the
   /// protection level of satellite navigation: Brown and McBurney, Navigation 35, 1988). Valid until the next call. May
   /// run in the cycle.
-  const Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
+  Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
 
+  /// The judged sensor with most evidence against it, of at least `least`; -1: none. May run in the cycle.
+  Eigen::Index most_doubtful(double least) const;
   /// Of the last update.
   const Misfit& misfit(Eigen::Index sensor) const { return misfits_[static_cast<std::size_t>(sensor)]; }
   /// The filter that never saw the sensor.
@@ -82,7 +84,7 @@ class LeaveOneOut {
   double age_s_ = 0.0;        // since follow()
   SquareRootFilter before_;
   std::vector<Misfit> misfits_;
-  Eigen::VectorXd keep_, growth_, row_, bounded_;
+  Eigen::VectorXd keep_, growth_, row_;
   Eigen::MatrixXd alternatives_;
 };
 

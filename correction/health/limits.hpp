@@ -48,6 +48,8 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double drift_least_s = 120.0;  ///< evidence that rose faster is no drift: of 10 K/h that is 0.3 K, a jump
   double second_opinion_s = 7200.0;  ///< a first verdict within this time loosens the estimate instead: two hours, as
                                      ///< long as a spindle takes to settle after a step
+  double opinion_least_s = 300.0;    ///< an opinion so young is none: thirty updates
+  double opinion_deviations = 2.0;   ///< a sensor fails by one only where it says by so many σ that the sensor is off
   double doubt_share = 0.5;          ///< of drift_limit: if half of the channels are above it the model is in doubt
   double review_s = 600.0;           ///< so young a verdict of drift is looked at again,
   double review_deviations = 3.0;    ///< and taken back where the misfit is within so many σ,

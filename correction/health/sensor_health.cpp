@@ -85,15 +85,15 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   }
   const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
   if (untold_.one >= 0) {
-    const HealthVerdict told{untold_.one, untold_.other, false};
+    const HealthVerdict told{untold_.one, untold_.other};
     untold_ = {};
     note_restart();
     return told;
   }
   if (blame.channel < 0) return {};
   const auto blamed = static_cast<std::size_t>(blame.channel);
-  if (blame.first) return {-1, -1, true};
-  if (blame.offset) return {-1, -1, false, blame.channel};
+  if (blame.first) return {-1, -1, true, blame.channel};
+  if (blame.offset) return {-1, -1, false, -1, blame.channel};
   if (blame.partner >= 0) {
     fail_pair(blamed, static_cast<std::size_t>(blame.partner));
     note_restart();
@@ -101,7 +101,7 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
     channels_[blamed].fail_by_evidence(blame.fault, updates[blamed].misfit_K, updates[blamed].deviation_K,
                                        blame.model_in_doubt);
   }
-  return {blame.channel, blame.partner, false};
+  return {blame.channel, blame.partner};
 }
 
 HealthVerdict SensorHealth::note_contradiction() {
@@ -112,9 +112,17 @@ HealthVerdict SensorHealth::note_contradiction() {
       continue;
     fail_pair(i, static_cast<std::size_t>(partner));
     note_restart();
-    return {static_cast<int>(i), partner, false};
+    return {static_cast<int>(i), partner};
   }
   return {};
+}
+
+HealthVerdict SensorHealth::note_suspect(int channel, double misfit_K, double deviation_K) {
+  const Blame blame = isolation_.judge_suspect(channel, misfit_K, deviation_K, time_s_, limits_);
+  if (blame.channel < 0) return {};
+  if (blame.offset) return {-1, -1, false, -1, channel};
+  channels_[static_cast<std::size_t>(channel)].fail_by_evidence(blame.fault, misfit_K, deviation_K, false);
+  return {channel, -1};
 }
 
 void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }

@@ -15,6 +15,7 @@ struct HealthVerdict {
   int failed = -1;
   int partner = -1;
   bool loosen = false;  ///< the readings contradict the estimate, which is to be loosened (EstimatorCorrection)
+  int suspect = -1;     ///< then: the channel that they would have blamed otherwise
   int opened = -1;      ///< the channel whose offset may have been wrong by return_offset_deviation_K all the time
 };
 
@@ -33,6 +34,10 @@ class SensorHealth {
   /// The readings have contradicted the estimate for a minute: two channels each of which has moved like the other's
   /// place since the start are the reason where there are such, and fail as swapped. May run in the cycle.
   HealthVerdict note_contradiction();
+
+  /// As Isolation::judge_suspect(): the channel fails by drift, its offset is to be opened, or neither. May run in the
+  /// cycle.
+  HealthVerdict note_suspect(int channel, double misfit_K, double deviation_K);
 
   /// After each update of the estimator, one entry per channel, at the time of the last step. Two that were found to
   /// have been exchanged by their movement since the update before are given too: what the estimator learnt from them

@@ -201,7 +201,7 @@ void Cycle::guard_prediction() {
     implausible_until_s_ = now_s + shown_for_s;
     model_.stepper->set_temperatures(uncorrected_.stepper->temperatures_K());
     if (corrector_.estimator) corrector_.estimator->reset(now_s, model_.stepper->temperatures_K(), operating_);
-    if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
+    if (corrector_.estimator) watch_anew(*corrector_.estimator, watch_);
     predict(network_, model_, expansion());
   }
   snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::implausible_prediction));

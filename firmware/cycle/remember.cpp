@@ -122,7 +122,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
   const std::optional<Eigen::VectorXd> unseen_K = stand_still(gap_s, stop);
   if (!unseen_K) return Resumed::given_up;
   if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), *unseen_K);
-  if (corrector_.estimator) follow_estimator(*corrector_.estimator, watch_);
+  if (corrector_.estimator) watch_anew(*corrector_.estimator, watch_);
 
   snapshot_.tare_m = from.tare_m;
   compensation_.resume_away(std::isfinite(from.trial_away_m) ? from.trial_away_m : 0.0);

@@ -12,26 +12,12 @@ static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::im
 
 constexpr std::size_t kept_of_a_sensor = 4;  ///< numbers
 
-/// The channel of the estimator at a key point, -1 without one.
-Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point) {
-  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    if (corrector.channels[c].key_point == key_point) return static_cast<Eigen::Index>(c);
-  }
-  return -1;
-}
-
 /// Of the reading as it came in: the tare, and what the estimator has learnt besides.
 double known_offset_K(const SensorWatch& watch, const Corrector& corrector, std::size_t key_point) {
   const Eigen::Index channel = watch.others ? channel_at(corrector, key_point) : -1;
   if (channel < 0) return watch.tare.offset_K[key_point];
   const correction::EstimatorCorrection& estimator = *corrector.estimator;
   return watch.tare.offset_K[key_point] + estimator.filter().mean()[estimator.parameters().count() + channel];
-}
-
-void note_corrected(const rom::Network& network, const Model& model, SensorWatch& watch) {
-  for (std::size_t k = 0; k < watch.samples.corrected_K.size(); ++k) {
-    watch.samples.corrected_K[k] = network.key_points[k].row.dot(model.stepper->temperatures_K());
-  }
 }
 
 /// Each reading beside what the model says of it.
@@ -75,13 +61,8 @@ void widen_returned(std::size_t k, SensorWatch& watch, Corrector& corrector) {
   if (channel < 0) return;
   corrector.estimator->widen_offset(channel, record.return_offset_deviation_K);
   watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
+  watch.opinion->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
   if (watch.heat) watch.heat->follow(*corrector.estimator);
-}
-
-/// Filters that were sure of the old offset would hold it against the channel: they begin anew.
-void open_offset(std::size_t k, SensorWatch& watch, Corrector& corrector) {
-  corrector.estimator->widen_offset(channel_at(corrector, k), watch.health->limits().return_offset_deviation_K);
-  follow_estimator(*corrector.estimator, watch);
 }
 
 void rest(const WatchInputs& inputs, const Judgement& judgement, SensorWatch& watch) {
@@ -97,39 +78,6 @@ void rest(const WatchInputs& inputs, const Judgement& judgement, SensorWatch& wa
   watch.resting->step(watch.samples.tare, heated, inputs.period.advance_s);
 }
 
-/// Whether the readings are better explained by a heat that no source explains, to which the estimator then goes over.
-bool explained_by_heat(const rom::OperatingState& operating, Model& model, SensorWatch& watch, Corrector& corrector) {
-  correction::EstimatorCorrection& estimator = *corrector.estimator;
-  if (!watch.heat) return false;
-  const bool open = estimator.heats_are_open();
-  if (open) {
-    watch.seen.heats_were_open = true;
-    return false;
-  }
-  if (watch.seen.heats_were_open) watch.heat->follow(estimator);
-  watch.seen.heats_were_open = false;
-  if (!watch.heat->update(estimator)) return false;
-  estimator.open_heats(watch.heat->filter(), operating);
-  model.stepper->set_temperatures(estimator.corrected_nodes_K());
-  with_biases(operating, corrector);
-  follow_estimator(estimator, watch);
-  return true;
-}
-
-/// No filter has done without the two that were swapped: the estimate goes back to what it was before, within half an
-/// hour after the start to the priors.
-void leave_pair_out(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
-                    Corrector& corrector) {
-  constexpr double young_s = 1800.0;
-  correction::EstimatorCorrection& estimator = *corrector.estimator;
-  const bool young = estimator.age_s() < young_s;
-  estimator.adopt(young ? estimator.prior() : watch.others->before(estimator), operating);
-  follow_estimator(estimator, watch);
-  model.stepper->set_temperatures(estimator.corrected_nodes_K());
-  with_biases(operating, corrector);
-  note_corrected(network, model, watch);
-}
-
 /// The estimator's offsets are of readings less the tare.
 void tell_estimator(const std::array<double, slots::key_points>& before_K, const CyclePlan& plan, SensorWatch& watch,
                     Corrector& corrector) {
@@ -143,15 +91,24 @@ void tell_estimator(const std::array<double, slots::key_points>& before_K, const
         watch.tare.deviation_K[k] > 0.0 ? watch.tare.deviation_K[k] : plan.sensors[k].offset_deviation_K;
     corrector.estimator->note_tare(channel, shift_K, deviation_K);
     if (watch.others) watch.others->shift_offset(*corrector.estimator, channel, shift_K);
+    if (watch.opinion) watch.opinion->shift_offset(*corrector.estimator, channel, shift_K);
     if (watch.heat) watch.heat->follow(*corrector.estimator);
   }
 }
 
 }  // namespace
 
-void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch) {
-  if (watch.others) watch.others->follow(estimator);
-  if (watch.heat) watch.heat->follow(estimator);
+Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point) {
+  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
+    if (corrector.channels[c].key_point == key_point) return static_cast<Eigen::Index>(c);
+  }
+  return -1;
+}
+
+void note_corrected(const rom::Network& network, const Model& model, SensorWatch& watch) {
+  for (std::size_t k = 0; k < watch.samples.corrected_K.size(); ++k) {
+    watch.samples.corrected_K[k] = network.key_points[k].row.dot(model.stepper->temperatures_K());
+  }
 }
 
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector) {
@@ -174,6 +131,7 @@ SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const
   // Only an estimator learns an offset anew.
   if (corrector.corrects && corrector.estimator) {
     watch.others.emplace(*corrector.estimator);
+    watch.opinion.emplace(*corrector.estimator);
     if (corrector.estimator->parameters().has_disturbances() && !corrector.estimator->heats_are_open()) {
       watch.heat.emplace(*corrector.estimator);
     }
@@ -212,67 +170,6 @@ void watch_gap(const WatchInputs& inputs, SensorWatch& watch, const Corrector& c
     watch.health->step(watch.samples.health, inputs.period.start_s, inputs.period.advance_s);
   }
   note_corrected(inputs.network, inputs.model, watch);
-}
-
-void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
-                  Corrector& corrector) {
-  note_corrected(network, model, watch);
-  if (!watch.others) return;
-  correction::EstimatorCorrection& estimator = *corrector.estimator;
-  if (corrector.enabled && !watch.seen.was_enabled) follow_estimator(estimator, watch);
-  if (corrector.enabled != watch.seen.was_enabled) watch.health->note_restart();
-  watch.seen.was_enabled = corrector.enabled;
-  if (!corrector.enabled || estimator.updates() == watch.seen.updates) return;
-  watch.seen.updates = estimator.updates();
-  if (estimator.loosened() != watch.seen.loosened) {
-    // What the filters without a sensor were sure of goes with what the estimator was sure of.
-    watch.seen.loosened = estimator.loosened();
-    follow_estimator(estimator, watch);
-    const bool swapped = watch.health->note_contradiction().partner >= 0;
-    watch.health->note_restart();
-    if (swapped) leave_pair_out(network, operating, model, watch, corrector);
-    return;
-  }
-  if (estimator.relinearised() != watch.seen.relinearised) {
-    // Beside an estimate that is suddenly surer, filters as they were would look like the better ones.
-    watch.seen.relinearised = estimator.relinearised();
-    follow_estimator(estimator, watch);
-    return;
-  }
-  watch.others->update(estimator);
-  if (explained_by_heat(operating, model, watch, corrector)) {
-    note_corrected(network, model, watch);
-    return;
-  }
-  std::fill(watch.samples.updates.begin(), watch.samples.updates.end(), correction::HealthUpdate{});
-  for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    const auto channel = static_cast<Eigen::Index>(c);
-    const correction::SensorRecord& record = estimator.record(channel);
-    const correction::Misfit& misfit = watch.others->misfit(channel);
-    watch.samples.updates[corrector.channels[c].key_point] = {record.fused || record.rejected,
-                                                              misfit.evidence,
-                                                              record.rejected_in_a_row,
-                                                              record.observation_K,
-                                                              misfit.misfit_K,
-                                                              misfit.deviation_K};
-  }
-  const correction::HealthVerdict verdict =
-      watch.health->note_update(watch.samples.updates, estimator.consistency().in_doubt());
-  estimator.set_alternatives(watch.others->alternatives(estimator));
-  if (verdict.loosen) estimator.note_contradiction();
-  if (verdict.opened >= 0) open_offset(static_cast<std::size_t>(verdict.opened), watch, corrector);
-  if (verdict.failed < 0) return;
-  if (verdict.partner >= 0) {
-    leave_pair_out(network, operating, model, watch, corrector);
-    return;
-  }
-  const Eigen::Index channel = channel_at(corrector, static_cast<std::size_t>(verdict.failed));
-  estimator.adopt(watch.others->without(channel), operating);
-  watch.others->settle_on(channel);
-  if (watch.heat) watch.heat->follow(estimator);
-  model.stepper->set_temperatures(estimator.corrected_nodes_K());
-  with_biases(operating, corrector);
-  note_corrected(network, model, watch);
 }
 
 bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,

@@ -7,6 +7,7 @@
 
 #include "correction/health/isothermal_tare.hpp"
 #include "correction/health/leave_one_out.hpp"
+#include "correction/health/second_opinion.hpp"
 #include "correction/health/sensor_health.hpp"
 #include "correction/health/unexplained_heat.hpp"
 #include "firmware/cycle/correct.hpp"
@@ -34,9 +35,10 @@ struct SensorSamples {
 
 /// Health of the sensors at the key points, and their tare.
 struct SensorWatch {
-  std::optional<correction::SensorHealth> health;   ///< empty: not asked for
-  std::optional<correction::LeaveOneOut> others;    ///< with an estimator that corrects
-  std::optional<correction::UnexplainedHeat> heat;  ///< likewise, where the network is certified
+  std::optional<correction::SensorHealth> health;    ///< empty: not asked for
+  std::optional<correction::LeaveOneOut> others;     ///< with an estimator that corrects
+  std::optional<correction::SecondOpinion> opinion;  ///< likewise
+  std::optional<correction::UnexplainedHeat> heat;   ///< likewise, where the network is certified
   std::optional<correction::IsothermalTare> resting;
   correction::SensorTare tare;
   bool tare_to_ambient = false;
@@ -58,9 +60,15 @@ struct WatchInputs {
 /// Allocates. Throws rom::InputError for a limit out of range.
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector);
 
-/// All filters beside the estimator's begin anew from it: after it was reset, resumed, loosened or relinearised. Runs
-/// in the cycle.
-void follow_estimator(const correction::EstimatorCorrection& estimator, SensorWatch& watch);
+/// The channel of the estimator at a key point, -1 without one. Runs in the cycle.
+Eigen::Index channel_at(const Corrector& corrector, std::size_t key_point);
+
+/// What the model says of each key point after its last correction. Runs in the cycle.
+void note_corrected(const rom::Network& network, const Model& model, SensorWatch& watch);
+
+/// The estimator was reset or resumed: all filters beside it begin anew from it, and no opinion on a sensor is pending.
+/// Runs in the cycle.
+void watch_anew(const correction::EstimatorCorrection& estimator, SensorWatch& watch);
 
 /// Subtracts the tare from the readings. Runs in the cycle.
 void subtract_tare(const SensorWatch& watch, SensedInputs& sensed);

@@ -16,7 +16,7 @@ bool is_float(const RegisterEntry& entry) {
   return entry.type == RegisterType::float32 || entry.type == RegisterType::float32_cdab;
 }
 
-std::string number(const RegisterEntry& entry, double value) {
+std::string value_text(const RegisterEntry& entry, double value) {
   if (std::isnan(value)) return "null";
   if (is_float(entry)) return fmt::format("{}", static_cast<float>(value));
   const int digits = std::max(0, static_cast<int>(std::lround(std::ceil(-std::log10(entry.resolution)))));
@@ -61,7 +61,8 @@ std::string register_json(const RegisterImage& image, Register which, const Show
     const auto of_slot = [&](int slot) { return text(entry, shown_value(image, which, slot)); };
     return many ? each_slot(entry, slot_names, of_slot) : of_slot(0);
   };
-  std::string json = fmt::format("{}:{{{}:{}", json_text(entry.name), many ? "\"values\"" : "\"value\"", put(number));
+  std::string json =
+      fmt::format("{}:{{{}:{}", json_text(entry.name), many ? "\"values\"" : "\"value\"", put(value_text));
   if (entry.unit[0] != '\0') json += ",\"unit\":" + json_text(entry.unit);
   if (!entry.codes.empty() && entry.codes_are_bits) json += ",\"set\":" + put(set_bits);
   if (!entry.codes.empty() && !entry.codes_are_bits) json += (many ? ",\"names\":" : ",\"name\":") + put(code_name);

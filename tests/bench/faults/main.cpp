@@ -13,6 +13,7 @@ constexpr double earliest_s = 900.0;
 constexpr double latest_s = 5400.0;
 constexpr double repaired_after_s = 1200.0;
 constexpr std::array rates_K_per_h{0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
+constexpr double short_rate_K_per_h = 5.0;
 
 struct Options : CampaignOptions {
   int drift_runs = 4;
@@ -62,13 +63,14 @@ void add_sudden(const Drawn& drawn, std::vector<Fault>& faults) {
   }
 }
 
-void add_drifts(const Drawn& drawn, std::vector<Fault>& faults) {
+void add_drifts(const Drawn& drawn, bool is_short, std::vector<Fault>& faults) {
   Fault fault = drawn.fault;
   fault.from_s = earliest_s;  // so that a slow one has time
   fault.kind = FaultKind::withdrawn;
   faults.push_back(fault);
   fault.kind = FaultKind::drift;
   for (const double rate_K_per_h : rates_K_per_h) {
+    if (is_short && rate_K_per_h != short_rate_K_per_h) continue;
     fault.rate_K_per_s = drawn.sign * rate_K_per_h / 3600.0;
     faults.push_back(fault);
   }
@@ -83,7 +85,7 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
     const Drawn drawn = draw(sensor, random);
     if (options.is_short && sensor != static_cast<int>(seed % sensors)) continue;
     if (!options.drifts_only) add_sudden(drawn, faults);
-    if (drifts) add_drifts(drawn, faults);
+    if (drifts) add_drifts(drawn, options.is_short, faults);
   }
   return faults;
 }
@@ -165,7 +167,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   settle(options);
   if (options.is_short) {
-    options.drift_runs = 0;
+    options.drift_runs = 1;
     options.cycle_s = 5.0;
   }
   return run(options) == 0 ? 0 : 1;

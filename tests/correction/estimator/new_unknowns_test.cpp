@@ -97,12 +97,30 @@ TEST(UnexplainedHeatParameter, of_a_certified_network_is_shut_until_readings_con
   EXPECT_LT(pair.estimator.estimate(slot).deviation, 0.01 * pair.estimator.estimate(slot).prior_deviation);
   EXPECT_TRUE(pair.estimator.estimate(slot).undetermined()) << "nobody looked for it";
   EXPECT_EQ(pair.estimator.unexplained_heat().group, -1);
+  pair.tamper = [](Eigen::VectorXd& readings_K) { readings_K.array() += 4.0; };
+  while (pair.estimator.loosened() == 0 && pair.time_s < 1200.0) pair.cycle();
+  EXPECT_EQ(pair.estimator.loosened(), 1);
+  EXPECT_TRUE(pair.estimator.heats_are_open());
+  EXPECT_GT(pair.estimator.widths().disturbance, 1.9);
+}
+
+TEST(UnexplainedHeatParameter, where_health_alone_contradicts_it_opens_to_a_part_and_counts_as_shut) {
+  const rom::Network network = plates();
+  Pair pair(network, {});
+  pair.noise_K = 0.03;
+  pair.truth = pair.estimator.parameters().mean();
+  const int slot = pair.parameter("unexplained heat plate 1");
+  pair.run_until(600.0);
+  const Widths shut = pair.estimator.widths();
   pair.valid.setConstant(false);
   pair.estimator.note_contradiction();
   pair.run_until(622.0);
   EXPECT_EQ(pair.estimator.loosened(), 1);
-  EXPECT_TRUE(pair.estimator.heats_are_open());
-  EXPECT_GT(pair.estimator.estimate(slot).deviation, pair.estimator.estimate(slot).prior_deviation);
+  EXPECT_FALSE(pair.estimator.heats_are_open());
+  EXPECT_LT(shut.disturbance, 0.02);
+  EXPECT_NEAR(pair.estimator.widths().disturbance, 0.4, 0.01);
+  const ParameterEstimate heat = pair.estimator.estimate(slot);
+  EXPECT_NEAR(heat.deviation, 0.4 * heat.prior_deviation, 0.02 * heat.prior_deviation);
 }
 
 TEST(UnexplainedHeatParameter, is_told_where_it_is_more_than_two_deviations_and_the_surest_one) {

@@ -71,7 +71,26 @@ TEST(Isolation, the_first_verdict_is_laid_to_the_model_and_only_a_second_one_wit
   const HealthVerdict verdict = health.note_update(updates);
   EXPECT_EQ(verdict.failed, -1);
   EXPECT_TRUE(verdict.loosen);
+  EXPECT_EQ(verdict.suspect, 1);
   EXPECT_EQ(health.record(1).state, HealthState::good);
+}
+
+TEST(Isolation, a_suspect_that_was_at_fault_has_its_offset_opened_once_where_that_may_be_and_drifts_else) {
+  SensorHealth health(std::vector<HealthChannel>(4, {true, 253.15, 423.15, 0.01}), {});
+  health.step(std::vector<HealthSample>(4), 1000.0, 1000.0);
+  const HealthVerdict opened = health.note_suspect(2, 0.59, 0.1);
+  EXPECT_EQ(opened.opened, 2);
+  EXPECT_EQ(opened.failed, -1);
+  EXPECT_EQ(health.record(2).state, HealthState::good);
+  EXPECT_EQ(health.note_suspect(1, 0.61, 0.31).failed, -1) << "less than two deviations";
+  EXPECT_EQ(health.note_suspect(1, 0.61, 0.31).opened, -1);
+  EXPECT_EQ(health.note_suspect(1, 0.61, 0.3).failed, 1) << "more than three times 0.2 K";
+  EXPECT_EQ(health.record(1).fault, HealthFault::drift);
+  const HealthVerdict again = health.note_suspect(2, -0.1, 0.04);
+  EXPECT_EQ(again.opened, -1);
+  EXPECT_EQ(again.failed, 2);
+  EXPECT_EQ(health.record(2).state, HealthState::failed);
+  EXPECT_EQ(health.record(2).fault, HealthFault::drift);
 }
 
 TEST(Isolation, drift_is_no_verdict_in_the_first_quarter_of_an_hour_nor_after_a_restart_of_the_estimator) {

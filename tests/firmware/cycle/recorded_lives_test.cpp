@@ -300,7 +300,7 @@ settled_um = 0.8
 rest_s = 600.0
 reference = "ambient"
 )";
-  setting.seed = 47;
+  setting.seed = 61;
   expect_life_as_recorded("certified", setting);
 }
 

@@ -106,6 +106,33 @@ TEST(WatchSensors, a_sensor_off_by_what_untared_ones_may_be_has_its_offset_opene
   }
 }
 
+/// Too fast for an untared offset, too slow for a jump: the estimate is loosened first, and would follow it.
+TEST(WatchSensors, a_drift_that_a_loosened_estimate_follows_is_found_and_the_truth_stays_inside_until_then) {
+  const rom::Network network = tests::small_network();
+  for (const double rate_K_per_h : {5.0, -10.0}) {
+    Watched run(network, estimated(), 0.5);
+    run.tamper = [&](int n, DeviceFrame& frame) {
+      frame.sensors[1].value += std::max(0, n - 1200) * rate_K_per_h / 3600.0;
+    };
+    run.until(1200);
+    run.heap_calls = 0;
+    int seconds = 0, inside = 0;
+    for (; run.last.sensors_failed == 0 && run.n < 9000; ++seconds) {
+      run.until(run.n + 1);
+      const double error_m = run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0];
+      inside += std::abs(error_m) <= 2.0 * run.last.deformation_deviation_m[0] ? 1 : 0;
+    }
+    EXPECT_EQ(run.last.sensor_health[1].fault, SensorFault::drift) << rate_K_per_h;
+    EXPECT_EQ(run.last.sensors_failed, 1);
+    EXPECT_GE(inside, 0.93 * seconds) << rate_K_per_h << " K/h, found after " << seconds << " s";
+    EXPECT_EQ(run.heap_calls, 0);
+    run.until(run.n + 900);
+    EXPECT_LT(std::abs(run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0]),
+              2.0 * run.last.deformation_deviation_m[0]);
+    EXPECT_EQ(run.last.sensors_failed, 1);
+  }
+}
+
 TEST(WatchSensors, no_order_calls_the_heap_not_even_the_first_tare) {
   const rom::Network network = tests::small_network();
   Watched run(network, at_rest(estimated()), 0.0);

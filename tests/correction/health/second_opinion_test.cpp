@@ -1,0 +1,185 @@
+#include "correction/health/second_opinion.hpp"
+
+#include <gtest/gtest.h>
+
+#include "correction/health/surprise.hpp"
+#include "tests/correction/estimator/plant_and_twin.hpp"
+#include "tests/rom/heap_calls.hpp"
+
+namespace spindle_twin::correction::test {
+namespace health_second_opinion_test {
+
+constexpr double blamed_s = 3600.0;
+
+/// Plant and twin at changing speed; after an hour one sensor is blamed, and the estimate loosened for it.
+struct Blamed {
+  explicit Blamed(const rom::Network& network) : pair(network, {}), bank(pair.estimator), opinion(pair.estimator) {
+    pair.noise_K = 0.03;
+    pair.truth[0] = 0.3;
+  }
+  /// Gives what is concluded by end_s, as soon as it is.
+  Opinion run_until(double end_s) {
+    while (pair.time_s < end_s) {
+      pair.operating.speed_rpm = std::fmod(pair.time_s, 1800.0) < 900.0 ? 6000.0 : 1500.0;
+      pair.cycle();
+      if (pair.estimator.updates() == updates) continue;
+      updates = pair.estimator.updates();
+      bank.update(pair.estimator);
+      opinion.update(pair.estimator);
+      if (opinion.conclude(false, limits) != Opinion::pending) break;
+    }
+    return opinion.conclude(false, limits);
+  }
+  void blame(Eigen::Index sensor) {
+    opinion.begin(sensor, bank.without(sensor));
+    pair.estimator.note_contradiction();
+  }
+  Pair pair;
+  LeaveOneOut bank;
+  SecondOpinion opinion;
+  HealthLimits limits;
+  long updates = 0;
+};
+
+TEST(SecondOpinion, of_a_sensor_that_drifts_it_is_that_it_has_failed_and_what_it_kept_has_not_followed) {
+  const rom::Network network = plates();
+  for (Eigen::Index drifting = 0; drifting < 4; ++drifting) {
+    Blamed blamed(network);
+    blamed.pair.tamper = [&](Eigen::VectorXd& readings_K) {
+      readings_K[drifting] += 10.0 / 3600.0 * std::max(0.0, blamed.pair.time_s - blamed_s + 300.0);
+    };
+    ASSERT_EQ(blamed.run_until(blamed_s), Opinion::pending) << "nothing is pending";
+    blamed.blame(drifting);
+    EXPECT_EQ(blamed.run_until(blamed_s + 7200.0), Opinion::against_sensor) << drifting;
+    EXPECT_GT(blamed.pair.time_s, blamed_s + blamed.limits.opinion_least_s);
+    const double drifted_K = 10.0 / 3600.0 * (blamed.pair.time_s - blamed_s + 300.0);
+    EXPECT_NEAR(blamed.opinion.misfit().misfit_K, drifted_K, 3.0 * blamed.opinion.misfit().deviation_K) << drifting;
+    EstimatorCorrection& estimator = blamed.pair.estimator;
+    const double followed_m = std::abs(blamed.pair.nose_error_m());
+    estimator.adopt(blamed.opinion.filter(), blamed.pair.operating);
+    blamed.pair.twin.stepper.set_temperatures(estimator.corrected_nodes_K());
+    rom::evaluate_outputs(network, estimator.corrected_nodes_K(), blamed.pair.twin.outputs,
+                          estimator.factors().expansion);
+    EXPECT_LT(std::abs(blamed.pair.nose_error_m()), 2.0 * estimator.deviations().deformations_m[0]) << drifting;
+    EXPECT_LT(std::abs(blamed.pair.nose_error_m()), std::max(followed_m, 2e-7)) << drifting;
+  }
+}
+
+TEST(SecondOpinion, where_the_spindle_changes_the_others_contradict_it_whichever_sensor_was_blamed) {
+  const rom::Network network = plates();
+  for (Eigen::Index healthy = 0; healthy < 4; ++healthy) {
+    Blamed blamed(network);
+    blamed.run_until(blamed_s - 300.0);
+    blamed.pair.truth[0] = -0.7;  // friction is a third of what it was
+    blamed.run_until(blamed_s);
+    blamed.blame(healthy);
+    EXPECT_EQ(blamed.run_until(blamed_s + 7200.0), Opinion::against_model) << healthy;
+  }
+}
+
+TEST(SecondOpinion, evidence_is_what_an_update_surprises_the_estimator_less_what_it_surprises_the_kept_and_fades) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.run_until(blamed_s);
+  const EstimatorCorrection& estimator = blamed.pair.estimator;
+  const Widths closed = estimator.widths();
+  blamed.blame(1);
+  blamed.run_until(blamed_s + 122.0);
+  ASSERT_GT(estimator.widths().environment, closed.environment);
+  const double before = blamed.opinion.misfit().evidence;
+  SquareRootFilter kept = blamed.opinion.filter();
+  blamed.run_until(blamed_s + 132.0);
+  const EstimatorUpdate& made = estimator.last_update();
+  ASSERT_EQ(made.elapsed_s, 10.0);
+  // The kept filter passes time as the estimator did before it was loosened.
+  Eigen::VectorXd keep(made.unknowns.size()), growth(made.unknowns.size());
+  estimator.passing_of_time(made.elapsed_s, closed, keep, growth);
+  kept.pass_time(estimator.prior().mean(), keep, growth);
+  double gained = 0.0;
+  for (Eigen::Index s = 0; s < 4; ++s) {
+    gained += std::pow(estimator.record(s).innovation_K, 2) / estimator.record(s).variance_K2;
+    if (s == 1) continue;
+    const Eigen::VectorXd row = made.rows.col(s);
+    const double innovation_K = made.innovation_at(s, kept.mean()), variance_K2 = kept.variance_of(row);
+    gained -= innovation_K * innovation_K / (variance_K2 + made.noise_K2[s]);
+    kept.update(row, innovation_K, made.noise_K2[s]);
+  }
+  EXPECT_NEAR(blamed.opinion.misfit().evidence, std::exp(-10.0 / evidence_memory_s) * before + gained, 1e-9);
+}
+
+TEST(SecondOpinion, while_it_is_pending_what_is_published_has_room_for_it) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.run_until(blamed_s);
+  const EstimatorCorrection& estimator = blamed.pair.estimator;
+  Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 4);
+  blamed.opinion.put_alternative(estimator, steps);
+  EXPECT_EQ(steps.norm(), 0.0) << "nobody was blamed";
+  blamed.blame(2);
+  blamed.run_until(blamed_s + 60.0);
+  ASSERT_GT(blamed.opinion.misfit().evidence, -4.0);
+  blamed.opinion.put_alternative(estimator, steps);
+  const Eigen::VectorXd whole =
+      (blamed.opinion.filter().mean() - estimator.filter().mean()).head(estimator.parameters().count());
+  EXPECT_GT(whole.norm(), 0.0);
+  EXPECT_EQ((steps.col(2) - whole).norm(), 0.0);
+  steps.col(2).setZero();
+  EXPECT_EQ(steps.norm(), 0.0);
+}
+
+TEST(SecondOpinion, readings_that_contradict_a_second_time_decide_where_it_fits_as_well) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.pair.tamper = [&](Eigen::VectorXd& readings_K) {
+    readings_K[3] += 5.0 / 3600.0 * std::max(0.0, blamed.pair.time_s - blamed_s + 600.0);
+  };
+  blamed.run_until(blamed_s);
+  blamed.blame(3);
+  while (blamed.pair.time_s < blamed_s + 7200.0) {
+    const Opinion opinion = blamed.run_until(blamed.pair.time_s + 10.0);
+    const double age_s = blamed.pair.time_s - blamed_s, evidence = blamed.opinion.misfit().evidence;
+    const bool old = age_s > blamed.limits.opinion_least_s + 12.0;
+    if (age_s < blamed.limits.opinion_least_s - 12.0) {
+      EXPECT_EQ(blamed.opinion.conclude(true, blamed.limits), Opinion::pending);
+    } else if (old) {
+      EXPECT_EQ(blamed.opinion.conclude(true, blamed.limits) == Opinion::against_sensor, evidence > 0.0) << evidence;
+      EXPECT_EQ(opinion == Opinion::against_sensor, evidence > blamed.limits.drift_lead) << evidence;
+    }
+    if (opinion != Opinion::pending) break;
+  }
+  EXPECT_EQ(blamed.opinion.conclude(false, blamed.limits), Opinion::against_sensor);
+  blamed.opinion.drop();
+  EXPECT_EQ(blamed.opinion.conclude(true, blamed.limits), Opinion::pending);
+}
+
+TEST(SecondOpinion, a_tare_or_another_offset_is_the_kept_filters_too) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.run_until(blamed_s);
+  blamed.blame(1);
+  const Eigen::Index offset = blamed.pair.estimator.parameters().count() + 2;
+  const double before_K = blamed.opinion.filter().mean()[offset];
+  const double deviation_K = blamed.opinion.filter().deviation(offset);
+  blamed.opinion.shift_offset(blamed.pair.estimator, 2, 0.4);
+  blamed.opinion.widen_offset(blamed.pair.estimator, 2, 0.3);
+  EXPECT_DOUBLE_EQ(blamed.opinion.filter().mean()[offset], before_K - 0.4);
+  EXPECT_NEAR(blamed.opinion.filter().deviation(offset), std::hypot(deviation_K, 0.3), 1e-12);
+}
+
+TEST(SecondOpinion, nothing_calls_the_heap) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.run_until(60.0);
+  Eigen::MatrixXd& steps = blamed.bank.alternatives(blamed.pair.estimator);
+  const long before = rom::tests::heap_calls();
+  blamed.opinion.begin(1, blamed.bank.without(1));
+  blamed.opinion.update(blamed.pair.estimator);
+  blamed.opinion.put_alternative(blamed.pair.estimator, steps);
+  blamed.opinion.widen_offset(blamed.pair.estimator, 1, 0.2);
+  blamed.opinion.shift_offset(blamed.pair.estimator, 1, 0.2);
+  blamed.pair.estimator.adopt(blamed.opinion.filter(), blamed.pair.operating);
+  EXPECT_EQ(rom::tests::heap_calls() - before, 0);
+}
+
+}  // namespace health_second_opinion_test
+}  // namespace spindle_twin::correction::test
