@@ -144,6 +144,10 @@ class EstimatorCorrection {
   /// the cycle.
   void note_contradiction() { contradicted_ = true; }
 
+  /// Health has found that it was the spindle that changed, and no sensor: the next update opens heats that no source
+  /// explains as wide as readings that contradict do. May run in the cycle.
+  void note_change() { changed_ = true; }
+
   /// Heats that no source explains are shut in a certified network until something speaks for one: then they are opened
   /// to open_heat_W() and fade again within hours. May run in the cycle.
   bool heats_are_open() const { return open_.disturbance >= 0.5; }
@@ -315,6 +319,9 @@ class EstimatorCorrection {
   void widen_films(const rom::OperatingState& operating);
   /// Unexplained heats become wider, at least `first` of their prior's deviations.
   void widen_disturbances(double first);
+  void widen_disturbances_to(double deviations);
+  /// Heats that no source explains become as wide as where readings contradict, if they are not yet (note_change).
+  void heed_change();
   /// What environments read wrong may be as large as widest_K from now on, and fades again within hours.
   void widen_environments(double widest_K);
   /// Of a parameter's prior deviation, how many it may be at the moment.
@@ -355,6 +362,7 @@ class EstimatorCorrection {
   Openness open_;
   double disturbance_idle_ = 1.0;  ///< open_.disturbance while nothing speaks for any
   bool contradicted_ = false;      ///< told so
+  bool changed_ = false;           ///< the spindle, told so
   bool started_ = false, standing_by_ = false, start_unseen_ = false;
   bool is_held_ = false, held_in_vain_ = false;  ///< a second pass; whose readings contradict it
   Eigen::VectorXd held_at_;                      ///< the unknowns that it is linearised about

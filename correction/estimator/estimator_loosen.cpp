@@ -42,14 +42,28 @@ constexpr double shape_missed = 0.3;
 }  // namespace
 
 void EstimatorCorrection::widen_disturbances(double first) {
+  widen_disturbances_to(std::clamp(disturbance_step * open_.disturbance, first, disturbance_widest));
+}
+
+void EstimatorCorrection::widen_disturbances_to(double deviations) {
   if (!parameters_.has_disturbances()) return;
-  open_.disturbance = std::clamp(disturbance_step * open_.disturbance, first, disturbance_widest);
+  open_.disturbance = deviations;
   for (std::size_t g = 0; g < parameters_.groups().size(); ++g) {
     const Eigen::Index slot = parameters_.disturbance(static_cast<Eigen::Index>(g));
     const double wanted = open_.disturbance * parameters_.list()[static_cast<std::size_t>(slot)].deviation;
     const double missing = wanted * wanted - std::pow(keep_[slot] * filter_.deviation(slot), 2.0);
     growth_[slot] = std::max(growth_[slot], missing);
   }
+}
+
+void EstimatorCorrection::heed_change() {
+  if (!changed_) return;
+  changed_ = false;
+  keep_.setOnes();
+  growth_.setZero();
+  widen_disturbances_to(std::max(open_.disturbance, disturbance_first));
+  filter_.widen(keep_, growth_);
+  begin_another_record();
 }
 
 void EstimatorCorrection::widen_environments(double widest_K) {

@@ -161,6 +161,7 @@ bool EstimatorCorrection::update(double time_s) {
     loosen(consistency_.largest_innovation_K(), !found);
     measure(time_s);
   }
+  heed_change();
   measure_displacement();
   if (displacement_contradicts()) {
     keep_.setOnes();

@@ -118,10 +118,13 @@ Eigen::Index LeaveOneOut::most_doubtful(double least) const {
   return most;
 }
 
+double LeaveOneOut::weight_of(double evidence) {
+  return std::clamp((evidence - doubt_from) / (doubt_whole - doubt_from), 0.0, 1.0);
+}
+
 Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
-    const double weight =
-        std::sqrt(std::clamp((misfit(s).evidence - doubt_from) / (doubt_whole - doubt_from), 0.0, 1.0));
+    const double weight = std::sqrt(weight_of(misfit(s).evidence));
     alternatives_.col(s) = weight * (without(s).mean() - estimator.filter().mean()).head(alternatives_.rows());
   }
   return alternatives_;

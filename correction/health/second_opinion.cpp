@@ -20,10 +20,11 @@ SecondOpinion::SecondOpinion(const EstimatorCorrection& estimator)
       growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
       row_(growth_) {}
 
-void SecondOpinion::begin(Eigen::Index sensor, const SquareRootFilter& without) {
+void SecondOpinion::begin(Eigen::Index sensor, const LeaveOneOut& bank) {
   sensor_ = sensor;
-  filter_.set_mean(without.mean());
-  filter_.set_root(without.root());
+  filter_.set_mean(bank.without(sensor).mean());
+  filter_.set_root(bank.without(sensor).root());
+  begun_with_ = bank.misfit(sensor).evidence;
   misfit_ = {};
   widths_ = closed_;
   age_s_ = 0.0;
@@ -63,7 +64,8 @@ void SecondOpinion::update(const EstimatorCorrection& estimator) {
 
 Opinion SecondOpinion::conclude(bool again, const HealthLimits& limits) const {
   if (sensor_ < 0) return Opinion::pending;
-  if (misfit_.evidence < refuted || age_s_ > limits.second_opinion_s) return Opinion::against_model;
+  if (misfit_.evidence < refuted) return Opinion::against_model;
+  if (age_s_ > limits.second_opinion_s) return Opinion::undecided;
   const bool failed = misfit_.evidence > (again ? 0.0 : limits.drift_lead);
   return failed && age_s_ > limits.opinion_least_s ? Opinion::against_sensor : Opinion::pending;
 }
@@ -83,7 +85,8 @@ void SecondOpinion::shift_offset(const EstimatorCorrection& estimator, Eigen::In
 
 void SecondOpinion::put_alternative(const EstimatorCorrection& estimator, Eigen::MatrixXd& alternatives) const {
   if (sensor_ < 0) return;
-  const double weight = std::clamp((misfit_.evidence - refuted) / (doubted - refuted), 0.0, 1.0);
+  const double since = std::clamp((misfit_.evidence - refuted) / (doubted - refuted), 0.0, 1.0);
+  const double weight = std::min(since, LeaveOneOut::weight_of(begun_with_ + misfit_.evidence));
   alternatives.col(sensor_) =
       std::sqrt(weight) * (filter_.mean() - estimator.filter().mean()).head(alternatives.rows());
 }

@@ -7,7 +7,7 @@
 namespace spindle_twin::correction {
 
 /// Whom the readings contradict: of a sensor that evidence blames, it or the model.
-enum class Opinion { pending, against_model, against_sensor };
+enum class Opinion { pending, undecided, against_model, against_sensor };
 
 /// The filter without the sensor that evidence blames first, kept while the blame is laid to the model: the estimate is
 /// loosened then, follows that sensor, and with it a drift. Who was right shows in what comes next, with J as in
@@ -23,22 +23,23 @@ class SecondOpinion {
  public:
   explicit SecondOpinion(const EstimatorCorrection& estimator);
 
-  /// The sensor is blamed, and the estimate has just been loosened or is going to be at its next update; `without` has
-  /// not been, and has never seen the sensor.
-  void begin(Eigen::Index sensor, const SquareRootFilter& without);
+  /// The sensor is blamed, and the estimate has just been loosened or is going to be at its next update; of `bank`,
+  /// which has not been, the filter without it is kept.
+  void begin(Eigen::Index sensor, const LeaveOneOut& bank);
   void drop() { sensor_ = -1; }
   /// After each update of the estimator, whether there is an opinion or not.
   void update(const EstimatorCorrection& estimator);
   /// `again`: the readings have contradicted the loosened estimate too. Against the sensor where evidence is above
   /// drift_lead, or above zero with `again`, opinion_least_s after the beginning at the earliest; against the model
-  /// where it is below −12, odds of e^6, or second_opinion_s have passed. Pending without an opinion.
+  /// where it is below −12, odds of e^6. Undecided after second_opinion_s; pending without an opinion.
   Opinion conclude(bool again, const HealthLimits& limits) const;
 
   /// As those of LeaveOneOut.
   void widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K);
   void shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K);
   /// Into the sensor's column of the alternatives (LeaveOneOut): √w (θ_kept − θ), w from 1 to 0 as the evidence goes
-  /// from −4 to −12. As long as it is pending the truth may lie where the kept filter says.
+  /// from −4 to −12, and no more than LeaveOneOut has for the evidence of the beginning and what has come since. As
+  /// long as it is pending the truth may lie where the kept filter says.
   void put_alternative(const EstimatorCorrection& estimator, Eigen::MatrixXd& alternatives) const;
 
   Eigen::Index sensor() const { return sensor_; }  ///< -1: there is no opinion pending
@@ -50,6 +51,7 @@ class SecondOpinion {
   Eigen::Index sensor_ = -1;
   SquareRootFilter filter_;
   Misfit misfit_;
+  double begun_with_ = 0.0;  // evidence
   double age_s_ = 0.0;
   bool is_new_ = false;
   long loosened_ = 0;  // of the estimator, when it was looked at last

@@ -104,16 +104,20 @@ bool heed_opinion(bool loosened, const Watched& of) {
   const correction::HealthState state = of.watch.health->record(key_point_of(opinion.sensor(), of.corrector)).state;
   const bool out = state == correction::HealthState::failed || state == correction::HealthState::returning;
   const correction::Opinion concluded = opinion.conclude(loosened, of.watch.health->limits());
-  if (out || concluded == correction::Opinion::against_model) opinion.drop();
+  if (concluded == correction::Opinion::against_model) of.estimator.note_change();
+  const bool over = concluded == correction::Opinion::against_model || concluded == correction::Opinion::undecided;
+  if (out || over) opinion.drop();
   return !out && concluded == correction::Opinion::against_sensor && leave_suspect_out(of);
 }
 
 /// What the filters without a sensor were sure of goes with what the estimator was sure of. If a sensor was the reason,
-/// it is the one with most evidence by then.
+/// it is the one with most evidence by then; not while the priors settle.
 void heed_loosening(const Watched& of) {
   SensorWatch& watch = of.watch;
-  const Eigen::Index suspect = watch.others->most_doubtful(watch.health->limits().exchange_evidence);
-  if (suspect >= 0 && watch.opinion->sensor() < 0) watch.opinion->begin(suspect, watch.others->without(suspect));
+  const correction::HealthLimits& limits = watch.health->limits();
+  const bool settled = of.estimator.age_s() > limits.settle_s && watch.opinion->sensor() < 0;
+  const Eigen::Index suspect = settled ? watch.others->most_doubtful(limits.exchange_evidence) : -1;
+  if (suspect >= 0) watch.opinion->begin(suspect, *watch.others);
   follow_estimator(of.estimator, watch);
   const bool swapped = watch.health->note_contradiction().partner >= 0;
   watch.health->note_restart();
@@ -142,7 +146,7 @@ void heed(const correction::HealthVerdict& verdict, const Watched& of) {
   if (verdict.loosen) {
     const Eigen::Index suspect = channel_at(of.corrector, static_cast<std::size_t>(verdict.suspect));
     of.estimator.note_contradiction();
-    watch.opinion->begin(suspect, watch.others->without(suspect));
+    watch.opinion->begin(suspect, *watch.others);
   }
   if (verdict.opened >= 0) {
     watch.opinion->drop();

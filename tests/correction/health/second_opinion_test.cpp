@@ -31,7 +31,7 @@ struct Blamed {
     return opinion.conclude(false, limits);
   }
   void blame(Eigen::Index sensor) {
-    opinion.begin(sensor, bank.without(sensor));
+    opinion.begin(sensor, bank);
     pair.estimator.note_contradiction();
   }
   Pair pair;
@@ -107,24 +107,33 @@ TEST(SecondOpinion, evidence_is_what_an_update_surprises_the_estimator_less_what
   EXPECT_NEAR(blamed.opinion.misfit().evidence, std::exp(-10.0 / evidence_memory_s) * before + gained, 1e-9);
 }
 
-TEST(SecondOpinion, while_it_is_pending_what_is_published_has_room_for_it) {
+TEST(SecondOpinion, while_it_is_pending_what_is_published_has_room_for_it_where_the_blame_had_evidence) {
   const rom::Network network = plates();
-  Blamed blamed(network);
-  blamed.run_until(blamed_s);
-  const EstimatorCorrection& estimator = blamed.pair.estimator;
-  Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 4);
-  blamed.opinion.put_alternative(estimator, steps);
-  EXPECT_EQ(steps.norm(), 0.0) << "nobody was blamed";
-  blamed.blame(2);
-  blamed.run_until(blamed_s + 60.0);
-  ASSERT_GT(blamed.opinion.misfit().evidence, -4.0);
-  blamed.opinion.put_alternative(estimator, steps);
-  const Eigen::VectorXd whole =
-      (blamed.opinion.filter().mean() - estimator.filter().mean()).head(estimator.parameters().count());
-  EXPECT_GT(whole.norm(), 0.0);
-  EXPECT_EQ((steps.col(2) - whole).norm(), 0.0);
-  steps.col(2).setZero();
-  EXPECT_EQ(steps.norm(), 0.0);
+  for (const double rate_K_per_h : {0.0, 10.0}) {
+    Blamed blamed(network);
+    blamed.pair.tamper = [&](Eigen::VectorXd& readings_K) {
+      readings_K[2] += rate_K_per_h / 3600.0 * std::max(0.0, blamed.pair.time_s - blamed_s + 600.0);
+    };
+    blamed.run_until(blamed_s);
+    const EstimatorCorrection& estimator = blamed.pair.estimator;
+    Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 4);
+    blamed.opinion.put_alternative(estimator, steps);
+    EXPECT_EQ(steps.norm(), 0.0) << "nobody was blamed";
+    const double evidence = blamed.bank.misfit(2).evidence;
+    blamed.blame(2);
+    blamed.run_until(blamed_s + 60.0);
+    const double since = blamed.opinion.misfit().evidence;
+    ASSERT_GT(since, -4.0);
+    const double weight = LeaveOneOut::weight_of(evidence + since);
+    EXPECT_EQ(weight, rate_K_per_h > 0.0 ? 1.0 : 0.0) << evidence << " and " << since;
+    blamed.opinion.put_alternative(estimator, steps);
+    const Eigen::VectorXd whole =
+        (blamed.opinion.filter().mean() - estimator.filter().mean()).head(estimator.parameters().count());
+    EXPECT_GT(whole.norm(), 0.0);
+    EXPECT_EQ((steps.col(2) - weight * whole).norm(), 0.0);
+    steps.col(2).setZero();
+    EXPECT_EQ(steps.norm(), 0.0);
+  }
 }
 
 TEST(SecondOpinion, readings_that_contradict_a_second_time_decide_where_it_fits_as_well) {
@@ -172,7 +181,7 @@ TEST(SecondOpinion, nothing_calls_the_heap) {
   blamed.run_until(60.0);
   Eigen::MatrixXd& steps = blamed.bank.alternatives(blamed.pair.estimator);
   const long before = rom::tests::heap_calls();
-  blamed.opinion.begin(1, blamed.bank.without(1));
+  blamed.opinion.begin(1, blamed.bank);
   blamed.opinion.update(blamed.pair.estimator);
   blamed.opinion.put_alternative(blamed.pair.estimator, steps);
   blamed.opinion.widen_offset(blamed.pair.estimator, 1, 0.2);
