@@ -161,6 +161,26 @@ TEST(SecondOpinion, readings_that_contradict_a_second_time_decide_where_it_fits_
   EXPECT_EQ(blamed.opinion.conclude(true, blamed.limits), Opinion::pending);
 }
 
+TEST(SecondOpinion, what_the_start_has_done_until_the_loosening_is_in_the_state_and_counts_once) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  const Eigen::VectorXd warm_K = (blamed.pair.plant.stepper.temperatures_K().array() + 0.6).matrix();
+  blamed.pair.plant.stepper.set_temperatures(warm_K);
+  blamed.run_until(300.0);
+  const ParameterModel& parameters = blamed.pair.estimator.parameters();
+  const auto largest_K = [&](const SquareRootFilter& filter) {
+    return filter.mean().segment(parameters.count() - parameters.starts(), parameters.starts()).cwiseAbs().maxCoeff();
+  };
+  const double known_K = largest_K(blamed.bank.without(1));
+  ASSERT_EQ(blamed.pair.estimator.loosened(), 0);
+  ASSERT_GT(known_K, 0.2) << "the spindle was 0.6 K warmer than the twin believed";
+  blamed.blame(1);
+  EXPECT_EQ(largest_K(blamed.opinion.filter()), known_K);
+  blamed.run_until(322.0);
+  ASSERT_EQ(blamed.pair.estimator.loosened(), 1);
+  EXPECT_LT(largest_K(blamed.opinion.filter()), 0.3 * known_K);
+}
+
 TEST(SecondOpinion, a_tare_or_another_offset_is_the_kept_filters_too) {
   const rom::Network network = plates();
   Blamed blamed(network);
