@@ -78,17 +78,9 @@ void LeaveOneOut::update(const EstimatorCorrection& estimator) {
 }
 
 double LeaveOneOut::update_one(const EstimatorCorrection& estimator, Eigen::Index sensor) {
-  const EstimatorUpdate& made = estimator.last_update();
   SquareRootFilter& filter = filters_[static_cast<std::size_t>(sensor)];
-  Misfit& misfit = misfits_[static_cast<std::size_t>(sensor)];
   filter.pass_time(estimator.prior().mean(), keep_, growth_);
-  row_ = made.rows.col(sensor);
-  const double missed_K = made.innovation_at(sensor, filter.mean());
-  misfit.judged = std::isfinite(missed_K);
-  if (misfit.judged) {
-    misfit.misfit_K = missed_K;
-    misfit.deviation_K = std::sqrt(filter.variance_of(row_) + made.noise_K2[sensor]);
-  }
+  note_misfit(estimator, sensor, filter, row_, misfits_[static_cast<std::size_t>(sensor)]);
   return update_without(estimator, sensor, filter, row_);
 }
 

@@ -50,13 +50,7 @@ void SecondOpinion::update(const EstimatorCorrection& estimator) {
   widths_.environment = std::min(widths_.environment, estimator.widths().environment);
   estimator.passing_of_time(made.elapsed_s, widths_, keep_, growth_);
   filter_.pass_time(estimator.prior().mean(), keep_, growth_);
-  row_ = made.rows.col(sensor_);
-  const double missed_K = made.innovation_at(sensor_, filter_.mean());
-  misfit_.judged = std::isfinite(missed_K);
-  if (misfit_.judged) {
-    misfit_.misfit_K = missed_K;
-    misfit_.deviation_K = std::sqrt(filter_.variance_of(row_) + made.noise_K2[sensor_]);
-  }
+  note_misfit(estimator, sensor_, filter_, row_, misfit_);
   const double gained = surprise_of(estimator) - update_without(estimator, sensor_, filter_, row_);
   misfit_.evidence = std::exp(-made.elapsed_s / evidence_memory_s) * misfit_.evidence + gained;
   age_s_ += made.elapsed_s;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "correction/health/surprise.hpp"
+#include "correction/health/update_without.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -43,25 +44,8 @@ bool UnexplainedHeat::update(const EstimatorCorrection& estimator) {
     growth_[slot] = std::pow(estimator.open_heat_W(g), 2.0) * (1.0 - keep_[slot] * keep_[slot]);
   }
   filter_.pass_time(estimator.prior().mean(), keep_, growth_);
-  double gained = 0.0;
-  const double gate2 = estimator.gate() * estimator.gate();
-  const auto judge = [&](const SensorRecord& record, double innovation, double noise) {
-    const double variance = filter_.variance_of(row_) + noise;
-    gained += surprise(record.innovation_K, record.variance_K2) - surprise(innovation, variance);
-    if (innovation * innovation <= gate2 * variance) filter_.update(row_, innovation, noise);
-  };
-  for (Eigen::Index s = 0; s < made.innovation_K.size(); ++s) {
-    if (!std::isfinite(made.innovation_K[s])) continue;
-    row_ = made.rows.col(s);
-    judge(estimator.record(s), made.innovation_at(s, filter_.mean()), made.noise_K2[s]);
-  }
-  if (std::isfinite(made.displacement_m)) {
-    row_ = made.displacement_row;
-    judge(estimator.displacement_record(), made.displacement_at(filter_.mean()), made.displacement_variance_m2);
-  }
-  row_ = filter_.mean();
-  estimator.bound(row_);
-  filter_.set_mean(row_);
+  constexpr Eigen::Index with_all = -1;
+  double gained = surprise_of(estimator) - update_without(estimator, with_all, filter_, row_);
   if (!std::isfinite(gained)) gained = 0.0;
   evidence_ = std::exp(-made.elapsed_s / evidence_memory_s) * evidence_ + gained;
   return evidence_ > enough;

@@ -18,6 +18,17 @@ double surprise_of(const EstimatorCorrection& estimator) {
   return sum + surprise(record.innovation_K, record.variance_K2);
 }
 
+void note_misfit(const EstimatorCorrection& estimator, Eigen::Index sensor, SquareRootFilter& filter,
+                 Eigen::VectorXd& row, Misfit& misfit) {
+  const EstimatorUpdate& made = estimator.last_update();
+  row = made.rows.col(sensor);
+  const double missed_K = made.innovation_at(sensor, filter.mean());
+  misfit.judged = std::isfinite(missed_K);
+  if (!misfit.judged) return;
+  misfit.misfit_K = missed_K;
+  misfit.deviation_K = std::sqrt(filter.variance_of(row) + made.noise_K2[sensor]);
+}
+
 double update_without(const EstimatorCorrection& estimator, Eigen::Index sensor, SquareRootFilter& filter,
                       Eigen::VectorXd& row) {
   const EstimatorUpdate& made = estimator.last_update();
