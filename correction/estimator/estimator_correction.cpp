@@ -81,7 +81,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   growth_ = row_ = gain_ = Eigen::VectorXd::Zero(n);
   theta_ = theta_step_ = place_ = curvature_ = Eigen::VectorXd::Zero(p);
   open_.start_missed = Eigen::VectorXd::Zero(parameters_.starts());
-  outputs_.set_alternatives(Eigen::MatrixXd::Zero(p, m));
+  outputs_.set_alternatives(Eigen::MatrixXd::Zero(p, m + 1));
   factors_ = parameters_.make_factors(network);
   bias_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.environments.size()));
   rises_K_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(network.boundaries.sources.size()));

@@ -23,7 +23,8 @@ LeaveOneOut::LeaveOneOut(const EstimatorCorrection& estimator)
       keep_(Eigen::VectorXd::Ones(estimator.prior().size())),
       growth_(Eigen::VectorXd::Zero(estimator.prior().size())),
       row_(growth_),
-      alternatives_(Eigen::MatrixXd::Zero(estimator.parameters().count(), static_cast<Eigen::Index>(filters_.size()))) {
+      alternatives_(
+          Eigen::MatrixXd::Zero(estimator.parameters().count(), static_cast<Eigen::Index>(filters_.size()) + 1)) {
   for (Kept& kept : kept_) kept.filter = estimator.prior();
 }
 
@@ -115,7 +116,8 @@ double LeaveOneOut::weight_of(double evidence) {
 }
 
 Eigen::MatrixXd& LeaveOneOut::alternatives(const EstimatorCorrection& estimator) {
-  for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
+  alternatives_.rightCols<1>().setZero();
+  for (Eigen::Index s = 0; s + 1 < alternatives_.cols(); ++s) {
     const double weight = std::sqrt(weight_of(misfit(s).evidence));
     alternatives_.col(s) = weight * (without(s).mean() - estimator.filter().mean()).head(alternatives_.rows());
   }

@@ -59,9 +59,10 @@ class LeaveOneOut {
   /// How much it is open whether a sensor has failed: from 0 to 1 as the evidence goes from 4 to 12. May run in the
   /// cycle.
   static double weight_of(double evidence);
-  /// For EstimatorCorrection::set_alternatives, p x sensors: √w (θ_s − θ), w that weight. As long as it is open whether
-  /// s has failed, the truth may lie where its filter says (solution separation, the protection level of satellite
-  /// navigation: Brown and McBurney, Navigation 35, 1988). Valid until the next call. May run in the cycle.
+  /// For EstimatorCorrection::set_alternatives, p x (sensors + 1): √w (θ_s − θ), w that weight; the last column is
+  /// zero, a place for a filter that is kept elsewhere (SecondOpinion). As long as it is open whether s has failed, the
+  /// truth may lie where its filter says (solution separation, the protection level of satellite navigation: Brown and
+  /// McBurney, Navigation 35, 1988). Valid until the next call. May run in the cycle.
   Eigen::MatrixXd& alternatives(const EstimatorCorrection& estimator);
 
   /// The judged sensor with most evidence against it, of at least `least`; -1: none. May run in the cycle.

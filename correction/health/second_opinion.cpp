@@ -81,7 +81,7 @@ void SecondOpinion::put_alternative(const EstimatorCorrection& estimator, Eigen:
   if (sensor_ < 0) return;
   const double since = std::clamp((misfit_.evidence - refuted) / (doubted - refuted), 0.0, 1.0);
   const double weight = std::min(since, LeaveOneOut::weight_of(begun_with_ + misfit_.evidence));
-  alternatives.col(sensor_) =
+  alternatives.rightCols<1>() =
       std::sqrt(weight) * (filter_.mean() - estimator.filter().mean()).head(alternatives.rows());
 }
 

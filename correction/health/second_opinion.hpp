@@ -37,9 +37,10 @@ class SecondOpinion {
   /// As those of LeaveOneOut.
   void widen_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double deviation_K);
   void shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K);
-  /// Into the sensor's column of the alternatives (LeaveOneOut): √w (θ_kept − θ), w from 1 to 0 as the evidence goes
-  /// from −4 to −12, and no more than LeaveOneOut has for the evidence of the beginning and what has come since. As
-  /// long as it is pending the truth may lie where the kept filter says.
+  /// Into the last column of the alternatives (LeaveOneOut), which stays zero without an opinion: √w (θ_kept − θ), w
+  /// from 1 to 0 as the evidence goes from −4 to −12, and no more than LeaveOneOut has for the evidence of the
+  /// beginning and what has come since. As long as it is pending the truth may lie where the kept filter says, or where
+  /// the one that LeaveOneOut has without that sensor by now.
   void put_alternative(const EstimatorCorrection& estimator, Eigen::MatrixXd& alternatives) const;
 
   Eigen::Index sensor() const { return sensor_; }  ///< -1: there is no opinion pending

@@ -149,8 +149,10 @@ void heed(const correction::HealthVerdict& verdict, const Watched& of) {
     watch.opinion->begin(suspect, *watch.others);
   }
   if (verdict.opened >= 0) {
+    const Eigen::Index opened = channel_at(of.corrector, static_cast<std::size_t>(verdict.opened));
+    if (watch.opinion->sensor() == opened) leave_out(opened, of);
     watch.opinion->drop();
-    open_offset(channel_at(of.corrector, static_cast<std::size_t>(verdict.opened)), of);
+    open_offset(opened, of);
   }
   if (verdict.failed < 0) return;
   if (verdict.partner >= 0) {

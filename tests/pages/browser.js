@@ -1,9 +1,10 @@
-// A page in Debian's Chromium without a display: what it wanted to load and what it complained of is kept.
+// A page in the headless shell of Debian's Chromium: what it wanted to load and what it complained of is kept. The shell takes
+// half the processor time of the whole browser.
 import { existsSync, readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
-const program = "/usr/bin/chromium";
+const program = "/usr/bin/chromium-headless-shell";
 const axe = readFileSync(new URL("node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
 
 export async function startBrowser() {

@@ -106,6 +106,8 @@ TEST(LawFile, laws_in_the_wrong_place_are_refused_with_file_and_field) {
       {"kelvin", [&](Network& n) { source(n).first.nominal_K = -3.0; }, "above 0 K"},
       {"output", [&](Network& n) { source(n).displacement = 2; }, "law displacement: names one"},
       {"circuit", [&](Network& n) { source(n).circuit = 0; }, "law circuit: must be the circuit"},
+      {"mode", [&](Network& n) { source(n).law.mode = static_cast<LawMode>(law_modes.size()); },
+       "law mode: does not exist"},
       {"sign", [&](Network& n) { source(n).displacement_sign = std::nan(""); }, "not finite"},
       {"range", [&](Network& n) { std::get<BearingHeatLaw>(source(n).law.parameters).friction.pitch_diameter_m = 0.0; },
        "pitch_diameter_m: must be a number from 0 (excluded)"},

@@ -45,8 +45,8 @@ CalibrateOptions joint_alone(const rom::Network& network) {
   return options;
 }
 
-ThermalTest steady(const rom::Network& network) {
-  const double rise_K = 1000.0 / (75.0 + 25.0 * (std::exp(hidden) + std::exp(-hidden)));
+ThermalTest steady(const rom::Network& network, double joint = hidden) {
+  const double rise_K = 1000.0 / (75.0 + 25.0 * (std::exp(joint) + std::exp(-joint)));
   ThermalTest test;
   test.name = "steady";
   test.start_K = network.boundaries.reference_temperature_K;
@@ -90,6 +90,26 @@ TEST(SeveralStarts, where_two_answers_are_about_as_good_both_are_covered) {
       EXPECT_NEAR(start.cost, expected, 0.1);
     }
   }
+}
+
+/// The weaker the joint, the nearer the two answers: at last the readings no longer keep them apart.
+TEST(SeveralStarts, answers_are_two_where_a_deviation_lies_between_them) {
+  const rom::Network network = with_two_answers();
+  int near = 0;
+  for (int k = 0; k <= 20; ++k) {
+    CalibrateOptions options = joint_alone(network);
+    options.starts = 3;
+    const TestPredictor predictor(network, options);
+    const std::vector<ThermalTest> tests{steady(network, 0.06 + 0.002 * k)};
+    const FitTask task{network, predictor, options, tests};
+    const Eigen::VectorXd mean = TestUnknowns(network, predictor.parameters(), options, 1).mean();
+    for (const StartedFit& start : fit_from_several(task, mean, {}).starts) {
+      EXPECT_EQ(start.is_other, start.apart > 1.0) << start.apart;
+      EXPECT_LT(start.cost, 3.0);
+      near += start.apart > 1.0 && start.apart < 2.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(near, 0);
 }
 
 TEST(SeveralStarts, of_a_test_with_one_answer_all_lead_to_it) {

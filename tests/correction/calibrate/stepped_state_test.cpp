@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 
@@ -63,6 +64,16 @@ TEST(SteppedState, stages_are_solved_to_a_nanokelvin) {
     coordinates->to_temperatures(state.x(), temperature_K);
     EXPECT_NEAR(temperature_K[0] - ambient_K, expected_K, 1e-9) << "after a step of " << period_s << " s";
   }
+}
+
+TEST(SteppedState, says_so_where_a_stage_has_no_solution) {
+  const rom::Network network = node_network(tau_s, heat_W);
+  const ParameterModel parameters(network, {});
+  SteppedState state(network, std::make_shared<const rom::NetworkOperator>(network), parameters, parameters.neutral());
+  state.start(ambient_K);
+  rom::OperatingState unknown = network.boundaries.operating;
+  unknown.environment_K.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(state.advance(20.0, unknown));
 }
 
 }  // namespace spindle_twin::correction::test

@@ -46,6 +46,15 @@ TEST(StartShapes, are_one_kelvin_at_their_largest_and_in_order) {
   EXPECT_EQ(sum, Eigen::VectorXd::Ones(13));
 }
 
+TEST(StartShapes, without_heats_there_is_no_running_spindle) {
+  rom::Network network = rom::tests::make_synthetic_network({3, 2, 2, true}, 5);
+  for (rom::HeatSource& source : network.boundaries.sources) source.nominal_W = 0.0;
+  const Shapes shapes(std::move(network));
+  ASSERT_EQ(shapes.list.size(), 5u);
+  EXPECT_EQ(shapes.list[0].name, "uniform");
+  for (std::size_t k = 1; k < 5; ++k) EXPECT_NE(shapes.list[k].name, "running");
+}
+
 TEST(StartShapes, running_is_the_steady_state_of_the_nominal_heats) {
   const Shapes shapes = plates_and_their_air();
   const Eigen::VectorXd lost_W = shapes.exchange_W_per_K * shapes.list[1].rise_K;

@@ -135,7 +135,17 @@ TEST(AppliedScale, is_found_from_what_compensated_parts_have_left) {
                         {0.3937, AppliedAs::wrong_scale},
                         {10.0, AppliedAs::wrong_scale},
                         {-10.0, AppliedAs::wrong_scale},
-                        {1.3, AppliedAs::not_told}}) {
+                        {1.3, AppliedAs::not_told},
+                        {0.76, AppliedAs::as_published},
+                        {0.74, AppliedAs::not_told},
+                        {-0.76, AppliedAs::wrong_sign},
+                        {-0.74, AppliedAs::wrong_scale},
+                        {0.24, AppliedAs::not_at_all},
+                        {0.26, AppliedAs::wrong_scale},
+                        {0.49, AppliedAs::wrong_scale},
+                        {0.51, AppliedAs::not_told},
+                        {1.49, AppliedAs::not_told},
+                        {1.51, AppliedAs::wrong_scale}}) {
     const auto scale = applied_scale(left_of(c.applied));
     ASSERT_TRUE(scale);
     EXPECT_NEAR(*scale, c.applied, 1e-12);

@@ -183,7 +183,7 @@ TEST(LeaveOneOut, an_open_suspicion_widens_what_is_published) {
   watched.run_until(1800.0);
   EstimatorCorrection& estimator = watched.pair.estimator;
   const double before_m = estimator.deviations().deformations_m[0];
-  Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 4);
+  Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 5);
   steps(0, 2) = 1.0;
   estimator.set_alternatives(steps);
   watched.run_until(1812.0);

@@ -174,6 +174,18 @@ TEST_F(StreamDeviceTest, a_silent_node_is_closed_and_may_come_back) {
   EXPECT_EQ(sensor(0).value, 23.0) << "a sequence belongs to its connection";
 }
 
+TEST_F(StreamDeviceTest, a_node_that_closes_is_gone_at_once_with_the_reason) {
+  const int socket = connect_from("127.0.0.1");
+  node sender{};
+  send_bytes(socket, frames::frame_of(sender, 0, {20.0F}));
+  EXPECT_EQ(step().is, Step::Is::fresh);
+  shutdown(socket, SHUT_RDWR);
+  const Step last = step(2);
+  EXPECT_EQ(last.is, Step::Is::waiting);
+  EXPECT_EQ(last.reason, "the node closed the connection");
+  EXPECT_EQ(sensor(0).value, 20.0) << "the last reading stays and grows old";
+}
+
 TEST_F(StreamDeviceTest, strangers_are_closed_and_the_longest_silent_of_too_many_makes_room) {
   const int stranger = connect_from("127.0.0.3");
   char byte = 0;

@@ -129,6 +129,16 @@ TEST(History, is_bounded_and_begins_a_file_at_each_gap) {
   EXPECT_EQ(text_of(path).find("\n0,1000,"), std::string::npos) << "each file replays by itself";
 }
 
+TEST(History, keeps_a_thousand_files_however_small) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  for (int k = 100001; k <= 101002; ++k) std::ofstream(folder.file("history." + std::to_string(k) + ".csv")) << "1\n";
+  EXPECT_EQ(remove_oldest_histories(path, 1'000'000), 2000U);
+  const std::vector<std::string> left = earlier_histories(path);
+  EXPECT_EQ(left.size(), 1000U);
+  EXPECT_EQ(left.front(), folder.file("history.100003.csv"));
+}
+
 TEST(History, an_unwritable_folder_is_a_fault_and_not_the_end_and_it_is_tried_again) {
   const tests::TemporaryFolder folder;
   const std::string path = folder.file("away/history.csv");

@@ -47,6 +47,29 @@ TEST(Fluids, slopes_smoothness_and_flags) {
   EXPECT_EQ(air(150.0).flags, temperature_clamped);
 }
 
+/// (u + e)²/4e is e/4 at the end itself.
+TEST(Fluids, keep_their_laws_up_to_the_rounded_corner_at_the_end_of_their_range) {
+  const auto sutherland = [](double T) {
+    return 1.716e-5 * std::pow(T / 273.15, 1.5) * (273.15 + 110.4) / (T + 110.4);
+  };
+  for (const auto& [given_K, held_K] :
+       {std::pair{202.0, 202.0}, {200.0, 200.5}, {150.0, 200.0}, {598.0, 598.0}, {600.0, 599.5}}) {
+    expect_close(air(given_K).viscosity_Pa_s, sutherland(held_K), "air", 1e-12);
+  }
+  const Liquid water;
+  const auto vogel = [&](double T) { return 2.414e-5 * std::pow(10.0, water.vogel_K / (T - water.vogel_zero_K)); };
+  for (const auto& [given_K, held_K] :
+       {std::pair{276.0, 276.0}, {275.0, 275.25}, {260.0, 275.0}, {369.0, 369.0}, {370.0, 369.75}}) {
+    expect_close(liquid_state(water, given_K).viscosity_Pa_s, vogel(held_K), "water", 1e-12);
+  }
+  const Lubricant oil = lubricant_through(313.15, 22e-6, 373.15, 4.3e-6);
+  const auto viscosity = [&](LawMode mode, double T) { return lubricant_viscosity_m2_per_s(mode, oil, T).value; };
+  for (const auto& [given_K, held_K] :
+       {std::pair{255.15, 255.15}, {253.15, 253.65}, {423.15, 422.65}, {421.15, 421.15}}) {
+    expect_close(viscosity(LawMode::standard, given_K), viscosity(LawMode::as_published, held_K), "oil", 1e-12);
+  }
+}
+
 TEST(Channel, reference_values) {
   const ChannelShape shape = reference_channel(), trio = reference_channel(ChannelFormula::paper_trio);
   ChannelShape short_one = shape;
@@ -83,6 +106,18 @@ TEST(Channel, printed_formulas_jump_thirteenfold_at_ten_thousand) {
   };
   EXPECT_NEAR(step(1e4), 13.1, 0.05);
   EXPECT_NEAR(step(2200.0) - 1.0, -0.237, 0.001);
+}
+
+/// Sieder and Tate's laminar law holds for a Graetz number above 8; above the laminar range it is not asked for.
+TEST(Channel, laminar_flow_of_the_papers_three_formulas_has_an_entrance_of_its_own_range) {
+  const ChannelShape trio = reference_channel(ChannelFormula::paper_trio);
+  const double graetz_per_reynolds = prandtl * trio.hydraulic_diameter_m / trio.length_m;
+  const auto flags = [&](double graetz) {
+    return channel_nusselt(LawMode::as_published, trio, graetz / graetz_per_reynolds, prandtl).flags;
+  };
+  EXPECT_EQ(flags(7.9), below_range);
+  EXPECT_EQ(flags(8.1), in_range);
+  EXPECT_EQ(channel_nusselt(LawMode::as_published, trio, 1e4, 0.5).flags, in_range);
 }
 
 TEST(Channel, helix_stays_laminar_longer) {

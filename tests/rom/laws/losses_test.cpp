@@ -69,6 +69,8 @@ TEST(Windage, published_pieces_jump_where_they_are_said_to) {
   EXPECT_NEAR(step(64.0), 0.056, 5e-4);
   EXPECT_NEAR(step(500.0), -0.041, 5e-4);
   EXPECT_NEAR(step(1e4), 0.0002, 1e-4);
+  EXPECT_EQ(gap_friction_times_reynolds(LawMode::as_published, ratio, 64.0), std::pow(ratio, 0.3) * std::pow(64.0, 0.4))
+      << "5 g/Re is for less than 64";
   const WindageShape disc{0.04, 0.0005, 0.15};
   const double switch_rpm = 3e5 * air(room_K).viscosity_m2_per_s / 0.0016 * 30.0 / std::numbers::pi;
   const auto ends = [&](double n) { return end_windage_W(LawMode::as_published, disc, n, room_K).value; };
