@@ -195,8 +195,9 @@ void ModbusServer::admit(Newcomer newcomer) {
   if (socket >= descriptor_limit || crowds_out_files(socket) || !make_room_for(newcomer.host)) {
     const auto before = refusals_.pass(now_ns);
     if (before) {
-      const char* why = crowds_out_files(socket) ? "the last file descriptors are kept for orders and checkpoint"
-                                                 : "none is idle for long";
+      const char* why = socket >= descriptor_limit ? "no file descriptor below 1024 is free"
+                        : crowds_out_files(socket) ? "the last file descriptors are kept for orders and checkpoint"
+                                                   : "none is idle for long";
       spdlog::warn("client {} refused: {} connections are open, {}{}", address_text(newcomer.host), connections_.size(),
                    why, LogLimit::also(*before));
     }

@@ -14,9 +14,10 @@ struct FlatErrors {
   Eigen::VectorXd key_points_K, part_means_K, part_maxima_K, deformations_m, contact_pressures_Pa;
 
   bool empty() const {
-    return key_points_K.size() + part_means_K.size() + part_maxima_K.size() + deformations_m.size() +
-               contact_pressures_Pa.size() ==
-           0;
+    for (const auto* each : {&key_points_K, &part_means_K, &part_maxima_K, &deformations_m, &contact_pressures_Pa}) {
+      if (each->size() > 0) return false;
+    }
+    return true;
   }
 };
 

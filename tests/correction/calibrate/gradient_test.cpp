@@ -20,13 +20,13 @@ rom::Network with_circuit_and_laws() {
   return network;
 }
 
-/// A quarter of an hour with changes of speed and load, inlets that wander, and readings of all channels each 5 s.
+/// Ten minutes with changes of speed and load, inlets that wander, and readings of all channels each 5 s.
 ThermalTest drive(const rom::Network& network, const CalibrateOptions& options) {
   const rom::OperatingState& described = network.boundaries.operating;
   ThermalTest test;
   test.name = "drive";
   test.start_K = network.boundaries.reference_temperature_K + 1.0;
-  for (int k = 0; k <= 180; ++k) {
+  for (int k = 0; k <= 120; ++k) {
     const double time_s = 5.0 * k;
     rom::OperatingState operating = described;
     operating.speed_rpm *= k < 50 ? 1.0 : k < 103 ? 0.3 : 0.7;

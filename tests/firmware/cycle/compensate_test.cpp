@@ -130,6 +130,16 @@ TEST(Compensation, goes_on_after_a_restart_from_where_the_nose_is) {
   }
 }
 
+TEST(Compensation, lost_right_after_a_restart_it_holds_what_it_began_with) {
+  Compensation compensation(plan());
+  compensation.begin_at(live(20.0));
+  Snapshot gone = lost(-300.0);
+  run(compensation, gone, 10);
+  EXPECT_EQ(gone.compensation.rung, Rung::hold);
+  EXPECT_NEAR(gone.compensation.value_m, 20.0 * um, 1e-15);
+  EXPECT_EQ(gone.compensation.age_s, 10.0);
+}
+
 TEST(Compensation, is_zero_before_the_first_prediction) {
   Compensation compensation(plan());
   Snapshot snapshot = lost(10.0);

@@ -4,7 +4,9 @@
 #include <pb_decode.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -24,7 +26,15 @@ struct Seen {
   std::uint64_t seq = 0;
   std::vector<spindle_twin_plant_Metric> metrics = {};
   std::vector<std::string> names = {};
+  std::vector<std::optional<std::uint32_t>> qualities = {};
 };
+
+bool take_quality(pb_istream_t* stream, const pb_field_t*, void** arg) {
+  spindle_twin_plant_PropertyValue value = spindle_twin_plant_PropertyValue_init_zero;
+  if (!pb_decode(stream, spindle_twin_plant_PropertyValue_fields, &value)) return false;
+  if (value.has_int_value) *static_cast<std::optional<std::uint32_t>*>(*arg) = value.int_value;
+  return true;
+}
 
 bool take_metric(pb_istream_t* stream, const pb_field_t*, void** arg) {
   auto& seen = *static_cast<Seen*>(*arg);
@@ -36,9 +46,13 @@ bool take_metric(pb_istream_t* stream, const pb_field_t*, void** arg) {
     return pb_read(text, reinterpret_cast<pb_byte_t*>(string.data()), string.size());
   };
   metric.name.arg = &name;
+  std::optional<std::uint32_t> quality;
+  metric.properties.values.funcs.decode = take_quality;
+  metric.properties.values.arg = &quality;
   if (!pb_decode(stream, spindle_twin_plant_Metric_fields, &metric)) return false;
   seen.metrics.push_back(metric);
   seen.names.push_back(name);
+  seen.qualities.push_back(quality);
   return true;
 }
 
@@ -146,6 +160,30 @@ TEST(EdgeNode, a_device_is_born_before_its_first_data_and_its_aliases_are_its_ow
     EXPECT_TRUE(aliases.contains(metric.alias));
     EXPECT_TRUE(metric.has_datatype);
   }
+}
+
+TEST(EdgeNode, a_birth_says_how_good_each_number_is_and_data_of_those_that_were_not_good) {
+  EdgeNode node = node_of({"a"});
+  node.will(1);
+  node.births(2);
+  node.add(0, 3, values(node));
+  std::vector<PlantMessage> messages = node.data(4);
+  ASSERT_EQ(messages.size(), 2U);
+  const Seen birth = look(messages[0]), data = look(messages[1]);
+  constexpr auto good = static_cast<std::uint32_t>(MetricQuality::good);
+  std::map<std::uint64_t, std::uint32_t> at_birth;
+  for (std::size_t i = 0; i < birth.metrics.size(); ++i) {
+    if (birth.qualities[i]) at_birth[birth.metrics[i].alias] = *birth.qualities[i];
+  }
+  std::size_t fine = 0, poor = 0;
+  for (std::size_t i = 0; i < data.metrics.size(); ++i) {
+    ASSERT_TRUE(at_birth.contains(data.metrics[i].alias));
+    const std::uint32_t quality = at_birth[data.metrics[i].alias];
+    (quality == good ? fine : poor) += 1;
+    EXPECT_EQ(data.qualities[i], quality == good ? std::nullopt : std::optional(quality));
+  }
+  EXPECT_GT(fine, 0U);
+  EXPECT_GT(poor, 0U);
 }
 
 TEST(EdgeNode, what_nobody_confirmed_is_said_again_as_history_and_nothing_before_it_is_answered) {

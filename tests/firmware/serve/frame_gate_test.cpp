@@ -145,6 +145,15 @@ TEST(DeviceIdentification, basic_category_lists_three_objects) {
   EXPECT_EQ(std::string(reply.begin() + 16, reply.begin() + 16 + reply[15]), "spindle-twin");
 }
 
+TEST(DeviceIdentification, a_single_object_is_the_one_that_was_asked_for) {
+  for (const auto& [id, text] : {std::pair{std::uint8_t{1}, "spindle-twind"}, {4, "Thermal twin of a CNC spindle"}}) {
+    const Bytes reply = identify_device(framed({43, 14, 4, id}));
+    EXPECT_EQ(reply[13], 1);
+    EXPECT_EQ(reply[14], id);
+    EXPECT_EQ(std::string(reply.begin() + 16, reply.end()), text);
+  }
+}
+
 TEST(DeviceIdentification, an_object_that_does_not_exist_is_exception_2) {
   const Bytes reply = identify_device(framed({43, 14, 4, 77}));
   EXPECT_EQ(reply[7], 43 | 0x80);

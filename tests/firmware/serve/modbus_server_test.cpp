@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -178,6 +179,28 @@ TEST(ModbusServer, the_client_after_the_last_place_is_turned_away) {
   Client c(serving.server.port());
   EXPECT_TRUE(c.closed_by_server());
   EXPECT_EQ(payload(a.ask(read_known)), known_words);
+}
+
+TEST(ModbusServer, a_descriptor_that_libmodbus_cannot_take_is_turned_away) {
+  Serving serving;
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit enough{2048, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &enough), 0);
+  std::vector<int> taken;
+  while (taken.empty() || taken.back() < 1023) taken.push_back(dup(0));
+  for (const bool fits : {false, true}) {
+    close(taken.back());  // for the client: the server's own is 1024; then the server's is 1023
+    taken.pop_back();
+    Client client(serving.server.port());
+    if (fits) {
+      EXPECT_EQ(payload(client.ask(read_known)), known_words);
+    } else {
+      EXPECT_TRUE(client.closed_by_server());
+    }
+  }
+  for (const int descriptor : taken) close(descriptor);
+  setrlimit(RLIMIT_NOFILE, &before);
 }
 
 TEST(ModbusServer, orders_that_find_the_queue_full_are_answered_with_busy_and_change_nothing) {
