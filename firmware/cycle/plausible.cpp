@@ -61,8 +61,8 @@ Described described_by(const rom::Network& network, const Judgement& judgement, 
   described.surroundings_K = sum_K / count;
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     if (judgement.sensors[k] != SensorQuality::good || !std::isfinite(sensed.sensors[k].value)) continue;
-    const double rise_K = uncorrected_K[static_cast<Eigen::Index>(k)] - described.surroundings_K;
-    if (rise_K < least_rise_K) continue;
+    const double rise_K =
+        std::max(least_rise_K, uncorrected_K[static_cast<Eigen::Index>(k)] - described.surroundings_K);
     described.times = std::max(described.times, (sensed.sensors[k].value - described.surroundings_K) / rise_K);
   }
   described.times = std::min(described.times, most_times);

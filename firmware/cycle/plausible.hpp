@@ -13,7 +13,7 @@ inline constexpr double plausible_K = 30.0;
 /// uncorrected one does, or would if all its rises were as many times higher as the good sensor says whose place is the
 /// most of all beyond the uncorrected rise there:
 ///   T_uncorrected + (s − 1) max(T_uncorrected − T_s, 0),   T_s the mean of the surroundings,
-///   s = max (reading − T_s)/(T_uncorrected at its place − T_s) from 1 to 5, of places that rise by 5 K at least
+///   s = max (reading − T_s)/max(T_uncorrected at its place − T_s, 5 K), from 1 to 5
 /// So much hotter than described may be what no sensor reaches, too. At its worst key point or part maximum; infinite
 /// where a prediction is no number, 0 where nothing is measured at all. [K] Runs in the cycle.
 double outside_K(const rom::Network& network, const Judgement& judgement, const SensedInputs& sensed,

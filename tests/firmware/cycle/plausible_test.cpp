@@ -95,8 +95,9 @@ TEST(Plausible, a_spindle_that_readings_show_to_be_hotter_than_described_may_be_
   predicted.sensed.sensors[0].value = 340.0;  // seven times, of which five count: 398 K
   predicted.corrected.outputs.part_maximum_K[2] = 400.0;
   EXPECT_DOUBLE_EQ(predicted.outside(), 2.0);
-  predicted.uncorrected.outputs.key_points_K.setConstant(302.9);  // rises of less than 5 K tell no ratio
-  EXPECT_DOUBLE_EQ(predicted.outside(), 60.0);
+  predicted.uncorrected.outputs.key_points_K.setConstant(299.0);  // rises of less than 5 K count as these
+  predicted.sensed.sensors[0].value = 316.0;
+  EXPECT_NEAR(predicted.outside(), 400.0 - (298.0 + 20.0 * 18.0 / 5.0), 1e-9);
 }
 
 TEST(Plausible, where_nothing_is_measured_nothing_is_outside) {
