@@ -1,5 +1,6 @@
 #include "firmware/serve/modbus_server.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -188,7 +189,10 @@ TEST(ModbusServer, a_descriptor_that_libmodbus_cannot_take_is_turned_away) {
   const rlimit enough{2048, before.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &enough), 0);
   std::vector<int> taken;
-  while (taken.empty() || taken.back() < 1023) taken.push_back(dup(0));
+  while (taken.empty() || taken.back() < 1023) {
+    taken.push_back(open("/dev/null", O_RDONLY));
+    ASSERT_GE(taken.back(), 0);
+  }
   for (const bool fits : {false, true}) {
     close(taken.back());  // for the client: the server's own is 1024; then the server's is 1023
     taken.pop_back();
