@@ -40,8 +40,7 @@ double furthest_K(const Span& span, const Described& described, const Eigen::Vec
   double furthest = 0.0;
   for (Eigen::Index i = 0; i < predicted_K.size(); ++i) {
     if (!std::isfinite(predicted_K[i])) return std::numeric_limits<double>::infinity();
-    const double free_K =
-        std::max(span.outside_K(uncorrected_K[i]), span.outside_K(described.hotter_K(uncorrected_K[i])));
+    const double free_K = span.outside_K(described.hotter_K(uncorrected_K[i]));
     furthest = std::max(furthest, span.outside_K(predicted_K[i]) - free_K);
   }
   return furthest;

@@ -10,8 +10,8 @@ namespace spindle_twin::firmware {
 inline constexpr double plausible_K = 30.0;
 
 /// By how much the corrected model leaves the span of all readings in range and of the surroundings further than the
-/// uncorrected one does, or would if all its rises were as many times higher as the good sensor says whose place is the
-/// most of all beyond the uncorrected rise there:
+/// uncorrected one would if all its rises above the surroundings were s times higher, s the largest ratio of a good
+/// sensor's rise to the uncorrected one at its place:
 ///   T_uncorrected + (s − 1) max(T_uncorrected − T_s, 0),   T_s the mean of the surroundings,
 ///   s = max (reading − T_s)/max(T_uncorrected at its place − T_s, 5 K), from 1 to 5
 /// So much hotter than described may be what no sensor reaches, too. At its worst key point or part maximum; infinite

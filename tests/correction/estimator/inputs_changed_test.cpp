@@ -28,6 +28,7 @@ TEST(InputsChanged, ends_a_held_period_at_a_jump_and_not_at_noise) {
       {"load, 0.005", [](rom::OperatingState& now) { now.load += 0.005; }, false},
       {"load, 0.009", [](rom::OperatingState& now) { now.load += 0.009; }, false},
       {"load, 0.011", [](rom::OperatingState& now) { now.load += 0.011; }, true},
+      {"load, 0.02", [](rom::OperatingState& now) { now.load += 0.02; }, true},
       {"flow stops", [](rom::OperatingState& now) { now.flow_kg_per_s[0] = 0.0; }, true},
       {"current, 3 %", [](rom::OperatingState& now) { now.current_A = 10.3; }, false},
       {"current, 20 %", [](rom::OperatingState& now) { now.current_A = 12.0; }, true},
