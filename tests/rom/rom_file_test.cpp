@@ -154,6 +154,19 @@ TEST(RomFile, unknown_schema_version_is_refused) {
   expect_refused(decode_refusal(bytes), "schema_version: 9 is unknown; this program reads 1 to 6");
 }
 
+TEST(RomFile, a_number_of_a_law_that_cannot_be_read_is_refused) {
+  std::vector<std::uint8_t> bytes = encode_network(make_copper_node());
+  const std::string number = "rated_current_A";
+  const auto name = std::search(bytes.begin(), bytes.end(), number.begin(), number.end());
+  ASSERT_NE(name, bytes.end());
+  const auto tag = name + static_cast<std::ptrdiff_t>(number.size());
+  ASSERT_EQ(*tag, 2U << 3U | 1U) << "field 2, eight bytes";
+  *tag = 3U << 3U;  // a field that this program does not know, of a number that does not end
+  std::fill_n(tag + 1, sizeof(double), std::uint8_t{0x80});
+  renew_hash(bytes);
+  expect_refused(decode_refusal(bytes), "x.rom");
+}
+
 TEST(RomFile, a_payload_behind_a_valid_hash_cannot_crash_the_reader) {
   const std::uint64_t seed = 20240611;
   std::cout << "seed " << seed << "\n";

@@ -85,6 +85,23 @@ TEST(Channel, a_jump_of_one_kelvin_or_more_fails_the_channel_within_four_samples
   }
 }
 
+TEST(Channel, that_is_read_once_a_minute_fails_by_a_jump_within_four_readings_too) {
+  constexpr double interval_s = 60.0;
+  SensorHealth health({{true, 253.15, 423.15, 0.01, 0.03, interval_s}}, {});
+  std::mt19937_64 random(drive_seed);
+  std::normal_distribution<double> noise_K(0.0, 0.03);
+  const auto read = [&](int n, double jump_K) {
+    health.step({{true, 300.0 + jump_K + noise_K(random), 300.0, 0.0, 300.0}}, n * interval_s,
+                n == 0 ? 0.0 : interval_s);
+  };
+  int n = 0;
+  while (n < 60) read(n++, 0.0);
+  ASSERT_EQ(health.record(0).state, HealthState::good);
+  while (n < 64 && health.record(0).state != HealthState::failed) read(n++, 4.0);
+  EXPECT_EQ(health.record(0).state, HealthState::failed);
+  EXPECT_EQ(health.record(0).fault, HealthFault::jump);
+}
+
 TEST(Channel, one_spike_is_withheld_and_forgiven_and_the_fourth_in_ten_minutes_is_not) {
   Case one(3);
   one.drive.tamper = [&](std::vector<HealthSample>& samples) {

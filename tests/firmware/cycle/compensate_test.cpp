@@ -193,6 +193,19 @@ TEST(Compensation, changes_by_whole_steps_where_the_control_wants_them) {
   EXPECT_NEAR(snapshot.compensation.deviation_m, std::hypot(3.0, snapshot.compensation.value_m / um - 7.0) * um, 1e-12);
 }
 
+TEST(Compensation, begins_with_a_whole_step_too_and_moves_on_from_there) {
+  CompensationPlan stepped = plan();
+  stepped.step_m = 2.0 * um;
+  Compensation compensation(stepped);
+  Snapshot snapshot = live(7.3);
+  compensation.begin_at(snapshot);
+  compensation.step(3, 3, 0.0, snapshot);
+  EXPECT_NEAR(snapshot.compensation.value_m, 8.0 * um, 1e-15);
+  snapshot.nose_m = 9.0 * um;
+  run(compensation, snapshot, 60);
+  EXPECT_NEAR(snapshot.compensation.value_m, 8.0 * um, 1e-15) << "less than a step away";
+}
+
 TEST(Compensation, the_slope_is_that_between_nose_and_the_other_output) {
   CompensationPlan along = plan();
   along.other = 1;

@@ -90,8 +90,10 @@ TEST(Exchange, a_better_network_is_tried_shown_watched_and_accepted_without_a_st
   EXPECT_LE(of.run_until(ExchangeState::watching, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::watching);
   EXPECT_EQ(of.exchange.kept().standing_orders().network_sha256[0], 'a') << "what is kept stays the old one's";
+  const int watched_from = of.n;
   EXPECT_LE(of.run_until(ExchangeState::keeping, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::keeping);
+  EXPECT_EQ(of.n - watched_from, 600 + 2) << "cycles of a second, and one at either end";
   EXPECT_LT(of.last.exchange.candidate_K, of.last.exchange.running_K);
   of.run(10);
   EXPECT_EQ(of.last.exchange.state, ExchangeState::keeping) << "until its file is on the disk";
@@ -187,6 +189,10 @@ TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tar
   of.run_until(ExchangeState::watching, 1000);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::watching);
   const double nose_m = of.last.nose_m;
+  Remembered checkpoint;
+  of.new_cycle.remember(checkpoint);
+  EXPECT_NEAR(checkpoint.tare_m, 1.2 * of.machine.model.outputs.deformations_m[0] - nose_m, 1e-7)
+      << "with what is to come of it";
   for (int i = 0; i < 100; ++i) {
     const double grown_m = of.machine.model.outputs.deformations_m[0];
     of.step();

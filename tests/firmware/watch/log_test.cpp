@@ -217,6 +217,19 @@ TEST(EventLog, of_each_cause_so_many_lines_a_minute_and_the_next_minute_says_how
   EXPECT_EQ(lines("(and 99 times that were not logged)"), 1);
 }
 
+TEST(EventLog, a_trial_lasts_to_its_last_moment) {
+  const std::string text = log_of([](EventLog& events) {
+    Snapshot now;
+    std::int64_t time_ns = 0;
+    for (const double left_s : {0.0, 1.5, 0.5, 1.5, 0.0}) {
+      now.compensation.trial_left_s = left_s;
+      events.note(now, time_ns += 1'000'000'000);
+    }
+  });
+  EXPECT_EQ(lines_with(text, "a trial has begun"), 1) << text;
+  EXPECT_EQ(lines_with(text, "the trial has ended"), 1) << text;
+}
+
 TEST(EventLog, a_clock_that_is_set_is_said_and_one_that_is_steered_is_not) {
   const std::string text = log_of([](EventLog& events) {
     constexpr std::int64_t s_ns = 1'000'000'000;
