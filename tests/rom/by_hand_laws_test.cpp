@@ -106,6 +106,20 @@ TEST(ByHandLaws, example_meets_an_independent_integration) {
   EXPECT_LT(steady_K.maxCoeff(), 473.15);
 }
 
+TEST(ByHandLaws, an_output_that_closes_a_bearing_counts_up_and_one_that_opens_it_down) {
+  const auto sign_with = [](const std::string& key) {
+    std::string text = text_of_example();
+    const std::string closing = "closing = \"rings_nearer\"";
+    text.replace(text.find(closing), closing.size(), key + " = \"rings_nearer\"");
+    for (const HeatSource& source : parse_by_hand(text, "laws.toml").boundaries.sources) {
+      if (source.physics && source.physics->displacement >= 0) return source.physics->displacement_sign;
+    }
+    return 0.0;
+  };
+  EXPECT_EQ(sign_with("closing"), 1.0);
+  EXPECT_EQ(sign_with("opening"), -1.0);
+}
+
 TEST(ByHandLaws, heats_go_where_physics_lets_them) {
   const Network network = read_by_hand(motor_spindle_laws);
   const NetworkOperator coordinates(network);

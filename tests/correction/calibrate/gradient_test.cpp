@@ -156,6 +156,25 @@ TEST(CalibrateSteps, of_20_s_come_within_a_hundredth_of_a_kelvin_and_of_a_microm
   }
 }
 
+TEST(CalibrateSteps, of_steady_readings_the_mean_is_the_reading_however_many_it_is_made_of) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = options_of(network);
+  ThermalTest test = drive(network, options);
+  for (Eigen::Index c = 0; c < test.measured_K.cols(); ++c) {
+    test.measured_K.col(c).setConstant(310.0 + static_cast<double>(c));
+  }
+  const TestPredictor predictor(network, options);
+  const Eigen::VectorXd lag_s = Eigen::VectorXd::Zero(test.measured_K.cols());
+  int most_samples = 0;
+  for (const TestReading& each : predictor.predict(test, predictor.parameters().mean(), lag_s).readings) {
+    if (each.channel >= test.measured_K.cols()) continue;
+    EXPECT_NEAR(each.value, 310.0 + each.channel, 1e-9);
+    EXPECT_NEAR(each.rise, 310.0 + each.channel - test.start_K, 1e-9);
+    most_samples = std::max(most_samples, each.samples);
+  }
+  EXPECT_GT(most_samples, 1);
+}
+
 TEST(CalibrateSteps, end_where_inputs_change_and_take_means_of_what_wanders_between) {
   const rom::Network network = plates();
   const ThermalTest test = drive(network, options_of(network));
