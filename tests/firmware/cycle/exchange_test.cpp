@@ -93,7 +93,7 @@ TEST(Exchange, a_better_network_is_tried_shown_watched_and_accepted_without_a_st
   const int watched_from = of.n;
   EXPECT_LE(of.run_until(ExchangeState::keeping, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::keeping);
-  EXPECT_EQ(of.n - watched_from, 600 + 2) << "cycles of a second, and one at either end";
+  EXPECT_EQ(of.n - watched_from, quick_s + 2) << "the watch in cycles of a second, and one at either end";
   EXPECT_LT(of.last.exchange.candidate_K, of.last.exchange.running_K);
   of.run(10);
   EXPECT_EQ(of.last.exchange.state, ExchangeState::keeping) << "until its file is on the disk";
