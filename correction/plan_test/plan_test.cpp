@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <initializer_list>
-#include <iterator>
 #include <thread>
+
+#include "correction/plan_test/vary_cycle.hpp"
 
 namespace spindle_twin::correction {
 namespace {
@@ -79,63 +79,6 @@ class CycleSearch {
   int count_ = 0;
 };
 
-/// Stages of equal length with these shares of the top speed, again and again.
-DriveCycle in_stages(std::size_t stages, const std::vector<double>& shares, const DriveLimits& limits) {
-  DriveCycle cycle;
-  for (std::size_t k = 0; k < stages; ++k) {
-    cycle.push_back({limits.length_s / static_cast<double>(stages), shares[k % shares.size()] * limits.top_rpm});
-  }
-  return cycle;
-}
-
-std::vector<DriveCycle> other_speeds(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits) {
-  std::vector<DriveCycle> others;
-  for (const double share : limits.shares) {
-    DriveCycle other = cycle;
-    other[stage].speed_rpm = share * limits.top_rpm;
-    if (other != cycle) others.push_back(std::move(other));
-  }
-  return others;
-}
-
-/// The switch after `stage` earlier and later by these times, as far as both stages stay long enough.
-std::vector<DriveCycle> other_times(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits,
-                                    std::initializer_list<double> steps_s) {
-  std::vector<DriveCycle> others;
-  for (const double step_s : steps_s) {
-    for (const double shift_s : {-step_s, step_s}) {
-      DriveCycle other = cycle;
-      other[stage].length_s += shift_s;
-      other[stage + 1].length_s -= shift_s;
-      const bool allowed = std::min(other[stage].length_s, other[stage + 1].length_s) >= limits.shortest_s;
-      if (shift_s != 0.0 && allowed) others.push_back(std::move(other));
-    }
-  }
-  return others;
-}
-
-double half_of(double length_s) { return std::floor(0.5 * length_s / 60.0) * 60.0; }
-
-/// Another speed in the first or last part of a stage: as short as allowed, or half of it.
-std::vector<DriveCycle> splits(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits) {
-  std::vector<DriveCycle> others;
-  const Stage whole = cycle[stage];
-  for (const double part_s : {limits.shortest_s, half_of(whole.length_s)}) {
-    if (std::min(part_s, whole.length_s - part_s) < limits.shortest_s) continue;
-    for (const double share : limits.shares) {
-      const Stage added{part_s, share * limits.top_rpm}, kept{whole.length_s - part_s, whole.speed_rpm};
-      if (added.speed_rpm == whole.speed_rpm) continue;
-      for (const bool first : {true, false}) {
-        DriveCycle other = cycle;
-        other[stage] = first ? added : kept;
-        other.insert(other.begin() + static_cast<std::ptrdiff_t>(stage) + 1, first ? kept : added);
-        others.push_back(joined(other));
-      }
-    }
-  }
-  return others;
-}
-
 /// Stage by stage: another speed in a part of it, another speed in all of it, another time to switch to the next one.
 /// Whether anything was gained.
 bool refine(CycleSearch& evaluate, const DriveLimits& limits) {
@@ -188,7 +131,7 @@ TestPlan plan_cycle(const TestWorth& worth, const DriveLimits& limits, const rom
   for (std::size_t stage = 0; stage + 1 < shifts; ++stage) {
     const DriveCycle now = joined(evaluate.cycle());
     if (stage + 1 >= now.size()) continue;
-    const double step_s = half_of(std::min(now[stage].length_s, now[stage + 1].length_s));
+    const double step_s = half_in_minutes_s(std::min(now[stage].length_s, now[stage + 1].length_s));
     evaluate.improve(other_times(now, stage, limits, {step_s}));
   }
   while (evaluate.count() < most_cycles && refine(evaluate, limits)) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 
@@ -76,6 +77,19 @@ TEST(Certificate, every_number_survives_the_file) {
   same(is.part_maxima_K, was.part_maxima_K);
   same(is.deformations_m, was.deformations_m);
   same(is.contact_pressures_Pa, was.contact_pressures_Pa);
+}
+
+TEST(Certificate, what_a_search_of_a_single_case_found_survives_the_file) {
+  Network network = limited();
+  for (const std::uint32_t searched : {0U, 1U}) {
+    network.certificate.searched = searched;
+    network.certificate.worst_found = {0.031 * searched, 0.012 * searched, 0.21 * searched};
+    const Certificate is = decode_network(encode_network(network), "x.rom").certificate;
+    EXPECT_EQ(is.searched, searched);
+    EXPECT_EQ(is.worst_found.key_points_K, 0.031 * searched);
+    EXPECT_EQ(is.worst_found.nose_um, 0.012 * searched);
+    EXPECT_EQ(is.worst_found.part_max_K, 0.21 * searched);
+  }
 }
 
 TEST(Certificate, the_limit_is_two_sigma_and_the_mesh_one) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
+#include <stdexcept>
+#include <vector>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
@@ -78,6 +81,26 @@ TEST(HeatFlows, what_is_stored_is_the_change_of_heat_content) {
   EXPECT_NEAR(flows.stored_W.sum(), expected_W, 1e-7 * heat_W.cwiseAbs().sum());
 }
 
+TEST(FlowPaths, of_a_contact_between_two_bodies_act_in_the_middle_of_both_faces) {
+  const Network network = tests::make_synthetic_network({}, 6);
+  int contacts = 0;
+  for (const FlowPath& path : flow_paths(network, network_bodies(network))) {
+    if (path.to < 0) continue;
+    ++contacts;
+    const Eigen::VectorXd shares =
+        network.factors_m[static_cast<std::size_t>(path.conductance)].rowwise().squaredNorm();
+    double r_m = 0.0, z_m = 0.0;
+    for (std::size_t i = 0; i < network.nodes.size(); ++i) {
+      r_m += shares[static_cast<Eigen::Index>(i)] * network.nodes[i].r_m / shares.sum();
+      z_m += shares[static_cast<Eigen::Index>(i)] * network.nodes[i].z_m / shares.sum();
+    }
+    EXPECT_TRUE(path.has_place);
+    EXPECT_NEAR(path.r_m, r_m, 1e-12) << "conductance " << path.conductance;
+    EXPECT_NEAR(path.z_m, z_m, 1e-12) << "conductance " << path.conductance;
+  }
+  EXPECT_GE(contacts, 2);
+}
+
 TEST(Sensitivity, adjoint_equals_finite_differences) {
   for (const bool circuit : {false, true}) {
     const Network plain = tests::make_synthetic_network({}, 9);
@@ -105,6 +128,37 @@ TEST(Sensitivity, adjoint_equals_finite_differences) {
       const double expected_m = difference([&](BoundaryValues& given, double factor) { given.heat_W[i] *= factor; });
       EXPECT_NEAR(found.heat[i], expected_m, 1e-6 * largest_m) << "heat " << i;
     }
+  }
+}
+
+TEST(Sensitivity, temperatures_that_are_steady_to_a_microkelvin_are_steady_enough) {
+  const Network network = tests::make_synthetic_network({}, 9);
+  const auto coordinates = std::make_shared<const NetworkOperator>(network);
+  const BoundaryValues values = operating_values(network);
+  const Eigen::VectorXd& row = network.deformations[0].row_m_per_K;
+  const Eigen::VectorXd steady_K = steady_temperatures_K(coordinates, values);
+  const Eigen::VectorXd near_K = steady_K.array() + 1e-6;
+  const SteadySensitivities at_steady = steady_sensitivities(coordinates, values, steady_K, row);
+  const SteadySensitivities near = steady_sensitivities(coordinates, values, near_K, row);
+  const double largest_m = at_steady.conductance.cwiseAbs().maxCoeff();
+  EXPECT_LT((near.conductance - at_steady.conductance).cwiseAbs().maxCoeff(), 1e-5 * largest_m);
+}
+
+TEST(NetworkOperator, matrices_that_do_not_fit_together_are_refused) {
+  const Network whole = tests::make_synthetic_network({}, 9);
+  const Eigen::Index n = whole.capacity_J_per_K.rows();
+  const std::vector<std::function<void(Network&)>> changes = {
+      [](Network& network) { network.capacity_J_per_K.resize(0, 0); },
+      [&](Network& network) { network.capacity_J_per_K.conservativeResize(n, n + 1); },
+      [&](Network& network) { network.conduction_W_per_K.conservativeResize(n, n - 1); },
+      [&](Network& network) { network.conduction_W_per_K.conservativeResize(n - 1, n); },
+      [&](Network& network) { network.source_distribution.conservativeResize(n + 1, Eigen::NoChange); },
+      [](Network& network) { network.factors_m.pop_back(); }};
+  EXPECT_NO_THROW(NetworkOperator{whole});
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    Network network = whole;
+    changes[i](network);
+    EXPECT_THROW(NetworkOperator{network}, std::invalid_argument) << "change " << i;
   }
 }
 

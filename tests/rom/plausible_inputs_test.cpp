@@ -138,6 +138,15 @@ TEST(PlausibleRanges, go_from_the_description_into_the_network_file_and_back) {
             std::vector<std::string>{"hottest temperature"});
 }
 
+TEST(PlausibleRanges, one_number_twice_is_a_range_that_believes_that_number_only) {
+  const Boundaries own = parse_by_hand(described("[0, 9000]", "[9000, 9000]"), "own.toml").boundaries;
+  OperatingState state = own.operating;
+  for (const double speed_rpm : {9000.0, 8999.0}) {
+    state.speed_rpm = speed_rpm;
+    EXPECT_EQ(fields_of(own, state).empty(), speed_rpm == 9000.0) << speed_rpm;
+  }
+}
+
 TEST(PlausibleRanges, a_range_upside_down_and_an_unknown_name_are_refused_with_their_line) {
   for (const auto& [from, to, names] : {std::tuple{"[0, 9000]", "[9000, 0]", "plausible.speed_rpm"},
                                         std::tuple{"result_degC", "results", "plausible.results"},

@@ -345,6 +345,14 @@ TEST(RomFile, physics_that_does_not_hold_is_refused) {
   EXPECT_EQ(folder.files(), 0) << "a refused network left a file";
 }
 
+TEST(RomFile, a_file_above_64_MiB_is_not_read_at_all) {
+  const spindle_twin::tests::TemporaryFolder folder;
+  const std::string path = folder.file("x.rom");
+  write_network(small_network(), path);
+  fs::resize_file(path, (64U << 20U) + 1U);  // no more on the disk: what is behind the network is a hole
+  expect_refused(refusal_of([&] { read_network(path); }), "67108865 bytes; at most 67108864 are allowed");
+}
+
 TEST(RomFile, a_missing_file_or_folder_is_one_clear_error) {
   const spindle_twin::tests::TemporaryFolder folder;
   const std::string missing = folder.file("x.rom");

@@ -175,6 +175,40 @@ TEST(CalibrateSteps, of_steady_readings_the_mean_is_the_reading_however_many_it_
   EXPECT_GT(most_samples, 1);
 }
 
+TEST(CalibrateSteps, inputs_that_wander_too_little_to_end_a_step_are_their_mean_over_it) {
+  const rom::Network network = plates();
+  ThermalTest test;
+  for (const double time_s : {0.0, 300.0, 305.0, 315.0, 320.0}) {
+    rom::OperatingState state = network.boundaries.operating;
+    const double share = 1e-3 * (test.time_s.size() % 2 == 0 ? 1.0 : -1.0);
+    state.speed_rpm = 6000.0 * (1.0 + share);
+    state.load = 0.5 + share;
+    state.current_A = 10.0 + 100.0 * share;
+    state.power_W = 2000.0 * (1.0 + share);
+    test.time_s.push_back(time_s);
+    test.operating.push_back(state);
+  }
+  const std::vector<TestStep> steps = test_steps(test, 20.0);
+  ASSERT_FALSE(steps.empty());
+  for (const TestStep& step : steps) {
+    const auto mean = [&](auto value) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i + 1 < test.time_s.size(); ++i) {
+        const double from_s = std::max(step.begin_s, test.time_s[i]), to_s = std::min(step.end_s, test.time_s[i + 1]);
+        if (to_s > from_s) sum += (to_s - from_s) / (step.end_s - step.begin_s) * value(test.operating[i]);
+      }
+      return sum;
+    };
+    EXPECT_NEAR(step.operating.speed_rpm, mean([](const auto& state) { return state.speed_rpm; }), 1e-8);
+    EXPECT_NEAR(step.operating.load, mean([](const auto& state) { return state.load; }), 1e-12);
+    EXPECT_NEAR(*step.operating.current_A, mean([](const auto& state) { return *state.current_A; }), 1e-11);
+    EXPECT_NEAR(*step.operating.power_W, mean([](const auto& state) { return *state.power_W; }), 1e-9);
+  }
+  EXPECT_TRUE(std::any_of(steps.begin(), steps.end(), [](const TestStep& step) {
+    return step.begin_s < 305.0 && step.end_s > 305.0;
+  })) << "no step goes over several instants";
+}
+
 TEST(CalibrateSteps, end_where_inputs_change_and_take_means_of_what_wanders_between) {
   const rom::Network network = plates();
   const ThermalTest test = drive(network, options_of(network));

@@ -156,6 +156,16 @@ TEST(Guards, standstill_freezes_heat_and_joints) {
   EXPECT_EQ(loop.correction.factors().heat[0], before);
 }
 
+TEST(Guards, with_a_standstill_below_no_speed_at_all_a_spindle_that_stands_is_judged_as_any_other) {
+  PaperOptions options = guarded();
+  options.guards.standstill_rpm = 0.0;
+  options.guards.settle_s = 0.0;
+  Loop loop(375.0, 2.16, options);
+  loop.operating.speed_rpm = 0.0;
+  loop.run_until(400.0, 1.0);
+  EXPECT_NE(loop.correction.freeze(0), Freeze::standstill);
+}
+
 TEST(Guards, deadband_keeps_the_factor_still_once_it_is_good_enough) {
   Loop loop(375.0, 1.005, guarded());
   loop.run_until(1601.0, 1.0);

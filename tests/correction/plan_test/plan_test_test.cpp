@@ -58,6 +58,16 @@ TEST(PlanTest, a_reading_more_and_a_longer_test_never_hurt) {
   EXPECT_LT(three.with_sensors_m, three.open_loop_m) << "a sensor in service tells something of its day";
 }
 
+TEST(PlanTest, a_spindle_that_stands_tells_little_of_its_heats_and_the_stage_at_speed_tells_them) {
+  const rom::Network network = plates();
+  const TestWorth worth(network, worth_options(network), short_service(network));
+  const TestPrediction test =
+      worth.linearise(schedule_of({{1800.0, 0.0}, {1800.0, top_rpm}}, limits_of(3600.0), network.boundaries));
+  const double untested_m = worth.untested().open_loop_m;
+  EXPECT_GT(worth.of(test, {{0, 1, 2}, true, 1800.0}).open_loop_m, 0.9 * untested_m);
+  EXPECT_LT(worth.of(test, {{0, 1, 2}, true}).open_loop_m, 0.5 * untested_m);
+}
+
 TEST(PlanTest, more_drift_since_the_test_leaves_more_and_no_reading_leaves_the_prior) {
   const rom::Network network = plates();
   WorthOptions options = worth_options(network);

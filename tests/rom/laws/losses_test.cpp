@@ -1,3 +1,4 @@
+#include "rom/laws/evaluate.hpp"
 #include "rom/laws/motor_loss.hpp"
 #include "rom/laws/windage.hpp"
 #include "tests/rom/laws/law_checks.hpp"
@@ -167,6 +168,18 @@ TEST(Iron, reference_values) {
     expect_close(excess_loss_W_per_kg(iron, f, B), row["excess"], "excess");
     expect_close(iron_loss_W(LawMode::standard, iron, f, B).value,
                  row["eddy"] * row["skin_factor"] + row["hysteresis_standard"] + row["excess"], "sum");
+  }
+}
+
+TEST(Iron, a_motor_without_flux_loses_nothing_at_any_speed_and_says_so_with_finite_slopes) {
+  IronLaw law = IronLaw::example();
+  law.base_flux_T = 0.0;
+  LawState state;
+  for (const double speed_rpm : {0.0, 300.0, 12000.0}) {
+    state[LawInput::speed_rpm] = speed_rpm;
+    const LawEvaluation found = evaluate({LawMode::standard, law}, state);
+    EXPECT_EQ(found.value, 0.0) << speed_rpm;
+    EXPECT_EQ(found.by(LawInput::speed_rpm), 0.0) << speed_rpm;
   }
 }
 

@@ -1,14 +1,17 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "rom/laws/evaluate.hpp"
 #include "rom/laws/law_fields.hpp"
 #include "tests/support/recorded.hpp"
 
-/// Every law over a grid of states, in each mode, says what it said when this was recorded.
+/// Every law over a grid of states, in each mode, says what it said when this was recorded, and reads what it read.
 namespace spindle_twin::rom::test {
 namespace laws_recorded_values_test {
 
@@ -72,6 +75,47 @@ TEST(RecordedLaws, give_the_values_slopes_and_flags_that_they_gave) {
     }
   }
   spindle_twin::tests::expect_as_recorded("laws.txt", now, tolerance);
+}
+
+/// A line for each number that a law reads: what it may be, in SI, and what it is where nobody says.
+class ListKeys {
+ public:
+  explicit ListKeys(std::string_view kind) : kind_(kind) {}
+
+  template <class Value>
+  void operator()(const LawField& field, const Value& value) {
+    char text[160];
+    std::snprintf(text, sizeof text, ": %.12g %s to %.12g %s, %s, %.12g, ", field.range.min,
+                  field.range.min_excluded ? "excluded" : "included", field.range.max,
+                  field.range.max_excluded ? "excluded" : "included", field.needed ? "needed" : "or",
+                  static_cast<double>(value));
+    const WrittenKey key = written_key(field.name, field.written);
+    lines_ += kind_ + " " + std::string(field.name) + text + "written " + key.key;
+    std::snprintf(text, sizeof text, " %.12g", key.si(1.0));
+    lines_ += text;
+    for (const std::string_view word : field.words) lines_ += " " + std::string(word);
+    lines_ += "\n";
+  }
+  template <class Item, class Body>
+  void optional(std::string_view name, const std::optional<Item>& /*given*/, const Body& body) {
+    lines_ += kind_ + " " + std::string(name) + " or all of:\n";
+    const Item item;
+    body(item);
+  }
+  const std::string& lines() const { return lines_; }
+
+ private:
+  std::string kind_, lines_;
+};
+
+TEST(RecordedLaws, read_the_numbers_within_the_limits_and_with_the_defaults_that_they_had) {
+  std::string now;
+  for (const LawTraits& traits : law_traits) {
+    ListKeys list(traits.kind);
+    std::visit([&]<class Law>(const Law& law) { Law::each(law, list); }, *default_law(traits.kind));
+    now += list.lines();
+  }
+  spindle_twin::tests::expect_as_recorded("law_keys.txt", now, tolerance);
 }
 
 }  // namespace laws_recorded_values_test

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <vector>
+
+#include "correction/plan_test/drive_cycle.hpp"
+
+/// The moves of the search for a drive cycle (plan_cycle). Each gives cycles of the same length as the one that it
+/// varies, whose stages are none shorter than `limits.shortest_s` where the given ones are not. Times in s. Not for the
+/// cycle of the daemon.
+namespace spindle_twin::correction {
+
+/// `stages` stages of equal length, limits.length_s together, with these shares of the top speed, again and again.
+DriveCycle in_stages(std::size_t stages, const std::vector<double>& shares, const DriveLimits& limits);
+
+/// The stage at each other of the speeds that are allowed.
+std::vector<DriveCycle> other_speeds(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits);
+
+/// The switch from `stage` to the next one earlier and later by these times, as far as both stages stay long enough.
+std::vector<DriveCycle> other_times(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits,
+                                    std::initializer_list<double> steps_s);
+
+/// Each other speed in the first or last part of a stage: in as short a one as is allowed, and in half of it. Stages of
+/// one speed become one.
+std::vector<DriveCycle> splits(const DriveCycle& cycle, std::size_t stage, const DriveLimits& limits);
+
+/// Half of a length in whole minutes, rounded down, which a person can run.
+double half_in_minutes_s(double length_s);
+
+}  // namespace spindle_twin::correction
