@@ -70,6 +70,17 @@ TEST(Config, values_come_in_si) {
   EXPECT_EQ(config.serve.address, "127.0.0.1");
 }
 
+TEST(Config, a_flow_is_that_of_the_circuit_that_it_names) {
+  rom::Network network = tests::small_network();
+  network.boundaries.circuits = {{"jacket", 0, 4180.0, {2}}, {"cover", 1, 4180.0, {3}}, {"nut", 1, 4180.0, {}}};
+  network.boundaries.operating.flow_kg_per_s = Eigen::Vector3d(0.1, 0.2, 0.3);
+  const std::string text = with("[signals]\n", "[signals]\nflow.cover = { source = \"constant\", value = 0.25 }\n");
+  const CyclePlan plan = bind_config(parse_config(text, "twin.toml"), network).cycle;
+  EXPECT_EQ(plan.signals[first_flow_signal].value, 0.1) << "of the operating state where nobody says";
+  EXPECT_EQ(plan.signals[first_flow_signal + 1].value, 0.25);
+  EXPECT_EQ(plan.signals[first_flow_signal + 2].value, 0.3);
+}
+
 TEST(Config, without_an_allow_list_only_this_machine_is_answered) {
   const Config config = parse_config(with("allow = [\"127.0.0.1\", \"192.168.1.0/24\"]\n", ""), "twin.toml");
   EXPECT_TRUE(is_allowed(config.serve.allow, parse_address_range("127.0.0.1")->address));

@@ -268,22 +268,5 @@ TEST(Exchange, without_readings_a_trial_does_not_end) {
   EXPECT_NEAR(of.last.exchange.left_s, quick_s, 10.0);
 }
 
-TEST(StartField, has_the_key_points_and_lies_between_them) {
-  const rom::Network network = tests::small_network();
-  Snapshot said = first_snapshot(network);
-  EXPECT_EQ(start_field(network, said).size(), 0) << "nothing is known";
-  for (std::size_t k = 0; k < 3; ++k) said.predicted_K[k] = 310.0 - 5.0 * static_cast<double>(k);
-  Eigen::VectorXd field_K = start_field(network, said);
-  ASSERT_EQ(field_K.size(), 5);
-  for (Eigen::Index k = 0; k < 3; ++k) EXPECT_NEAR(field_K[2 + k], said.predicted_K[static_cast<std::size_t>(k)], 2e-3);
-  EXPECT_NEAR(field_K[0], 310.0, 2e-3) << "no heat flows to what has no key point";
-  EXPECT_NEAR(field_K[1], 310.0, 2e-3);
-  said.part_maximum_K[0] = 320.0;
-  said.part_maximum_K[1] = 315.0;
-  field_K = start_field(network, said);
-  EXPECT_NEAR(field_K[0], 320.0, 0.1);
-  EXPECT_NEAR(field_K[1], 315.0, 0.1);
-}
-
 }  // namespace cycle_exchange_test
 }  // namespace spindle_twin::firmware

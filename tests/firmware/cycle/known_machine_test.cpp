@@ -113,6 +113,15 @@ TEST(KnownMachine, gives_way_to_a_calibration_that_came_since_and_goes_with_one_
   EXPECT_EQ(none.begin_with_machine(remembered), 0);
 }
 
+TEST(KnownMachine, of_which_nothing_was_kept_gives_no_parameter) {
+  const rom::Network network = tests::small_network();
+  Remembered remembered = hour_of(network, estimated());
+  Cycle cycle(network, estimated(), runtime);
+  remembered.unknowns.clear();
+  EXPECT_EQ(cycle.begin_with_machine(remembered), 0);
+  EXPECT_GT(first_of(cycle).heat_factor[0], 1.0) << "of the prior";
+}
+
 TEST(KnownMachine, is_wider_by_what_may_have_changed_meanwhile) {
   const rom::Network network = tests::small_network();
   CyclePlan plan = estimated();

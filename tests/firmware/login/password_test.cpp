@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 
 namespace spindle_twin::firmware {
@@ -29,6 +32,36 @@ TEST(Password, hashes_of_other_forms_and_those_that_take_the_machine_are_refused
   for (const char* much : {"m=65537,t=2", "m=8,t=11", "m=999999999,t=1"}) {
     const std::string hash = std::string("$argon2id$v=19$") + much + ",p=1" + salt + sum;
     EXPECT_NE(wrong_with_hash(hash).find("at most m=65536 (KiB) and t=10"), std::string::npos) << hash;
+  }
+}
+
+/// What ask_for_password() says to a person who types this; on a terminal it asks twice.
+std::string asked(const std::string& password) {
+  std::istringstream typed(password + "\n" + password + "\n");
+  std::streambuf* const before = std::cin.rdbuf(typed.rdbuf());
+  std::string said;
+  try {
+    said = ask_for_password() == password ? "taken" : "another password";
+  } catch (const std::runtime_error& error) {
+    said = error.what();
+  }
+  std::cin.rdbuf(before);
+  return said;
+}
+
+TEST(Password, has_8_to_128_bytes) {
+  for (const std::size_t bytes : {8U, 9U, 127U, 128U}) EXPECT_EQ(asked(std::string(bytes, 'x')), "taken") << bytes;
+  for (const std::size_t bytes : {0U, 7U, 129U}) {
+    EXPECT_EQ(asked(std::string(bytes, 'x')), "a password must have 8 to 128 bytes") << bytes;
+  }
+}
+
+TEST(Password, is_of_a_user_whose_name_has_up_to_32_letters_digits_and_three_other_characters) {
+  for (const std::string& name : {std::string("a"), std::string("Anna-2.b_c"), std::string(32, 'n')}) {
+    EXPECT_TRUE(is_user_name(name)) << name;
+  }
+  for (const std::string& name : {std::string(), std::string(33, 'n'), std::string("a b"), std::string("a:b")}) {
+    EXPECT_FALSE(is_user_name(name)) << name;
   }
 }
 
