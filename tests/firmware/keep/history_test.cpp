@@ -129,6 +129,21 @@ TEST(History, is_bounded_and_begins_a_file_at_each_gap) {
   EXPECT_EQ(text_of(path).find("\n0,1000,"), std::string::npos) << "each file replays by itself";
 }
 
+TEST(History, begins_a_file_at_a_gap_behind_its_very_first_row_and_none_in_front_of_it) {
+  const rom::Network network = tests::small_network();
+  for (const std::uint64_t first : {1U, 7U}) {
+    const tests::TemporaryFolder folder;
+    const std::string path = folder.file("history.csv");
+    Troubles troubles;
+    History history({path, 1U << 20U, 1U << 24U}, network, troubles);
+    write_cycles(history, first, first);
+    EXPECT_TRUE(earlier_histories(path).empty()) << first;
+    write_cycles(history, first + 2, first + 2);
+    EXPECT_EQ(earlier_histories(path).size(), 1U) << first;
+    EXPECT_EQ(text_of(path).find("\n0," + std::to_string(first) + ","), std::string::npos) << first;
+  }
+}
+
 TEST(History, keeps_a_thousand_files_however_small) {
   const tests::TemporaryFolder folder;
   const std::string path = folder.file("history.csv");

@@ -32,6 +32,16 @@ TEST(Metrics, names_are_prometheus_names_and_none_stands_twice) {
   }
 }
 
+TEST(Metrics, what_a_register_repeats_in_another_form_is_given_once) {
+  for (const RegisterEntry& entry : register_entries) {
+    const std::string doc = entry.doc;
+    const bool repeats = doc == "the same" || doc.starts_with("the same,") || doc.starts_with("the same plus");
+    if (repeats && entry.type != RegisterType::float32) {
+      EXPECT_EQ(entry.metric, Metric::none) << entry.name;
+    }
+  }
+}
+
 TEST(Metrics, lengths_are_in_meters_ratios_without_percent_and_power_in_watts) {
   Snapshot snapshot = first_snapshot(tests::small_network());
   snapshot.nose_m = 12.5e-6;
