@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -60,6 +61,18 @@ TEST(HeatFlows, balances_of_all_bodies_close_in_the_steady_state) {
   const Network network = tests::make_synthetic_network({}, 5);
   expect_closed(network);
   expect_closed(with_circuit(network));
+}
+
+TEST(HeatFlows, a_circuit_of_a_single_segment_takes_what_its_film_gives_however_warm_the_wall) {
+  const Network network = with_circuit(tests::make_synthetic_network({}, 6));
+  const NetworkOperator coordinates(network);
+  const BoundaryValues values = operating_values(network);
+  const auto n = static_cast<Eigen::Index>(network.nodes.size());
+  const Eigen::VectorXd temperatures_K = Eigen::VectorXd::LinSpaced(n, 295.0, 330.0);
+  const HeatFlows flows = heat_flows(network, network_bodies(network), values, temperatures_K);
+  const double taken_W = flows.exchange_W.col(network.boundaries.circuits.front().segments.front()).sum();
+  ASSERT_GT(std::abs(taken_W), 1.0);
+  EXPECT_NEAR(coolant_outlets(coordinates, values, temperatures_K).heat_W[0], taken_W, 1e-9 * std::abs(taken_W));
 }
 
 TEST(HeatFlows, what_is_stored_is_the_change_of_heat_content) {

@@ -269,6 +269,18 @@ TEST(Parameters, a_watt_into_a_group_warms_all_of_it_alike_and_stays_a_watt) {
   }
 }
 
+TEST(Parameters, give_no_node_a_heat_in_factors_that_have_none) {
+  const rom::Network network = plates();
+  const ParameterModel model(network, EstimatorPriors{});
+  rom::CorrectionFactors factors = rom::no_correction(network.boundaries);
+  ASSERT_EQ(factors.node_heat_W.size(), 0);
+  Eigen::VectorXd bias_K = Eigen::VectorXd::Zero(network.boundaries.operating.environment_K.size());
+  Eigen::VectorXd theta = model.neutral();
+  theta[model.disturbance(0)] = 5.0;
+  model.apply(theta, 0.0, Eigen::VectorXd::Zero(factors.heat.size()), factors, bias_K);
+  EXPECT_EQ(factors.node_heat_W.size(), 0);
+}
+
 TEST(Parameters, without_a_deviation_are_left_out) {
   const rom::Network network = spindle_twin::tests::small_network_by_hand();
   EstimatorPriors priors;
