@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "tests/correction/estimator/plant_and_twin.hpp"
@@ -180,6 +181,25 @@ TEST(FilmParameter, is_as_open_as_at_the_start_once_the_flow_has_changed_by_a_te
       EXPECT_NEAR(std::sqrt(after(slot, slot)), expected, 1e-3 * expected) << network.boundaries.conductances[j].name;
     }
   }
+}
+
+TEST(FilmParameter, that_was_calibrated_is_an_unknown_one_again_at_another_flow) {
+  const rom::Network network = rom::tests::make_network_with_circuit({3, 2, 2, true}, 7);
+  const auto wet = static_cast<std::size_t>(network.boundaries.circuits[0].segments.front());
+  auto test = std::make_shared<CalibratedPrior>();
+  test->names = {"film " + network.boundaries.conductances[wet].name};
+  test->mean = Eigen::VectorXd::Constant(1, 0.05);
+  test->covariance = Eigen::MatrixXd::Constant(1, 1, 0.04 * 0.04);
+  EstimatorOptions options;
+  options.priors.calibrated = test;
+  Pair pair(network, options);
+  const int slot = pair.estimator.parameters().conductance(static_cast<Eigen::Index>(wet));
+  pair.valid.setConstant(false);
+  pair.run_until(60.0);
+  EXPECT_NEAR(pair.estimator.estimate(slot).deviation, 0.04, 0.01);
+  pair.operating.flow_kg_per_s *= 1.5;
+  pair.cycle();
+  EXPECT_NEAR(pair.estimator.estimate(slot).deviation, 0.3, 0.003) << "the test was made at the flow of before";
 }
 
 TEST(CapacityParameter, of_a_hand_written_network_is_found_within_ten_per_cent) {
