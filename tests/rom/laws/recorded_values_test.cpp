@@ -9,6 +9,7 @@
 
 #include "rom/laws/evaluate.hpp"
 #include "rom/laws/law_fields.hpp"
+#include "rom/range.hpp"
 #include "tests/support/recorded.hpp"
 
 /// Every law over a grid of states, in each mode, says what it said when this was recorded, and reads what it read.
@@ -84,13 +85,11 @@ class ListKeys {
 
   template <class Value>
   void operator()(const LawField& field, const Value& value) {
-    char text[160];
-    std::snprintf(text, sizeof text, ": %.12g %s to %.12g %s, %s, %.12g, ", field.range.min,
-                  field.range.min_excluded ? "excluded" : "included", field.range.max,
-                  field.range.max_excluded ? "excluded" : "included", field.needed ? "needed" : "or",
-                  static_cast<double>(value));
     const WrittenKey key = written_key(field.name, field.written);
-    lines_ += kind_ + " " + std::string(field.name) + text + "written " + key.key;
+    char text[96];
+    std::snprintf(text, sizeof text, ", %s, %.12g, written ", field.needed ? "needed" : "or",
+                  static_cast<double>(value));
+    lines_ += kind_ + " " + std::string(field.name) + ": " + allowed(field.range) + text + key.key;
     std::snprintf(text, sizeof text, " %.12g", key.si(1.0));
     lines_ += text;
     for (const std::string_view word : field.words) lines_ += " " + std::string(word);
