@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <list>
 #include <memory>
 #include <string>
 #include <thread>
@@ -34,7 +33,7 @@ SpindleToShow with_much_to_read() {
 TEST(HttpServer, a_request_has_two_seconds_from_its_connection_to_its_last_byte) {
   Serving serving;
   Client slow(serving.server.port());
-  serving.look();
+  EXPECT_TRUE(serving.has_clients(1));
   serving.pass(2 * ns_per_s - 1);
   slow.send("GET /routes HTTP");  // does not begin them anew
   EXPECT_TRUE(serving.has_clients(1));
@@ -94,40 +93,65 @@ TEST(HttpServer, who_goes_or_breaks_off_is_gone_at_once_whatever_it_had_asked) {
   EXPECT_TRUE(serving.has_dropped(0));
 }
 
+/// As many connections as there is room for, with those that were there before; what is counted is asked for on them,
+/// as each further one would take another's place.
+class FullHouse {
+ public:
+  FullHouse(Serving& serving, std::size_t before) {
+    EXPECT_TRUE(serving.has_clients(static_cast<int>(before)));
+    for (std::size_t n = before; n < 32; ++n) {
+      clients_.push_back(std::make_unique<Client>(serving.server.port()));
+      if (n < 20) {
+        EXPECT_TRUE(serving.has_clients(static_cast<int>(n + 1)));
+      }
+    }
+  }
+  Client& oldest() { return *clients_.front(); }
+  /// Whether it comes to that many.
+  bool counts(const std::string& connections, const std::string& dropped) {
+    for (int n = 0; n < 4; ++n) {
+      Client& client = *clients_[clients_.size() - ++asked_];
+      client.ask("/metrics");
+      const std::string text = client.read_all().body;
+      if (text.find("\nspindle_twin_http_connections " + connections + "\n") == std::string::npos) continue;
+      return text.find("\nspindle_twin_http_dropped_total " + dropped + "\n") != std::string::npos;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<std::unique_ptr<Client>> clients_;
+  std::size_t asked_ = 0;
+};
+
 TEST(HttpServer, of_32_connections_the_oldest_that_is_no_viewer_makes_room) {
   Serving serving;
   Client viewer(serving.server.port());
   viewer.ask("/api/v1/events");
   EXPECT_NE(viewer.read_until("\r\n\r\n"), "");
-  std::list<Client> idle;
-  for (int n = 0; n < 30; ++n) {
-    idle.emplace_back(serving.server.port());
-    serving.look();
-  }
-  EXPECT_TRUE(serving.has_clients(31)) << "and the one that asks";
-  EXPECT_TRUE(serving.has_dropped(0));
-  idle.emplace_back(serving.server.port());
-  EXPECT_TRUE(serving.has_clients(31));
-  EXPECT_TRUE(serving.has_dropped(1));
-  EXPECT_TRUE(idle.front().is_ended());
-  idle.pop_front();
-  for (Client& each : idle) {
-    EXPECT_TRUE(each.hears_nothing());
-  }
+  FullHouse house(serving, 1);
+  EXPECT_TRUE(house.counts("32", "0"));
+  const Client more(serving.server.port());
+  EXPECT_TRUE(house.oldest().is_ended());
+  EXPECT_TRUE(house.counts("32", "1"));
   EXPECT_TRUE(viewer.hears_nothing());
 }
 
-TEST(HttpServer, who_was_answered_makes_room_first_come_and_is_none_that_was_dropped) {
+TEST(HttpServer, who_was_answered_makes_room_too_and_is_none_that_was_dropped) {
   Serving serving;
   Client answered(serving.server.port());
   answered.ask("/routes");
   answered.read_all();
-  std::list<Client> idle;
-  for (int n = 0; n < 31; ++n) idle.emplace_back(serving.server.port());
-  serving.look();
-  EXPECT_TRUE(serving.has_clients(31));
-  EXPECT_TRUE(serving.has_dropped(0));
+  FullHouse house(serving, 1);
+  EXPECT_TRUE(house.counts("32", "0"));
+  Client more(serving.server.port());
+  more.ask("/routes");
+  EXPECT_EQ(more.read_all().status, 200);
+  EXPECT_TRUE(house.counts("32", "0"));
+  EXPECT_TRUE(house.oldest().hears_nothing());
 }
+
+constexpr std::size_t longest_request = 8192, longest_body = 2048;
 
 std::string head_of(std::size_t bytes, const std::string& first = "GET /routes HTTP/1.1\r\n") {
   std::string head = first;
@@ -141,17 +165,17 @@ std::string head_of(std::size_t bytes, const std::string& first = "GET /routes H
 
 TEST(HttpServer, a_head_may_have_8_KiB_and_not_a_byte_more) {
   Serving serving;
-  for (const std::size_t bytes : {std::size_t{4096}, std::size_t{4097}, HttpServer::longest_request}) {
+  for (const std::size_t bytes : {std::size_t{4096}, std::size_t{4097}, longest_request}) {
     ASSERT_EQ(head_of(bytes).size(), bytes);
     Client fits(serving.server.port());
     fits.send(head_of(bytes));
     EXPECT_EQ(fits.read_all().status, 200) << bytes;
   }
   Client more(serving.server.port());
-  more.send(head_of(HttpServer::longest_request + 1));
+  more.send(head_of(longest_request + 1));
   EXPECT_EQ(more.read_all().status, 431);
   Client endless(serving.server.port());
-  endless.send(std::string(HttpServer::longest_request, 'x'));
+  endless.send(std::string(longest_request, 'x'));
   serving.look();
   EXPECT_TRUE(endless.hears_nothing()) << "its end may come yet";
   endless.send("x");
@@ -164,13 +188,13 @@ TEST(HttpServer, a_body_may_have_2_KiB_and_is_waited_for) {
     return "POST /api/v1/login HTTP/1.1\r\nContent-Length: " + std::to_string(bytes) + "\r\n\r\n";
   };
   Client fits(serving.server.port());
-  fits.send(post(HttpServer::longest_body) + std::string(HttpServer::longest_body - 1, 'x'));
+  fits.send(post(longest_body) + std::string(longest_body - 1, 'x'));
   serving.look();
   EXPECT_TRUE(fits.hears_nothing());
   fits.send("x");
   EXPECT_EQ(fits.read_all().status, 403) << "commands are off";
   Client more(serving.server.port());
-  more.send(post(HttpServer::longest_body + 1));
+  more.send(post(longest_body + 1));
   EXPECT_EQ(more.read_all().status, 413);
   Client none(serving.server.port());
   none.send(post(0));
@@ -200,43 +224,36 @@ TEST(HttpServer, who_is_not_allowed_gets_no_answer_and_a_line_in_the_log) {
   EXPECT_NE(log.text().find("warning client 127.0.0.1 is not in http.allow\n"), std::string::npos) << log.text();
 }
 
-/// Who has connected before can ask; who connects now waits in the backlog.
+/// Who has connected before can ask; who connects now waits in the backlog. Nobody closes anything meanwhile, which
+/// would leave a descriptor.
 TEST(HttpServer, without_a_descriptor_nobody_is_accepted_for_a_second_and_then_who_has_waited) {
   Serving serving;
-  std::vector<std::unique_ptr<Client>> before;
-  for (int n = 0; n < 6; ++n) before.push_back(std::make_unique<Client>(serving.server.port()));
-  serving.look();
-  // An answer shows that the server has looked; what it accepts then, it accepts behind that: so two of them. Nobody
-  // closes anything, which would leave a descriptor.
-  std::size_t asked = 0;
-  const auto look = [&] {
-    for (int n = 0; n < 2; ++n, ++asked) {
-      before[asked]->ask("/routes");
-      EXPECT_EQ(before[asked]->read_all().status, 200);
-    }
-  };
   Client waits(0);  // has its descriptor, and no connection yet
+  FullHouse house(serving, 0);
+  ASSERT_TRUE(house.counts("32", "0"));
+  // An answer shows that the server has looked; what it accepts then, it accepts behind that: so two of them.
+  const auto looks = [&] { return house.counts("32", "0") && house.counts("32", "0"); };
   {
     const NoDescriptors none;
     waits.connect(serving.server.port());
     waits.ask("/routes");
-    look();
+    EXPECT_TRUE(looks());
   }
   serving.clock.pass(ns_per_s - 1);
-  look();
+  EXPECT_TRUE(looks());
   EXPECT_TRUE(waits.hears_nothing());
   serving.clock.pass(1);
-  look();
+  house.counts("32", "0");
   EXPECT_EQ(waits.read_all().status, 200);
 }
 
 TEST(HttpServer, a_deadline_is_kept_though_nothing_else_happens) {
   Serving serving;
   Client first(serving.server.port());
-  serving.look();
+  EXPECT_TRUE(serving.has_clients(1));
   serving.clock.pass(ns_per_s);
   Client later(serving.server.port());
-  serving.look();
+  EXPECT_TRUE(serving.has_clients(2));
   serving.pass(ns_per_s - 1);
   EXPECT_TRUE(first.hears_nothing());
   serving.clock.pass(1);

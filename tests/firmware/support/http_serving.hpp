@@ -1,7 +1,10 @@
 #pragma once
 
 #include <arpa/inet.h>
+#include <linux/sockios.h>
 #include <netinet/in.h>
+#include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 
@@ -9,6 +12,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -65,7 +69,14 @@ class Client {
     const sockaddr_in there = address(INADDR_LOOPBACK, port);
     (void)!::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&there), sizeof there);
   }
-  void send(const std::string& bytes) { (void)!::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL); }
+  /// The bytes are at the server's end when this returns, where it has room for them.
+  void send(const std::string& bytes) {
+    (void)!::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+    for (int left = 1; left > 0 && std::chrono::steady_clock::now() < end;) {
+      if (ioctl(socket_.get(), SIOCOUTQ, &left) != 0) return;
+    }
+  }
   void ask(const std::string& path) { send("GET " + path + " HTTP/1.1\r\n\r\n"); }
 
   /// All until the server ends it.
@@ -89,8 +100,12 @@ class Client {
     got_.erase(0, at + mark.size());
     return part;
   }
-  /// Whether nothing is there to be read now, not even an end.
-  bool hears_nothing() { return got_.empty() && !more(MSG_DONTWAIT) && errno == EAGAIN; }
+  /// Whether nothing is there to be read, not even an end; some milliseconds for what is on its way.
+  bool hears_nothing() {
+    constexpr int on_its_way_ms = 5;
+    pollfd readable{socket_.get(), POLLIN, 0};
+    return got_.empty() && poll(&readable, 1, on_its_way_ms) == 0;
+  }
   /// Whether the server ends the connection; waits for it.
   bool is_ended() {
     while (more(0)) {
