@@ -334,10 +334,19 @@ TEST_F(PlantLink, what_the_queue_drops_is_said_when_it_begins_and_counted_in_all
   EXPECT_TRUE(comes_to_publish(6));
   EXPECT_EQ(counts_.waiting, 0U);
   EXPECT_EQ(said("3 samples were dropped in all"), 1);
+  broker_.confirms = false;
   for (std::uint64_t t = 10; t <= 13; ++t) add(t);
-  EXPECT_TRUE(comes_to_publish(9));
+  ASSERT_TRUE(comes_to_await(1));
   EXPECT_EQ(counts_.dropped, 4U);
   EXPECT_EQ(said("the queue is full, the oldest samples are dropped"), 2);
+  add(14);
+  broker_.confirm();
+  EXPECT_TRUE(comes_to_publish(9));
+  EXPECT_EQ(counts_.waiting, 1U);
+  EXPECT_EQ(said("in all"), 1) << "one waits yet";
+  ASSERT_TRUE(comes_to_await(1));
+  broker_.confirm();
+  EXPECT_TRUE(comes_to_publish(10));
   EXPECT_EQ(said("1 samples were dropped in all"), 1);
 }
 
