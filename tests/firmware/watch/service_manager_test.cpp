@@ -78,6 +78,33 @@ TEST_F(ServiceManagerTest, asks_for_three_cycles_where_the_watchdog_is_faster) {
   EXPECT_TRUE(told_.empty());
 }
 
+TEST_F(ServiceManagerTest, looks_four_times_a_watchdog_and_ten_times_a_second_at_least) {
+  EXPECT_DOUBLE_EQ(with(0.01, 0.2).look_s(), 0.05);
+  EXPECT_DOUBLE_EQ(with(0.01, 0.4).look_s(), 0.1);
+  EXPECT_DOUBLE_EQ(with(0.01, 8.0).look_s(), 0.1);
+  EXPECT_DOUBLE_EQ(with(0.01, 0.0).look_s(), 0.1) << "without a watchdog too";
+  EXPECT_TRUE(told_.empty());
+}
+
+TEST_F(ServiceManagerTest, a_watchdog_of_just_three_cycles_is_left_as_it_is) {
+  const ServiceManager just = with(4.0, 12.0);
+  EXPECT_TRUE(told_.empty());
+  const ServiceManager none = with(4.0, 0.0);
+  EXPECT_TRUE(told_.empty()) << "nobody asks for one";
+}
+
+TEST_F(ServiceManagerTest, says_anew_that_it_waits_when_readings_are_lost_again) {
+  ServiceManager manager = with(1.0, 8.0);
+  cycle(true);
+  manager.look();
+  pulse_.waits = true;
+  cycle(false);
+  manager.look();
+  EXPECT_EQ(count("STATUS=no good reading"), 1);
+  EXPECT_EQ(count("READY=1"), 1);
+  EXPECT_EQ(count("WATCHDOG=1"), 2);
+}
+
 TEST_F(ServiceManagerTest, one_spindle_that_stands_is_not_covered_up_by_another) {
   Pulse other;
   ServiceManager manager({&pulse_, &other}, 1.0, 20.0, [this](const std::string& state) { told_.push_back(state); });
