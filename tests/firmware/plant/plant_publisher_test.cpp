@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "firmware/cycle/publish.hpp"
+#include "firmware/plant/payload.hpp"
+#include "firmware/watch/clock.hpp"
 #include "tests/firmware/support/small_broker.hpp"
 #include "tests/firmware/support/small_network.hpp"
 

@@ -74,7 +74,8 @@ class Client {
     (void)!::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
     for (int left = 1; left > 0 && std::chrono::steady_clock::now() < end;) {
-      if (ioctl(socket_.get(), SIOCOUTQ, &left) != 0) return;
+      pollfd broken{socket_.get(), 0, 0};
+      if (poll(&broken, 1, 0) != 0 || ioctl(socket_.get(), SIOCOUTQ, &left) != 0) return;
     }
   }
   void ask(const std::string& path) { send("GET " + path + " HTTP/1.1\r\n\r\n"); }
