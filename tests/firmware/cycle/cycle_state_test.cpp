@@ -196,14 +196,38 @@ TEST(Orders, a_trial_lasts_as_long_as_the_clock_says) {
   plan.clock_rate = 4.0;  // of the model: a person waits by the clock
   Cycle cycle(network, plan, runtime);
   PlcCommand command;
+  constexpr int begins = 5;
+  for (int n = 0; n < begins; ++n) cycle.step({}, command, at_s(n), 0);
   command.trial = {1e-6, 1, 1};
-  EXPECT_DOUBLE_EQ(cycle.step({}, command, at_s(0), 0).compensation.trial_left_s, 60.0);
-  EXPECT_EQ(result_of(cycle, OrderKind::trial), OrderResult::done);
-  for (int n = 1; n < 60; ++n) {
-    EXPECT_NEAR(cycle.step({}, command, at_s(n), 0).compensation.trial_left_s, 60.0 - n, 1e-9);
-    EXPECT_EQ(result_of(cycle, OrderKind::trial), OrderResult::none);
+  for (int n = 0; n < 60; ++n) {
+    EXPECT_NEAR(cycle.step({}, command, at_s(begins + n), 0).compensation.trial_left_s, 60.0 - n, 1e-9);
+    EXPECT_EQ(result_of(cycle, OrderKind::trial), n == 0 ? OrderResult::done : OrderResult::none);
   }
-  EXPECT_EQ(cycle.step({}, command, at_s(60), 0).compensation.trial_left_s, 0.0);
+  EXPECT_EQ(cycle.step({}, command, at_s(begins + 60), 0).compensation.trial_left_s, 0.0);
+}
+
+TEST(Orders, a_tare_stays_within_the_limit_of_the_nose) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = still_at(310.0);
+  plan.output_limit_m[0] = 2e-6;
+  plan.output_limit_m[1] = 1e-6;
+  Cycle cycle(network, plan, runtime);
+  PlcCommand command;
+  ASSERT_GT(cycle.step({}, command, at_s(0), 0).deformation_raw_m[0], 2e-6);
+  command.tare_orders = 1;
+  EXPECT_EQ(cycle.step({}, command, at_s(1), 0).tare_m, 2e-6);
+}
+
+TEST(Cycle, foretells_the_growth_to_come_only_where_it_is_to_look_ahead) {
+  rom::Network network = tests::small_network();
+  for (const double ahead_s : {0.0, Forecast::stride_s}) {
+    CyclePlan plan = open_loop();
+    plan.forecast.ahead_s = ahead_s;
+    Cycle cycle(network, plan, runtime);
+    Snapshot now;
+    for (int n = 0; n < 60; ++n) now = cycle.step({}, {}, at_s(n), 0);
+    EXPECT_EQ(std::isfinite(now.compensation.forecast_m), ahead_s > 0.0);
+  }
 }
 
 TEST(Orders, lengths_sensor_orders_and_tares_wait_for_the_start_and_are_obeyed_once_then) {

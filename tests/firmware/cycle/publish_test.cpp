@@ -160,7 +160,7 @@ TEST(Publish, of_a_key_point_without_sensor_nothing_is_read_whatever_the_device_
   SensedInputs sensed;
   Judgement judgement;
   judgement.sensors.fill(SensorQuality::not_configured);
-  judgement.sensors[1] = SensorQuality::stale;
+  judgement.sensors[0] = judgement.sensors[1] = SensorQuality::stale;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto place = static_cast<double>(k);
     sensed.sensors[k] = {301.0 + place, 1.0 + place, 1};
@@ -169,14 +169,14 @@ TEST(Publish, of_a_key_point_without_sensor_nothing_is_read_whatever_the_device_
   sensed.displacements[0] = {5 * um, 2.0, 1};
   sensed.displacements[1] = {6 * um, 3.0, 1};
   publish_inputs(sensed, judgement, now);
-  EXPECT_EQ(now.measured_K[1], 302.0) << "also where it is not believed";
-  EXPECT_EQ(now.raw_K[1], 312.0);
-  EXPECT_EQ(now.measured_age_s[1], 2.0);
-  for (const std::size_t k : {0U, 2U}) {
-    EXPECT_TRUE(std::isnan(now.measured_K[k]));
-    EXPECT_TRUE(std::isnan(now.raw_K[k]));
-    EXPECT_TRUE(std::isnan(now.measured_age_s[k]));
+  for (const std::size_t k : {0U, 1U}) {
+    EXPECT_EQ(now.measured_K[k], sensed.sensors[k].value) << "also where it is not believed";
+    EXPECT_EQ(now.raw_K[k], sensed.raw_K[k]);
+    EXPECT_EQ(now.measured_age_s[k], sensed.sensors[k].age_s);
   }
+  EXPECT_TRUE(std::isnan(now.measured_K[2]));
+  EXPECT_TRUE(std::isnan(now.raw_K[2]));
+  EXPECT_TRUE(std::isnan(now.measured_age_s[2]));
   EXPECT_EQ(now.probe_m[0], 5 * um);
   EXPECT_EQ(now.probe_age_s[0], 2.0);
   EXPECT_TRUE(std::isnan(now.probe_m[1])) << "the network has one deformation";
