@@ -1,13 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
-#include <cstring>
-#include <numeric>
+#include <cstdint>
+#include <initializer_list>
+#include <vector>
 
 #include "tests/firmware/support/machine.hpp"
 #include "tests/firmware/support/recorded_steps.hpp"
 
-/// How a cycle starts, catches up, obeys and says how it is.
+/// How a cycle starts, catches up and says how it is.
 namespace spindle_twin::firmware {
 namespace cycle_cycle_state_test {
 
@@ -26,10 +28,6 @@ DeviceFrame frame_of(std::initializer_list<double> sensors_K, int n) {
   std::size_t k = 0;
   for (const double value_K : sensors_K) frame.sensors[k++] = {value_K, at_s(n)};
   return frame;
-}
-
-OrderResult result_of(const Cycle& cycle, OrderKind kind) {
-  return cycle.order_results()[static_cast<std::size_t>(kind)];
 }
 
 TEST(CatchUp, goes_through_a_gap_in_equal_steps_of_a_minute_at_most_and_in_sixty_at_most) {
@@ -152,72 +150,6 @@ TEST(Cycle, counts_cycles_missed_ones_and_the_clock_from_its_first_step_on) {
   EXPECT_NE(now.quality & bits(Quality::overrun), 0) << "one is enough";
 }
 
-TEST(Orders, a_switch_without_anything_to_switch_is_refused_and_any_other_position_is_done) {
-  rom::Network network = tests::small_network();
-  rom::Network no_nose = network;
-  no_nose.deformations.clear();
-  no_nose.certificate.deformations_m.clear();
-  for (const SwitchOrder order : {SwitchOrder::as_configured, SwitchOrder::off, SwitchOrder::on}) {
-    PlcCommand command;
-    command.correction = command.compensation = order;
-    Cycle open(network, open_loop(), runtime), closed(network, estimated(), runtime);
-    Cycle without(no_nose, open_loop(), runtime);
-    for (Cycle* cycle : {&open, &closed, &without}) cycle->step({}, command, at_s(0), 0);
-    EXPECT_EQ(result_of(open, OrderKind::correction),
-              order == SwitchOrder::on ? OrderResult::refused : OrderResult::done);
-    EXPECT_EQ(result_of(closed, OrderKind::correction), OrderResult::done);
-    EXPECT_EQ(result_of(open, OrderKind::compensation), OrderResult::done);
-    EXPECT_EQ(result_of(without, OrderKind::compensation),
-              order == SwitchOrder::as_configured ? OrderResult::done : OrderResult::refused);
-    EXPECT_EQ(result_of(without, OrderKind::trial), OrderResult::refused);
-    EXPECT_EQ(result_of(open, OrderKind::trial), OrderResult::none);
-  }
-}
-
-TEST(Orders, the_correction_stands_as_configured_until_it_is_switched) {
-  const rom::Network network = tests::small_network();
-  for (const bool enabled : {true, false}) {
-    CyclePlan plan = estimated();
-    plan.correction_enabled = enabled;
-    Cycle cycle(network, plan, runtime);
-    PlcCommand command;
-    EXPECT_EQ(cycle.step({}, command, at_s(0), 0).correction_enabled, enabled);
-    command.correction = enabled ? SwitchOrder::off : SwitchOrder::on;
-    const Snapshot& now = cycle.step({}, command, at_s(1), 0);
-    EXPECT_EQ(now.correction_enabled, !enabled);
-    EXPECT_EQ((now.quality & bits(Quality::correction_off)) != 0, enabled);
-    EXPECT_EQ(cycle.standing_orders().correction, command.correction);
-  }
-}
-
-TEST(Orders, a_trial_lasts_as_long_as_the_clock_says) {
-  const rom::Network network = tests::small_network();
-  CyclePlan plan = open_loop();
-  plan.clock_rate = 4.0;  // of the model: a person waits by the clock
-  Cycle cycle(network, plan, runtime);
-  PlcCommand command;
-  constexpr int begins = 5;
-  for (int n = 0; n < begins; ++n) cycle.step({}, command, at_s(n), 0);
-  command.trial = {1e-6, 1, 1};
-  for (int n = 0; n < 60; ++n) {
-    EXPECT_NEAR(cycle.step({}, command, at_s(begins + n), 0).compensation.trial_left_s, 60.0 - n, 1e-9);
-    EXPECT_EQ(result_of(cycle, OrderKind::trial), n == 0 ? OrderResult::done : OrderResult::none);
-  }
-  EXPECT_EQ(cycle.step({}, command, at_s(begins + 60), 0).compensation.trial_left_s, 0.0);
-}
-
-TEST(Orders, a_tare_stays_within_the_limit_of_the_nose) {
-  const rom::Network network = tests::small_network();
-  CyclePlan plan = still_at(310.0);
-  plan.output_limit_m[0] = 2e-6;
-  plan.output_limit_m[1] = 1e-6;
-  Cycle cycle(network, plan, runtime);
-  PlcCommand command;
-  ASSERT_GT(cycle.step({}, command, at_s(0), 0).deformation_raw_m[0], 2e-6);
-  command.tare_orders = 1;
-  EXPECT_EQ(cycle.step({}, command, at_s(1), 0).tare_m, 2e-6);
-}
-
 TEST(Cycle, foretells_the_growth_to_come_only_where_it_is_to_look_ahead) {
   rom::Network network = tests::small_network();
   for (const double ahead_s : {0.0, Forecast::stride_s}) {
@@ -228,175 +160,6 @@ TEST(Cycle, foretells_the_growth_to_come_only_where_it_is_to_look_ahead) {
     for (int n = 0; n < 60; ++n) now = cycle.step({}, {}, at_s(n), 0);
     EXPECT_EQ(std::isfinite(now.compensation.forecast_m), ahead_s > 0.0);
   }
-}
-
-TEST(Orders, lengths_sensor_orders_and_tares_wait_for_the_start_and_are_obeyed_once_then) {
-  const rom::Network network = tests::small_network();
-  CyclePlan plan = estimated();
-  plan.start_temperature_K.reset();
-  Cycle cycle(network, plan, runtime);
-  PlcCommand command;
-  command.displacement = {0, 1e-6, 1e-6};
-  command.sensor_order = SensorOrder::acknowledge;
-  command.displacements = command.sensor_orders = command.tare_orders = 5;
-  Snapshot now;
-  for (int n = 0; n < 2; ++n) {
-    now = cycle.step({}, command, at_s(n), 0);
-    for (const OrderKind kind : {OrderKind::length, OrderKind::sensors, OrderKind::tare}) {
-      EXPECT_EQ(result_of(cycle, kind), OrderResult::waiting);
-    }
-    EXPECT_EQ(now.displacement_orders + now.sensor_orders + now.tare_count, 0U);
-  }
-  // The cycle in which it starts still takes them up before the start.
-  cycle.step(frame_of({300.0, 300.0, 300.0}, 2), command, at_s(2), 0);
-  now = cycle.step(frame_of({300.0, 300.0, 300.0}, 3), command, at_s(3), 0);
-  for (const OrderKind kind : {OrderKind::length, OrderKind::sensors, OrderKind::tare}) {
-    EXPECT_EQ(result_of(cycle, kind), OrderResult::done);
-  }
-  EXPECT_EQ(now.sensor_order, SensorOrder::acknowledge);
-  now = cycle.step(frame_of({300.0, 300.0, 300.0}, 4), command, at_s(4), 0);
-  for (const OrderKind kind : {OrderKind::length, OrderKind::sensors, OrderKind::tare}) {
-    EXPECT_EQ(result_of(cycle, kind), OrderResult::none);
-  }
-  EXPECT_EQ(now.displacement_orders, 1U);
-  EXPECT_EQ(now.displacement.value_m, 1e-6);
-  EXPECT_EQ(now.sensor_orders, 1U);
-  EXPECT_EQ(now.tare_count, 1);
-}
-
-TEST(Orders, a_tare_is_cleared_before_the_start_too) {
-  const rom::Network network = tests::small_network();
-  CyclePlan plan = estimated();
-  plan.start_temperature_K.reset();
-  Cycle cycle(network, plan, runtime);
-  StandingOrders orders;
-  orders.tare_m = 2e-6;
-  cycle.stand_by_orders(orders);
-  PlcCommand command;
-  EXPECT_EQ(cycle.step({}, command, at_s(0), 0).tare_m, 2e-6);
-  EXPECT_NE(cycle.step({}, command, at_s(1), 0).quality & bits(Quality::tared), 0);
-  command.tare_order = TareOrder::clear;
-  command.tare_orders = 1;
-  const Snapshot& now = cycle.step({}, command, at_s(2), 0);
-  EXPECT_EQ(result_of(cycle, OrderKind::tare), OrderResult::done);
-  EXPECT_EQ(now.tare_m, 0.0);
-  EXPECT_EQ(now.tare_count, 1);
-  EXPECT_EQ(now.quality & bits(Quality::tared), 0);
-}
-
-TEST(Orders, what_cannot_be_obeyed_is_counted_and_refused) {
-  rom::Network no_nose = tests::small_network();
-  no_nose.deformations.clear();
-  no_nose.certificate.deformations_m.clear();
-  Cycle cycle(no_nose, open_loop(), runtime);
-  PlcCommand command;
-  cycle.step({}, command, at_s(0), 0);
-  command.displacement = {0, 1e-6, 1e-6};
-  command.sensor_order = SensorOrder::tare;
-  command.displacements = command.sensor_orders = command.tare_orders = 1;
-  const Snapshot& now = cycle.step({}, command, at_s(1), 0);
-  for (const OrderKind kind : {OrderKind::length, OrderKind::sensors, OrderKind::tare}) {
-    EXPECT_EQ(result_of(cycle, kind), OrderResult::refused);
-  }
-  EXPECT_EQ(now.displacement_orders, 1U);
-  EXPECT_EQ(now.sensor_orders, 1U);
-  EXPECT_EQ(now.tare_count, 1);
-  EXPECT_EQ(now.tare_m, 0.0);
-}
-
-TEST(Orders, a_length_counts_from_the_tare_at_the_nose_and_from_nothing_at_other_outputs) {
-  const rom::Network network = tests::small_network();
-  for (const std::size_t output : {0U, 1U}) {
-    Cycle cycle(network, estimated(), runtime);
-    StandingOrders orders;
-    orders.tare_m = 3e-6;
-    cycle.stand_by_orders(orders);
-    PlcCommand command;
-    Machine machine(network, 1.0);
-    Snapshot now;
-    for (int n = 0; n < 40; ++n) {
-      command.displacements = n < 15 ? 0 : 1;
-      command.displacement = {output, 1e-6, 1e-5};
-      now = cycle.step(machine.frame(at_s(n)), command, at_s(n), 0);
-      machine.advance(1.0);
-    }
-    EXPECT_EQ(now.displacement_count, 1);
-    EXPECT_NEAR(now.displacement_update.observation, output == 0 ? 4e-6 : 1e-6, 1e-12);
-    EXPECT_EQ(now.displacement.value_m, 1e-6) << "as it was told";
-  }
-}
-
-TEST(Orders, an_acknowledgement_takes_a_loss_back_and_is_counted_on_from_runs_before) {
-  const rom::Network network = tests::small_network();
-  Cycle cycle(network, open_loop(), runtime);
-  StandingOrders orders;
-  orders.lost = true;
-  orders.acknowledgements = 7;
-  cycle.stand_by_orders(orders);
-  PlcCommand command;
-  EXPECT_EQ(cycle.step({}, command, at_s(0), 0).fault, bits(Fault::orders_lost));
-  EXPECT_EQ(result_of(cycle, OrderKind::acknowledge), OrderResult::none);
-  EXPECT_TRUE(cycle.standing_orders().lost);
-  EXPECT_EQ(cycle.standing_orders().acknowledgements, 7U);
-  command.acknowledgements = 1;
-  EXPECT_EQ(cycle.step({}, command, at_s(1), 0).fault, 0);
-  EXPECT_EQ(result_of(cycle, OrderKind::acknowledge), OrderResult::done);
-  EXPECT_FALSE(cycle.standing_orders().lost);
-  EXPECT_EQ(cycle.standing_orders().acknowledgements, 8U);
-  cycle.step({}, command, at_s(2), 0);
-  EXPECT_EQ(result_of(cycle, OrderKind::acknowledge), OrderResult::none);
-  EXPECT_EQ(cycle.standing_orders().acknowledgements, 8U);
-}
-
-TEST(Orders, what_stands_goes_from_one_run_to_the_next_unchanged) {
-  const rom::Network network = tests::small_network();
-  StandingOrders orders;
-  orders.correction = SwitchOrder::off;
-  orders.compensation = SwitchOrder::on;
-  orders.tare_m = -4e-6;
-  orders.sensor_tares = 3;
-  orders.acknowledgements = 2;
-  orders.lost = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    orders.sensor_tare_K[k] = 0.1 * static_cast<double>(k + 1);
-    orders.sensor_tare_deviation_K[k] = 0.01 * static_cast<double>(k + 1);
-  }
-  for (const CyclePlan& plan : {estimated(), open_loop()}) {
-    Cycle cycle(network, plan, runtime);
-    cycle.identify(std::string(64, 'c'));
-    cycle.stand_by_orders(orders);
-    const StandingOrders stands = cycle.standing_orders();
-    EXPECT_EQ(stands.correction, orders.correction);
-    EXPECT_EQ(stands.compensation, orders.compensation);
-    EXPECT_EQ(stands.tare_m, orders.tare_m);
-    EXPECT_EQ(stands.sensor_tares, orders.sensor_tares);
-    EXPECT_EQ(stands.sensor_tare_K, orders.sensor_tare_K);
-    EXPECT_EQ(stands.sensor_tare_deviation_K, orders.sensor_tare_deviation_K);
-    EXPECT_EQ(stands.acknowledgements, orders.acknowledgements);
-    EXPECT_EQ(stands.lost, orders.lost);
-    EXPECT_EQ(std::string(stands.network_sha256.begin(), stands.network_sha256.end()), std::string(64, 'c'));
-  }
-}
-
-/// The control has followed the nose to where it was: what is shown of it is no step behind a restart.
-TEST(Orders, a_standing_tare_beside_a_resumed_cycle_counts_from_its_first_step_on_without_a_step) {
-  const rom::Network network = tests::small_network();
-  Cycle before(network, open_loop(), runtime);
-  for (int n = 0; n < 600; ++n) before.step({}, {}, at_s(n), 0);
-  Remembered remembered;
-  before.remember(remembered);
-  const double tare_m = 5e-6, nose_m = before.step({}, {}, at_s(600), 0).deformation_m[0] - tare_m;
-  ASSERT_GT(std::abs(nose_m), 1e-6);
-  CyclePlan slow = open_loop();
-  slow.slew_m_per_s = slow.compensation.slew_m_per_s = 1e-9;
-  Cycle after(network, slow, runtime);
-  ASSERT_EQ(after.resume(remembered, 0.0), Resumed::temperatures);
-  StandingOrders orders;
-  orders.tare_m = tare_m;
-  after.stand_by_orders(orders);
-  const Snapshot& first = after.step({}, {}, at_s(0), 0);
-  EXPECT_NEAR(first.nose_m, nose_m, 2e-8);
-  EXPECT_NEAR(first.compensation.value_m, nose_m, 2e-8);
 }
 
 TEST(Troubles, of_others_are_shown_while_they_last_and_only_lost_orders_degrade) {

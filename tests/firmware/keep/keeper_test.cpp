@@ -187,6 +187,17 @@ TEST(Keeper, what_cannot_be_written_is_a_fault_until_it_can) {
   EXPECT_TRUE(std::filesystem::exists(of.keep.parameters_path));
 }
 
+TEST(Keeper, at_the_end_it_says_once_more_what_the_sensors_determine) {
+  Keeping of(estimated());
+  of.step(30);
+  Keeper keeper(of.keep, sha256, 1.0, of.cycle, nullptr, &of.troubles);
+  for (int times = 0; times < 2; ++times) {
+    const Logged log;
+    keeper.keep_last(of.cycle);
+    EXPECT_EQ(log.text().find("info after 30 s the sensors"), 0U) << log.text();
+  }
+}
+
 TEST(Keeper, a_table_of_parameters_is_of_an_estimator_only) {
   Keeping of(open_loop());
   of.step(3);

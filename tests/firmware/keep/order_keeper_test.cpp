@@ -178,6 +178,17 @@ TEST(OrderKeeper, what_was_left_when_it_is_stopped_is_still_written_under_the_ne
   }
 }
 
+TEST(OrderKeeper, where_nothing_was_ordered_a_stop_leaves_no_file) {
+  const tests::TemporaryFolder folder;
+  OrderDesk desk;
+  Troubles troubles;
+  OrderKeeper keeper(folder.file("twin.orders"), ours, desk, troubles);
+  keeper.begin_with({});
+  const std::atomic<bool> stop{true};
+  keeper.run(stop);
+  EXPECT_EQ(folder.files(), 0);
+}
+
 TEST(OrderKeeper, what_could_not_be_written_at_the_start_is_tried_again_at_the_stop_at_the_latest) {
   const tests::TemporaryFolder folder;
   const std::string path = folder.file("away/twin.orders");
