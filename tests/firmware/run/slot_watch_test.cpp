@@ -32,13 +32,13 @@ rom::Network with_conductances(double factor) {
 /// A spindle at a machine that is as its network says, and its slot; trial and watch last half a minute each.
 class Slot {
  public:
-  explicit Slot(bool has_sensors = true) {
+  explicit Slot(const std::vector<std::string>& sensors = {"inner", "middle", "outer"}) {
     fs::create_directory(folder_.file("slot"));
     rom::write_network(tests::small_network(), folder_.file("x.rom"));
     std::string text = "network = { file = \"x.rom\", trusted_keys = [\"" + rom::to_hex(rom::public_key(key_)) +
                        "\"] }\n[serve]\nport = 1502\n[device]\nport = 1503\n";
-    for (const char* place : {"inner", "middle", "outer"}) {
-      if (has_sensors) text += std::string("[[sensor]]\nkey_point = \"sleeve_") + place + "\"\nregister = 0\n";
+    for (const std::string& place : sensors) {
+      text += "[[sensor]]\nkey_point = \"sleeve_" + place + "\"\nregister = 0\n";
     }
     text +=
         "[signals]\nspeed = { source = \"constant\", value = 6000.0 }\nload = { source = \"constant\", value = 1.0 }\n"
@@ -171,15 +171,54 @@ TEST(SlotWatch, the_network_that_runs_is_taken_out_of_the_slot_without_a_trial) 
   EXPECT_EQ(slot.step(), ExchangeState::none);
 }
 
-TEST(SlotWatch, without_a_sensor_nothing_can_judge_a_network) {
+TEST(SlotWatch, without_a_sensor_nothing_can_judge_a_network_and_one_is_enough_whichever_it_is) {
+  for (const std::vector<std::string>& sensors : {std::vector<std::string>{}, {"inner"}, {"outer"}}) {
+    const Logged log;
+    Slot slot(sensors);
+    slot.step(5);
+    slot.put("new.rom", with_conductances(1.001));
+    slot.watch->look();
+    slot.watch->look();
+    EXPECT_EQ(slot.step(), sensors.empty() ? ExchangeState::refused : ExchangeState::trial);
+    EXPECT_EQ(slot.has("new.rom.refused"), sensors.empty());
+    EXPECT_EQ(log.text().find("no sensor is configured") != std::string::npos, sensors.empty()) << log.text();
+  }
+}
+
+TEST(SlotWatch, one_that_took_the_name_of_the_accepted_one_meanwhile_has_its_own_trial) {
   const Logged log;
-  Slot slot(false);
+  Slot slot;
   slot.step(5);
+  const auto first = slot.put("new.rom", with_conductances(1.001));
+  ASSERT_EQ(slot.run_until(ExchangeState::keeping), ExchangeState::keeping) << log.text();
+  slot.put("new.rom", with_conductances(0.999));
+  EXPECT_EQ(slot.step(), ExchangeState::accepted);
+  slot.watch->look();
+  EXPECT_EQ(slot.bytes(accepted_path(*slot.spindle)), first);
+  EXPECT_TRUE(slot.has("new.rom"));
+  EXPECT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial);
+}
+
+TEST(SlotWatch, a_slot_that_is_gone_is_said_once_each_time_it_goes) {
+  Slot slot;
+  slot.step(5);
+  const Logged log;
+  const auto lines = [&] {
+    int found = 0;
+    const std::string text = log.text();
+    for (std::size_t at = 0; (at = text.find("; tried again\n", at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  for (int times = 1; times <= 2; ++times) {
+    fs::remove(slot.path(""));
+    for (int looks = 0; looks < 3; ++looks) slot.watch->look();
+    EXPECT_EQ(lines(), times) << log.text();
+    fs::create_directory(slot.path(""));
+    slot.watch->look();
+    EXPECT_EQ(lines(), times);
+  }
   slot.put("new.rom", with_conductances(1.001));
-  slot.watch->look();
-  slot.watch->look();
-  EXPECT_TRUE(slot.has("new.rom.refused"));
-  EXPECT_NE(log.text().find("no sensor is configured"), std::string::npos) << log.text();
+  EXPECT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial);
 }
 
 TEST(SlotWatch, who_takes_the_file_away_or_replaces_it_ends_its_trial) {
