@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tests/firmware/support/watched.hpp"
+
+/// What the estimate goes over to when sensors fail by what the others say, whichever they are.
+namespace spindle_twin::firmware {
+namespace cycle_watch_update_test {
+
+double nose_error_m(const Watched& run) {
+  return run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0];
+}
+
+/// Second by second until a sensor is out. Gives the second, `most` where none is.
+int until_one_fails(Watched& run, int most) {
+  while (run.n < most && run.last.sensors_failed == 0) run.until(run.n + 1);
+  return run.n;
+}
+
+/// How sure the first heat is, beside its prior.
+double heat_deviation(const Watched& run) {
+  Remembered now;
+  run.cycle.remember(now);
+  return now.parameters[0].deviation / now.parameters[0].prior_deviation;
+}
+
+TEST(WatchUpdate, two_that_are_exchanged_fail_as_each_others_partners_and_the_third_goes_on) {
+  const rom::Network network = tests::small_network();
+  for (const int at : {600, 2700}) {
+    Watched run(network, estimated(), 0.5);
+    run.tamper = [&](int n, DeviceFrame& frame) {
+      if (n >= at) std::swap(frame.sensors[0].value, frame.sensors[2].value);
+    };
+    run.until(at);
+    ASSERT_EQ(run.last.sensors_failed, 0);
+    EXPECT_LT(until_one_fails(run, at + 60), at + 60);
+    EXPECT_EQ(run.last.sensors_failed, 2);
+    for (const std::size_t k : {0U, 2U}) {
+      EXPECT_EQ(run.last.sensor_health[k].fault, SensorFault::swapped);
+      EXPECT_EQ(run.last.sensor_health[k].partner, static_cast<int>(2 - k));
+    }
+    EXPECT_EQ(run.last.sensor_health[1].state, SensorState::good);
+    run.until(at + 600);
+    EXPECT_EQ(run.last.sensor_quality[1], SensorQuality::good);
+    EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]) << at;
+  }
+}
+
+/// No filter has done without both: what is left of the first minutes is what was known before them.
+TEST(WatchUpdate, two_that_were_exchanged_from_the_start_on_take_the_estimate_back_to_its_priors) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, estimated(), 0.8);
+  run.tamper = [](int, DeviceFrame& frame) { std::swap(frame.sensors[0].value, frame.sensors[2].value); };
+  double before = 1.0;
+  while (run.n < 1200 && run.last.sensors_failed == 0) {
+    before = run.n > 1 ? heat_deviation(run) : before;
+    run.until(run.n + 1);
+  }
+  EXPECT_EQ(run.last.sensors_failed, 2);
+  EXPECT_EQ(run.last.sensor_health[0].partner, 2);
+  EXPECT_LT(before, 0.9) << "it had learnt something";
+  EXPECT_NEAR(heat_deviation(run), 1.0, 0.02);
+}
+
+TEST(WatchUpdate, one_that_drifts_fails_alone_whichever_it_is_and_the_truth_stays_inside_behind_it) {
+  const rom::Network network = tests::small_network();
+  for (const std::size_t drifting : {0U, 2U}) {
+    Watched run(network, estimated(), 0.5);
+    run.tamper = [&](int n, DeviceFrame& frame) {
+      frame.sensors[drifting].value -= std::max(0, n - 1200) * 10.0 / 3600.0;
+    };
+    EXPECT_LT(until_one_fails(run, 2400), 2400);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(run.last.sensor_health[k].fault, k == drifting ? SensorFault::drift : SensorFault::none) << k;
+    }
+    run.until(run.n + 600);
+    EXPECT_EQ(run.last.sensors_failed, 1);
+    EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]) << drifting;
+  }
+}
+
+/// Off, the estimator stands by with what it knew; on again, nothing of before is held against a sensor.
+TEST(WatchUpdate, switched_off_and_on_no_sensor_fails_for_what_it_read_meanwhile) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, estimated(), 0.5);
+  run.until(1200);
+  run.command.correction = SwitchOrder::off;
+  run.until(2400);
+  EXPECT_EQ(run.last.sensors_failed, 0);
+  run.command.correction = SwitchOrder::on;
+  run.until(3600);
+  EXPECT_EQ(run.last.sensors_failed, 0);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(run.last.sensor_quality[k], SensorQuality::good);
+}
+
+}  // namespace cycle_watch_update_test
+}  // namespace spindle_twin::firmware
