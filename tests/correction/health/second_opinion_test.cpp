@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "correction/health/surprise.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/rom/heap_calls.hpp"
@@ -180,6 +183,123 @@ TEST(SecondOpinion, what_the_start_has_done_until_the_loosening_is_in_the_state_
   blamed.run_until(322.0);
   ASSERT_EQ(blamed.pair.estimator.loosened(), 1);
   EXPECT_LT(largest_K(blamed.opinion.filter()), 0.3 * known_K);
+}
+
+/// The kept filter after an update, from what it was before: as the header says, with what came in of all but sensor 1.
+SquareRootFilter gone_on(SquareRootFilter kept, const EstimatorCorrection& estimator, const Widths& widths) {
+  const EstimatorUpdate& made = estimator.last_update();
+  Eigen::VectorXd keep(made.unknowns.size()), growth(made.unknowns.size());
+  estimator.passing_of_time(made.elapsed_s, widths, keep, growth);
+  kept.pass_time(estimator.prior().mean(), keep, growth);
+  for (Eigen::Index s = 0; s < 4; ++s) {
+    if (s != 1) kept.update(made.rows.col(s), made.innovation_at(s, kept.mean()), made.noise_K2[s]);
+  }
+  Eigen::VectorXd within = kept.mean();
+  estimator.bound(within);
+  kept.set_mean(within);
+  return kept;
+}
+
+TEST(SecondOpinion, that_begins_without_a_loosening_takes_the_start_that_was_found_until_then_once) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  const EstimatorCorrection& estimator = blamed.pair.estimator;
+  const Eigen::Index starts = estimator.parameters().starts(), first = estimator.parameters().count() - starts;
+  ASSERT_GT(starts, 0);
+  const Eigen::VectorXd warm_K = (blamed.pair.plant.stepper.temperatures_K().array() + 0.6).matrix();
+  blamed.pair.plant.stepper.set_temperatures(warm_K);
+  blamed.pair.offset_K[1] = 0.3;  // what the sensor says of the start is not what the others say
+  blamed.run_until(302.0);
+  blamed.opinion.begin(1, blamed.bank);
+  const Widths widths = estimator.widths();
+  SquareRootFilter expected = blamed.opinion.filter();
+  for (const double end_s : {312.0, 322.0}) {
+    blamed.run_until(end_s);
+    const EstimatorUpdate& made = estimator.last_update();
+    ASSERT_EQ(estimator.loosened(), 0);
+    Eigen::VectorXd mean = expected.mean();
+    const Eigen::VectorXd found_K = made.unknowns.segment(first, starts);
+    EXPECT_GT((found_K - mean.segment(first, starts)).cwiseAbs().maxCoeff(), 1e-3) << "the same either way";
+    if (end_s < 320.0) mean.segment(first, starts) = found_K;
+    expected.set_mean(mean);
+    expected = gone_on(expected, estimator, widths);
+    EXPECT_LT((blamed.opinion.filter().mean() - expected.mean()).cwiseAbs().maxCoeff(), 1e-9) << "at " << end_s << " s";
+  }
+}
+
+TEST(SecondOpinion, another_that_begins_forgets_the_age_and_the_evidence_of_the_one_before) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.run_until(blamed_s);
+  blamed.blame(1);
+  blamed.run_until(blamed_s + 322.0);
+  ASSERT_NE(blamed.opinion.misfit().evidence, 0.0);
+  HealthLimits limits = blamed.limits;
+  limits.second_opinion_s = 100.0;
+  EXPECT_EQ(blamed.opinion.conclude(false, limits), Opinion::undecided);
+  blamed.opinion.begin(2, blamed.bank);
+  EXPECT_EQ(blamed.opinion.sensor(), 2);
+  EXPECT_EQ(blamed.opinion.misfit().evidence, 0.0);
+  EXPECT_EQ(blamed.opinion.conclude(false, limits), Opinion::pending);
+  EXPECT_EQ((blamed.opinion.filter().mean() - blamed.bank.without(2).mean()).norm(), 0.0);
+}
+
+TEST(SecondOpinion, its_limits_of_age_and_evidence_are_not_yet_passed_where_they_are_met) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.limits.drift_lead = blamed.limits.second_opinion_s = 1e9;  // it is asked here
+  blamed.pair.tamper = [&](Eigen::VectorXd& readings_K) {
+    readings_K[3] += 10.0 / 3600.0 * std::max(0.0, blamed.pair.time_s - blamed_s + 600.0);
+  };
+  blamed.run_until(blamed_s + 2.0);  // with an update in the cycle before
+  blamed.blame(3);
+  double end_s = blamed_s + 2.0;
+  while (blamed.opinion.misfit().evidence < 0.5 && end_s < blamed_s + 3600.0) blamed.run_until(end_s += 10.0);
+  const double evidence = blamed.opinion.misfit().evidence, age_s = end_s - blamed_s - 2.0;
+  ASSERT_GT(evidence, 0.5);
+  const auto concluded = [&](double least_s, double most_s, double lead, bool again) {
+    HealthLimits limits;
+    limits.opinion_least_s = least_s;
+    limits.second_opinion_s = most_s;
+    limits.drift_lead = lead;
+    return blamed.opinion.conclude(again, limits);
+  };
+  EXPECT_EQ(concluded(age_s - 1.0, age_s, 0.5 * evidence, false), Opinion::against_sensor);
+  EXPECT_EQ(concluded(age_s, age_s, 0.5 * evidence, false), Opinion::pending);
+  EXPECT_EQ(concluded(age_s - 1.0, age_s, evidence, false), Opinion::pending);
+  EXPECT_EQ(concluded(age_s - 1.0, age_s, 2.0 * evidence, true), Opinion::against_sensor) << "again: above zero";
+  EXPECT_EQ(concluded(age_s - 2.0, age_s - 1.0, 0.5 * evidence, false), Opinion::undecided);
+}
+
+TEST(SecondOpinion, as_the_others_contradict_it_what_is_published_narrows_until_it_is_against_the_model) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.run_until(blamed_s - 300.0);
+  blamed.pair.truth[0] = -0.7;
+  blamed.run_until(blamed_s);
+  Eigen::Index blamed_first = 0;
+  for (Eigen::Index s = 1; s < 4; ++s) {
+    if (blamed.bank.misfit(s).evidence > blamed.bank.misfit(blamed_first).evidence) blamed_first = s;
+  }
+  const double begun_with = blamed.bank.misfit(blamed_first).evidence;
+  blamed.blame(blamed_first);
+  const EstimatorCorrection& estimator = blamed.pair.estimator;
+  Opinion opinion = Opinion::pending;
+  int between = 0;
+  while (opinion == Opinion::pending && blamed.pair.time_s < blamed_s + 7200.0) {
+    opinion = blamed.run_until(blamed.pair.time_s + 2.0);
+    const double evidence = blamed.opinion.misfit().evidence;
+    EXPECT_EQ(opinion == Opinion::against_model, evidence < -12.0) << evidence;
+    const double since = std::clamp((evidence + 12.0) / 8.0, 0.0, 1.0);
+    const double weight = std::min(since, LeaveOneOut::weight_of(begun_with + evidence));
+    between += since > 0.0 && since < 1.0 && since < LeaveOneOut::weight_of(begun_with + evidence) ? 1 : 0;
+    Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 5);
+    blamed.opinion.put_alternative(estimator, steps);
+    const Eigen::VectorXd whole = (blamed.opinion.filter().mean() - estimator.filter().mean()).head(steps.rows());
+    EXPECT_LT((steps.col(4) - std::sqrt(weight) * whole).norm(), 1e-9 * whole.norm()) << evidence;
+  }
+  EXPECT_EQ(opinion, Opinion::against_model);
+  EXPECT_GT(between, 3) << "begun with evidence of " << begun_with;
 }
 
 TEST(SecondOpinion, a_tare_or_another_offset_is_the_kept_filters_too) {
