@@ -200,6 +200,24 @@ TEST(Consistency, a_statistic_at_its_limit_is_not_above_it_and_one_at_what_is_ca
   EXPECT_TRUE(consistency.in_doubt());
 }
 
+TEST(Consistency, patience_is_a_whole_minute_also_of_updates_each_second_and_begins_anew_after_each_that_is_neither) {
+  Consistency consistency(without_memory(), 1);
+  const auto second = [&](double square_K2) {
+    consistency.note(0, std::sqrt(square_K2), 1.0, 0.0, false, 1.0);
+    return consistency.conclude(1.0);
+  };
+  for (int k = 1; k <= 59; ++k) EXPECT_FALSE(second(2.0)) << k;
+  EXPECT_FALSE(second(1.0));
+  for (int k = 1; k <= 59; ++k) EXPECT_FALSE(second(2.0)) << k;
+  EXPECT_TRUE(second(2.0));
+  for (int k = 1; k <= 59; ++k) second(0.1);
+  second(1.0);
+  for (int k = 1; k <= 59; ++k) second(0.1);
+  EXPECT_TRUE(consistency.in_doubt());
+  second(0.1);
+  EXPECT_FALSE(consistency.in_doubt());
+}
+
 TEST(Consistency, of_one_reading_no_more_than_twelve_counts) {
   Consistency consistency(without_memory(), 1);
   consistency.note(0, std::sqrt(11.0), 1.0, 0.0, false, update_period_s);
@@ -227,10 +245,12 @@ TEST(Consistency, means_follow_the_time_since_a_sensors_reading_before_and_fade_
   EXPECT_EQ(consistency.largest_innovation_K(), 0.4);
   EXPECT_NEAR(consistency.rejected_share(), 0.5 * gone(20.0, 300.0), 1e-12);
   EXPECT_NEAR(consistency.nis_of_hour(), 2.0 * gone(20.0, 3600.0), 1e-12);
+  const double square_K2 = consistency.square_K2(0);
   const double nis = consistency.nis(0), of_hour = consistency.nis_of_hour(), share = consistency.rejected_share();
   consistency.note(0, 0.1, 0.01, 0.01, false, 20.0);
   consistency.conclude(20.0);
   EXPECT_EQ(consistency.largest_innovation_K(), 0.1) << "of the update that was concluded last";
+  EXPECT_NEAR(consistency.square_K2(0), square_K2 + gone(20.0, 60.0) * (0.01 - square_K2), 1e-12);
   EXPECT_NEAR(consistency.nis(0), nis + gone(20.0, 60.0) * (1.0 - nis), 1e-12);
   EXPECT_NEAR(consistency.nis_of_hour(), of_hour + gone(20.0, 3600.0) * (1.0 - of_hour), 1e-12);
   EXPECT_NEAR(consistency.rejected_share(), share * std::exp(-20.0 / 300.0), 1e-12);
