@@ -104,9 +104,18 @@ TEST_F(FitOfNode, is_judged_by_what_is_left_of_each_reading_against_what_was_ass
 }
 
 TEST_F(FitOfNode, of_each_channel_its_rms_its_neighbours_and_outliers_are_those_of_its_own_readings) {
-  node.tests[0].measured_K.middleRows(28, 2).array() += 30.0;
+  node.tests[0].measured_K.topRows(2).array() += 10.0;
+  node.tests[0].measured_K.middleRows(28, 2).array() -= 10.0;
   const TestFit fit =
       judge_tests(task(), unknowns->mean(), 1e-4 * Eigen::MatrixXd::Identity(unknowns->count(), unknowns->count()));
+  for (std::size_t test = 0; test < 2; ++test) {
+    const Eigen::MatrixXd weight = assumed(fit, test);
+    for (Eigen::Index r = 0; r < weight.rows(); ++r) {
+      const double q = std::abs(fit.left[test][r]) / std::sqrt(weight(r, r));
+      EXPECT_NEAR(fit.weights[test](r, r) / weight(r, r), q > 3.0 ? 1.0 + q * (q / 3.0 - 1.0) : 1.0,
+                  1e-9 * (1.0 + q * q));
+    }
+  }
   for (const double share : {0.0, 0.5}) {
     const std::vector<ChannelFit> channels = channels_from(task(), fit, share);
     ASSERT_EQ(channels.size(), 4U);
@@ -148,10 +157,42 @@ TEST_F(FitOfNode, a_reading_at_the_instant_itself_belongs_to_the_last_part_and_a
       judge_tests(task(), unknowns->mean(), Eigen::MatrixXd::Identity(unknowns->count(), unknowns->count()));
   const double last_s = fit.readings[0].readings.back().time_s, share = last_s / node.tests[0].length_s();
   ASSERT_EQ(share * node.tests[0].length_s(), last_s);
-  for (const ChannelFit& channel : channels_from(task(), fit, share)) {
-    EXPECT_TRUE(channel.test == 1 || channel.readings == 1U);
+  const std::vector<ChannelFit> last = channels_from(task(), fit, share);
+  ASSERT_EQ(last.size(), 2U) << "the other test's last reading is before";
+  for (const ChannelFit& channel : last) {
+    EXPECT_EQ(channel.test, 0U);
+    EXPECT_EQ(channel.readings, 1U);
+    EXPECT_EQ(channel.rms, std::abs(fit.left[0].tail(2)[channel.channel]));
+    EXPECT_EQ(channel.lag_1, 0.0) << "it has no neighbour";
   }
   EXPECT_TRUE(channels_from(task(), fit, 1.001).empty());
+}
+
+TEST_F(FitOfNode, of_a_channel_that_misses_nothing_neighbours_say_nothing) {
+  TestFit fit = judge_tests(task(), unknowns->mean(), Eigen::MatrixXd::Identity(unknowns->count(), unknowns->count()));
+  fit.left[1].setZero();
+  const std::vector<ChannelFit> channels = channels_from(task(), fit, 0.0);
+  ASSERT_EQ(channels.size(), 4U);
+  for (const std::size_t k : {2U, 3U}) {
+    EXPECT_EQ(channels[k].rms, 0.0);
+    EXPECT_EQ(channels[k].lag_1, 0.0);
+    EXPECT_EQ(channels[k].outliers, 0U);
+  }
+}
+
+/// The header's W: of the start, then twice of where the pass before has ended, there wider where readings are far off.
+TEST_F(FitOfNode, is_three_passes_each_with_what_is_assumed_where_the_one_before_has_ended) {
+  node.tests[0].measured_K.middleRows(20, 2).array() += 5.0;
+  const Eigen::VectorXd start = unknowns->mean();
+  const TestFit at_start = judge_tests(task(), start, Eigen::MatrixXd::Zero(start.size(), start.size()));
+  const TestFit first = fit_tests_once(task(), start, {assumed(at_start, 0), assumed(at_start, 1)});
+  const TestFit second = fit_tests_once(task(), first.z, first.weights);
+  const TestFit third = fit_tests_once(task(), second.z, second.weights);
+  const TestFit fit = fit_tests(task(), nullptr, {});
+  const Eigen::VectorXd deviation = fit.covariance.diagonal().cwiseSqrt();
+  EXPECT_LT((third.z - fit.z).cwiseQuotient(deviation).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_GT((second.z - fit.z).cwiseQuotient(deviation).cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_LT((third.covariance - fit.covariance).norm(), 1e-6 * fit.covariance.norm());
 }
 
 TEST_F(FitOfNode, ends_where_readings_and_priors_pull_alike_and_its_posterior_is_that_of_a_straight_line_there) {
@@ -191,7 +232,7 @@ TEST_F(FitOfNode, begun_where_it_ends_it_has_little_to_do_and_stays_there) {
   const Eigen::VectorXd deviation = fit.covariance.diagonal().cwiseSqrt();
   EXPECT_LT((again.z - fit.z).cwiseQuotient(deviation).cwiseAbs().maxCoeff(), 0.2);
   const TestFit once = fit_tests_once(task(), fit.z, fit.weights);
-  EXPECT_LT(once.evaluations, again.evaluations);
+  EXPECT_LE(once.evaluations, 5) << "it begins there";
   EXPECT_LT((once.z - fit.z).cwiseQuotient(deviation).cwiseAbs().maxCoeff(), 0.1);
   const TestFit from_afar = fit_tests_once(task(), unknowns->mean(), fit.weights);
   EXPECT_NEAR(from_afar.cost, once.cost, 0.05);

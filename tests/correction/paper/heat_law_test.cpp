@@ -74,6 +74,21 @@ TEST(HeatLaw, a_frozen_instant_has_no_step_no_ratio_and_no_rise_and_leaves_the_f
   judged.law.stand_by();
   EXPECT_EQ(judged.law.freeze(), Freeze::waiting);
   EXPECT_EQ(judged.law.factor(), 1.0);
+  ASSERT_TRUE(judged.correct(2.2, 2.0));
+  judged.law.stand_by();
+  EXPECT_EQ(judged.law.rise_K(), 0.0);
+  EXPECT_EQ(judged.law.ratio(), 1.0);
+  EXPECT_EQ(judged.law.step(), 1.0);
+}
+
+TEST(HeatLaw, moves_as_far_as_the_ratio_where_no_guard_forbids_it) {
+  Judged judged;
+  judged.options.guards = tests::no_guards();
+  EXPECT_TRUE(judged.correct(4.0, 2.0));
+  EXPECT_NEAR(judged.law.factor(), 2.0, 1e-12);
+  judged.options.guards.deadband = true;
+  EXPECT_FALSE(judged.correct(2.0, 2.0));
+  EXPECT_NE(judged.law.freeze(), Freeze::deadband) << "of no width: the uncertainty is zero";
 }
 
 TEST(HeatLaw, turns_at_the_standstill_speed_itself_whichever_way) {

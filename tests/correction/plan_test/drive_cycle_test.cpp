@@ -22,14 +22,15 @@ TEST(DriveCycle, begins_each_stage_where_the_one_before_ends_and_ends_with_the_l
   DriveLimits limits;
   limits.load = 0.4;
   const rom::Boundaries boundaries = described();
-  const rom::Schedule schedule = schedule_of({{300.0, 3000.0}, {600.0, 0.0}, {450.0, 9000.0}}, limits, boundaries);
+  const rom::Schedule schedule = schedule_of({{300.0, 0.5}, {600.0, 0.0}, {450.0, 9000.0}}, limits, boundaries);
   ASSERT_EQ(schedule.rows.size(), 4U);
-  const double begin_s[] = {0.0, 300.0, 900.0, 1350.0}, speed_rpm[] = {3000.0, 0.0, 9000.0, 9000.0};
+  const double begin_s[] = {0.0, 300.0, 900.0, 1350.0}, speed_rpm[] = {0.5, 0.0, 9000.0, 9000.0};
   for (std::size_t i = 0; i < 4; ++i) {
     const rom::OperatingState& state = schedule.rows[i].state;
     EXPECT_EQ(schedule.rows[i].time_s, begin_s[i]);
     EXPECT_EQ(state.speed_rpm, speed_rpm[i]);
     EXPECT_EQ(state.load, speed_rpm[i] > 0.0 ? 0.4 : 0.0);
+    EXPECT_EQ(schedule.rows[i].line, 0) << "of no file";
     EXPECT_EQ(state.environment_K, boundaries.operating.environment_K);
     EXPECT_EQ(state.flow_kg_per_s, boundaries.operating.flow_kg_per_s);
   }
@@ -39,6 +40,7 @@ TEST(DriveCycle, begins_each_stage_where_the_one_before_ends_and_ends_with_the_l
 TEST(DriveCycle, of_one_speed_is_one_stage_of_it) {
   EXPECT_EQ(constant_cycle(4000.0, 900.0), (DriveCycle{{900.0, 4000.0}}));
   EXPECT_EQ(joined({}), DriveCycle{});
+  EXPECT_EQ(joined({{60.0, 0.0}, {60.0, 1000.0}, {90.0, 1000.0}}), (DriveCycle{{60.0, 0.0}, {150.0, 1000.0}}));
   const DriveCycle apart{{60.0, 1000.0}, {60.0, 0.0}, {60.0, 1000.0}};
   EXPECT_EQ(joined(apart), apart) << "equal speeds that are not neighbours stay apart";
 }
@@ -58,6 +60,8 @@ TEST(DriveCycle, of_a_spectrum_is_three_minutes_at_each_quarter_of_the_top_speed
     left_s -= cycle[k].length_s;
   }
   EXPECT_EQ(left_s, 0.0);
+  limits.length_s = 360.5;
+  EXPECT_EQ(spectrum_cycle(limits).back().length_s, 0.5) << "also less than a second";
 }
 
 TEST(DriveCycle, of_a_day_of_work_is_the_one_that_plans_are_judged_by) {
@@ -68,6 +72,7 @@ TEST(DriveCycle, of_a_day_of_work_is_the_one_that_plans_are_judged_by) {
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_EQ(day.rows[i].time_s, 60.0 * minutes[i]) << i;
     EXPECT_EQ(day.rows[i].state.speed_rpm, speed_rpm[i]) << i;
+    EXPECT_EQ(day.rows[i].state.load, speed_rpm[i] > 0.0 ? 0.5 : 0.0) << i;
   }
 }
 
