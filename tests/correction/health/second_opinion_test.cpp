@@ -302,6 +302,38 @@ TEST(SecondOpinion, as_the_others_contradict_it_what_is_published_narrows_until_
   EXPECT_GT(between, 3) << "begun with evidence of " << begun_with;
 }
 
+TEST(SecondOpinion, what_is_published_has_room_for_it_by_the_evidence_of_the_beginning_and_what_has_come_since) {
+  const rom::Network network = plates();
+  Blamed blamed(network);
+  blamed.limits.drift_lead = blamed.limits.second_opinion_s = 1e9;  // it goes on
+  blamed.pair.tamper = [&](Eigen::VectorXd& readings_K) {
+    readings_K[3] += 10.0 / 3600.0 * std::max(0.0, blamed.pair.time_s - blamed_s + 600.0);
+  };
+  double end_s = blamed_s - 600.0;
+  const auto begun_with = [&] { return blamed.bank.misfit(3).evidence; };
+  while ((LeaveOneOut::weight_of(begun_with()) <= 0.0 || blamed.pair.time_s < blamed_s - 500.0) && end_s < blamed_s) {
+    blamed.run_until(end_s += 10.0);
+  }
+  const double begun = begun_with();
+  ASSERT_GT(LeaveOneOut::weight_of(begun), 0.0);
+  ASSERT_LT(LeaveOneOut::weight_of(begun), 1.0) << begun;
+  blamed.opinion.begin(3, blamed.bank);
+  const EstimatorCorrection& estimator = blamed.pair.estimator;
+  int between = 0;
+  for (const double until_s = end_s + 900.0; end_s < until_s;) {
+    blamed.run_until(end_s += 10.0);
+    const double evidence = blamed.opinion.misfit().evidence;
+    const double since = std::clamp((evidence + 12.0) / 8.0, 0.0, 1.0);
+    const double weight = std::min(since, LeaveOneOut::weight_of(begun + evidence));
+    between += weight < 1.0 && std::abs(weight - LeaveOneOut::weight_of(begun - evidence)) > 1e-3 ? 1 : 0;
+    Eigen::MatrixXd steps = Eigen::MatrixXd::Zero(estimator.parameters().count(), 5);
+    blamed.opinion.put_alternative(estimator, steps);
+    const Eigen::VectorXd whole = (blamed.opinion.filter().mean() - estimator.filter().mean()).head(steps.rows());
+    EXPECT_LT((steps.col(4) - std::sqrt(weight) * whole).norm(), 1e-9 * whole.norm()) << evidence;
+  }
+  EXPECT_GT(between, 1) << "begun with " << begun;
+}
+
 TEST(SecondOpinion, a_tare_or_another_offset_is_the_kept_filters_too) {
   const rom::Network network = plates();
   Blamed blamed(network);

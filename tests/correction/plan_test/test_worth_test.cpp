@@ -94,11 +94,80 @@ TEST(TestWorth, over_service_is_the_root_of_the_mean_square_over_its_instants) {
   // Instants each 120 s, after the first minute.
   const double last_m2 = square_of(1740.0), last_two_m2 = square_of(1620.0), last_three_m2 = square_of(1500.0);
   const double second_m2 = 2.0 * last_two_m2 - last_m2, third_m2 = 3.0 * last_three_m2 - 2.0 * last_two_m2;
+  EXPECT_LT(last_three_m2, 2.0 * last_m2) << "a mean, no sum";
   EXPECT_GT(second_m2, last_m2) << "it cools";
   EXPECT_GT(third_m2, second_m2);
   planned.options.judged_from_s = 1500.0;
   const Worth worth = planned.worth().untested();
   EXPECT_EQ(worth.with_sensors_m, worth.open_loop_m) << "no sensor in service tells anything";
+}
+
+TEST(TestWorth, what_comes_after_an_instant_changes_nothing_before_it) {
+  const Planned planned;
+  const TestWorth worth = planned.worth();
+  const rom::Schedule constant = schedule_of({{930.0, 9000.0}}, {}, planned.network.boundaries);
+  const TestPrediction slower = worth.linearise(planned.test), steady = worth.linearise(constant);
+  ASSERT_EQ(slower.readings.size(), steady.readings.size());
+  int after = 0;
+  for (std::size_t r = 0; r < slower.readings.size(); ++r) {
+    const TestReading &one = slower.readings[r], &other = steady.readings[r];
+    ASSERT_EQ(one.time_s, other.time_s);
+    if (one.time_s <= 600.0) {
+      EXPECT_NEAR(one.residual, other.residual, 1e-9) << one.time_s;
+    } else if (one.channel == 0) {
+      EXPECT_LT(one.rise, other.rise - 0.1) << one.time_s;
+      ++after;
+    }
+  }
+  EXPECT_EQ(after, 3);
+}
+
+TEST(TestWorth, a_stage_ends_when_it_says_also_between_two_readings) {
+  Planned planned;
+  planned.options.calibrate.longest_step_s = 10.0;
+  planned.service = schedule_of({{60.0, 9000.0}}, {}, planned.network.boundaries);  // which is of no matter here
+  planned.options.judged_from_s = 0.0;
+  const rom::Schedule drive = schedule_of({{631.0, 9000.0}, {269.0, 0.0}}, {}, planned.network.boundaries);
+  const auto last_K = [&](double held_s) {
+    planned.options.calibrate.held_s = held_s;
+    planned.options.calibrate.interval_s = 0.0;
+    double rise_K = 0.0;
+    for (const TestReading& reading : planned.worth().linearise(drive).readings) {
+      if (reading.channel == 0) rise_K = reading.rise;
+    }
+    return rise_K;
+  };
+  // At the end of periods of a minute, and of 5 s.
+  const double coarse_K = last_K(60.0), fine_K = last_K(5.0);
+  EXPECT_GT(fine_K, 1.0);
+  EXPECT_NEAR(coarse_K, fine_K, 0.02 * fine_K);
+}
+
+/// One minute of service, with one reading of its sensor at its end.
+TEST(TestWorth, a_reading_of_service_tells_of_its_own_instant_by_how_sure_it_is) {
+  Planned planned;
+  planned.service = schedule_of({{60.0, 9000.0}}, {}, planned.network.boundaries);
+  planned.options.judged_from_s = 0.0;
+  const Worth told = planned.worth().untested();
+  EXPECT_LT(told.with_sensors_m, 0.99 * told.open_loop_m);
+  planned.options.calibrate.sensor_error_K = 1e4;
+  const Worth nothing = planned.worth().untested();
+  EXPECT_NEAR(nothing.with_sensors_m, nothing.open_loop_m, 1e-6 * nothing.open_loop_m);
+  EXPECT_NEAR(nothing.open_loop_m, told.open_loop_m, 1e-12 * told.open_loop_m);
+}
+
+TEST(TestWorth, the_first_reading_of_a_test_tells_something) {
+  Planned planned;
+  planned.options.drift = {0.0, 0.0, 0.0};
+  const TestWorth worth = planned.worth();
+  const TestPrediction found = worth.linearise(planned.test);
+  EXPECT_LT(worth.of(found, {{0}, false, 60.0}).open_loop_m, 0.9999 * worth.untested().open_loop_m);
+}
+
+TEST(TestWorth, of_a_length_behind_the_last_is_refused) {
+  Planned planned;
+  planned.options.probe = planned.network.deformations.size();
+  EXPECT_THROW(planned.worth(), rom::InputError);
 }
 
 TEST(TestWorth, with_no_reading_of_the_test_is_that_of_the_priors) {
