@@ -55,6 +55,50 @@ TEST(CsvTable, bad_table_is_one_error_with_line_and_column) {
   EXPECT_THROW(table_of("time_s\n0\n").column("nose"), InputError);
 }
 
+TEST(CsvTable, names_are_known_and_lines_counted_also_behind_empty_ones) {
+  const CsvTable table = table_of("\n \t\ntime_s,a\n\n0,1\n\n\n1,2\n");
+  EXPECT_TRUE(table.has("a"));
+  EXPECT_TRUE(table.has("time_s"));
+  EXPECT_FALSE(table.has("b"));
+  EXPECT_EQ(table.header().line, 3);
+  EXPECT_EQ(table.where(0).line, 5);
+  EXPECT_EQ(table.where(1).line, 8);
+  EXPECT_EQ(refusal_of_table("\n\ntime_s,a,a\n0,1,1\n"), ":3: a: column given twice");
+  EXPECT_EQ(CsvTable{}.header_line, 1);
+  EXPECT_EQ(CsvTable{}.rows(), 0U);
+}
+
+TEST(CsvTable, a_byte_order_mark_stands_at_the_beginning_only) {
+  EXPECT_EQ(table_of("\xEF\xBB\xBFtime_s\n7\n").column("time_s")[0], 7.0);
+  EXPECT_NE(refusal_of_table("time_s\n\xEF\xBB\xBF"
+                             "7\n"),
+            "no error");
+}
+
+TEST(CsvTable, other_separators_are_told_where_there_is_one_column_only) {
+  for (const char* separator : {";", "|", "\t"}) {
+    EXPECT_EQ(refusal_of_table(std::string("time_s") + separator + "a\n0\n"),
+              ":1: columns must be separated by commas");
+  }
+  EXPECT_EQ(table_of("time_s,a;b\n0,1\n").column("a;b")[0], 1.0);
+  EXPECT_EQ(table_of("time_s\n0\n").rows(), 1U) << "one column alone is a table";
+}
+
+TEST(CsvTable, a_cell_is_a_number_from_its_first_character_to_its_last) {
+  for (const char* bad : {"1 2", "1,5x", "x1", "1.5.2", "--1", "nan", "1e999", "0x10"}) {
+    EXPECT_NE(refusal_of_table(std::string("a,b\n0,") + bad + "\n"), "no error") << bad;
+  }
+  EXPECT_EQ(table_of("a,b\n0, -2.5e-3\t\n").column("b")[0], -2.5e-3);
+}
+
+TEST(Interpolate, meets_every_row_and_needs_no_more_than_one) {
+  const std::vector<double> x = {-1.0, 2.0, 2.5, 10.0}, y = {5.0, -1.0, 7.0, 7.5};
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_EQ(interpolate(x, y, x[i]), y[i]);
+  EXPECT_NEAR(interpolate(x, y, 2.4), 5.4, 1e-12);
+  EXPECT_NEAR(interpolate(x, y, 0.0), 3.0, 1e-12);
+  for (const double at : {-3.0, 4.0, 9.0}) EXPECT_EQ(interpolate({4.0}, {6.0}, at), 6.0);
+}
+
 TEST(Interpolate, is_linear_inside_and_held_outside) {
   const std::vector<double> x = {0.0, 2.0, 4.0};
   const std::vector<double> y = {1.0, 3.0, -1.0};
