@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rom/by_hand/read_by_hand.hpp"
@@ -87,6 +88,7 @@ TEST(ByHandEdges, each_number_is_taken_at_its_ends_and_refused_beyond) {
       {"mass_kg = 0.5", "mass_kg = ", 1e-9, 1e6},
       {"heat_capacity_J_per_kgK = 400.0", "heat_capacity_J_per_kgK = ", 1.0, 1e5},
       {"at = [10.0,", "at = [", -1e5, 1e5},
+      {"at = [30.0,", "at = [", -1e5, 1e5},
       {"conductance_W_per_K = 2.0", "conductance_W_per_K = ", 1e-9, 1e9},
       {"um_per_K = { a = 1.5", "um_per_K = { a = ", -1e6, 1e6},
       {"assembly_pressure_Pa = 2e6", "assembly_pressure_Pa = ", -1e12, 1e12},
@@ -169,6 +171,10 @@ TEST(ByHandEdges, places_are_in_metres_and_a_key_points_is_the_mean_of_its_nodes
   EXPECT_EQ(point.part, "") << "that of its heaviest node";
   EXPECT_NEAR(point.r_m, 0.001, 1e-15);
   EXPECT_NEAR(point.z_m, -0.002, 1e-15);
+  for (const auto& [at, taken] :
+       {std::pair{"[1e5, -1e5]", true}, {"[1.4e5, 0]", false}, {"[0, -1.4e5]", false}, {"[1.0]", false}}) {
+    EXPECT_EQ(said_of(with(own, "[1.0, -2.0]", at)) == "accepted", taken) << at;
+  }
 }
 
 TEST(ByHandEdges, faces_add_up_and_each_has_a_column_of_its_own) {
@@ -224,6 +230,45 @@ TEST(ByHandEdges, watts_per_kelvin_stand_on_an_area_of_one_square_metre) {
   EXPECT_NE(said_of(with(contact, "conductance_W_per_K = 3.0", "conductance_W_per_K = 3.0\narea_mm2 = 5.0"))
                 .find("area_mm2: cannot stand beside"),
             std::string::npos);
+}
+
+TEST(ByHandEdges, a_joint_fit_is_between_two_parts_whichever_is_the_first) {
+  const auto fitted = [](const std::string& one, const std::string& other) {
+    const std::string in_two_parts =
+        with(everything, "name = \"b\"\npart = \"shaft\"", "name = \"b\"\npart = \"housing\"");
+    return with(in_two_parts, "[[gap_film]]",
+                "[[contact]]\nname = \"seat\"\nbetween = [\"" + one + "\", \"" + other +
+                    "\"]\narea_mm2 = 9.0\nconductance_W_per_m2K = 9.0\njoint_fit = { assembly_pressure_Pa = 1e6, "
+                    "pressure_per_inner_rise_Pa_per_K = 2.0, pressure_per_outer_rise_Pa_per_K = 3.0 }\n[[gap_film]]");
+  };
+  for (const auto& [one, other] : {std::pair{"a", "b"}, {"b", "a"}}) {
+    const Network network = read(fitted(one, other));
+    const Conductance& seat = network.boundaries.conductances[0];
+    ASSERT_TRUE(seat.fit.has_value());
+    EXPECT_EQ(seat.fit->pressure_per_inner_rise_Pa_per_K, 2.0);
+    EXPECT_EQ(seat.fit->pressure_per_outer_rise_Pa_per_K, 3.0);
+    EXPECT_EQ(seat.part_a + seat.part_b, 1);
+  }
+  for (const auto& [one, other] : {std::pair{"a", "hall"}, {"hall", "a"}}) {
+    EXPECT_NE(said_of(fitted(one, other)).find("joint_fit: needs an inner and an outer part"), std::string::npos);
+  }
+}
+
+TEST(ByHandEdges, the_first_node_needs_a_neighbour_as_any_other) {
+  const std::string lonely = in_a_room("lonely", R"([[node]]
+name = "a"
+capacity_J_per_K = 100.0
+[[node]]
+name = "b"
+capacity_J_per_K = 100.0
+[[film]]
+name = "to_room"
+surrounding = "room"
+node = "a"
+area_mm2 = 100.0
+coefficient_W_per_m2K = 20.0
+)");
+  EXPECT_NE(said_of(lonely).find("node.a.name: no conduction, contact or gap film connects"), std::string::npos);
 }
 
 TEST(ByHandEdges, a_part_is_weighed_by_its_capacities_and_its_extremes_are_its_nodes) {

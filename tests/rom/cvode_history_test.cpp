@@ -310,6 +310,24 @@ TEST(CvodeStepper, a_network_that_nothing_cools_warms_by_heat_times_time_over_ca
   EXPECT_EQ(stepper.counts().decompositions, 1) << "also of a matrix that is zero";
 }
 
+/// The tolerance is in kelvin: a spindle that is a thousand times heavier, cooled and heated takes the same steps.
+TEST(CvodeStepper, takes_the_same_steps_however_large_the_spindle_is) {
+  constexpr double times = 1000.0;
+  const Network small = make_single_node();
+  Network large = small;
+  large.capacity_J_per_K *= times;
+  BoundaryValues small_values = held_values(small), large_values = small_values;
+  large_values.conductance_W_per_m2K *= times;
+  large_values.heat_W *= times;
+  CvodeStepper of_small(share(small)), of_large(share(large));
+  for (int second = 0; second < 60; ++second) {
+    ASSERT_EQ(of_small.advance(1.0, small_values), StepStatus::ok);
+    ASSERT_EQ(of_large.advance(1.0, large_values), StepStatus::ok);
+  }
+  EXPECT_NEAR(of_small.temperatures_K()[0], of_large.temperatures_K()[0], 1e-9);
+  EXPECT_EQ(of_small.counts().internal_steps, of_large.counts().internal_steps);
+}
+
 TEST(CvodeStepper, a_state_that_is_not_finite_is_not_carried_on) {
   const Network network = network_of_all_inputs();
   CvodeStepper stepper(share(network));

@@ -108,6 +108,11 @@ TEST(LawReadings, of_what_does_not_exist_are_refused) {
         law.displacement = 0;
         n.deformations.clear();
       },
+      [](BoundLaw& law, Network& n) {
+        law.second.environment = 0;
+        n.boundaries.environments.clear();
+        n.boundaries.conductances[0].environment = -1;
+      },
       [](BoundLaw&, Network& n) { n.boundaries.conductances[0].environment = 1; },
   };
   EXPECT_NO_THROW(NetworkOperator{good});

@@ -7,6 +7,7 @@
 
 #include "rom/file/payload.hpp"
 #include "rom/file/rom_file.hpp"
+#include "rom/file/signature.hpp"
 #include "tests/rom/synthetic_network.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/texts.hpp"
@@ -72,6 +73,20 @@ TEST(RomFile, is_told_by_its_first_eight_bytes) {
   EXPECT_FALSE(is_rom_file(folder.write("first", "XPINROM\n")));
   EXPECT_FALSE(is_rom_file(folder.file("nothing")));
   EXPECT_FALSE(is_rom_file(folder.path().string()));
+}
+
+TEST(RomFile, a_signed_one_that_is_cut_or_too_long_says_so_and_that_a_signature_belongs_to_it) {
+  const std::vector<std::uint8_t> whole = sign_bytes(encode_network(make_single_node()), make_private_key());
+  const std::size_t payload = whole.size() - 52 - signature_block_size;
+  for (const std::size_t length :
+       {std::size_t{52}, std::size_t{100}, 52 + payload, whole.size() - 1, whole.size() + 1, whole.size() + 300}) {
+    std::vector<std::uint8_t> bytes = whole;
+    bytes.resize(length);
+    const std::string said = refusal_of([&] { decode_rom_file(bytes, "x.rom"); });
+    EXPECT_EQ(said, std::string("x.rom: payload: ") + (length < whole.size() ? "truncated: " : "too long: ") +
+                        std::to_string(length - 52) + " bytes, the header says " + std::to_string(payload) +
+                        " and a signature of 104");
+  }
 }
 
 TEST(RomFile, a_cut_header_says_how_much_of_it_is_there) {

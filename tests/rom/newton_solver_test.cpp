@@ -114,6 +114,10 @@ TEST(NewtonSolver, says_that_a_matrix_is_singular) {
   solver.set_matrix(Eigen::MatrixXd::Identity(2, 2), walls);
   EXPECT_FALSE(solver.set_step(1.0, Eigen::MatrixXd::Constant(1, 1, 2.0)));
   EXPECT_TRUE(solver.set_step(1.0, Eigen::MatrixXd::Constant(1, 1, 0.5)));
+  NewtonSolver plain(2, 0, context);
+  plain.set_matrix(-Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd(2, 0));
+  EXPECT_FALSE(plain.set_step(1.0, Eigen::MatrixXd(0, 0))) << "1 + γ k = 0 without a circuit";
+  EXPECT_TRUE(plain.set_step(0.5, Eigen::MatrixXd(0, 0)));
 }
 
 TEST(NewtonSolver, makes_no_heap_call_once_it_is_there) {

@@ -59,6 +59,7 @@ TEST(BoundaryValues, a_single_number_that_is_none_makes_them_not_finite) {
 TEST(RightHandSide, feedback_is_all_that_heats_and_coolant_add_to_the_jacobian) {
   Network all = make_network_with_laws();
   for (Conductance& conductance : all.boundaries.conductances) conductance.physics.reset();
+  all.boundaries.sources[0].physics = all.boundaries.sources[3].physics;  // a law of the very first heat too
   for (const auto& [network, flow] : {std::pair{all, 1.0}, {all, -0.4}, {make_copper_node(), 1.0}}) {
     const auto shared = share(network);
     const Eigen::Index n = shared->nodes();

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/schedule.hpp"
 #include "rom/read/input_error.hpp"
@@ -143,12 +145,35 @@ TEST(Schedule, temperatures_alone_end_at_absolute_zero) {
   EXPECT_EQ(state.load, -300.0);
   EXPECT_EQ(state.flow_kg_per_s[0], -500.0);
   EXPECT_NEAR(state.environment_K[0], 0.05, 1e-9);
-  EXPECT_NE(refusal("time_s,speed_rpm,load,coolant_degC\n0,1,1,-273.15\n"), "");
+  EXPECT_EQ(refusal("time_s,speed_rpm,load,coolant_degC\n0,1,1,-273.15\n1,1,1,20\n"),
+            ":2: coolant_degC: is not above absolute zero, -273.15 degC");
+}
+
+TEST(Schedule, environments_run_linearly_between_any_two_rows_and_rows_know_their_line) {
+  const ScheduleFile file("time_s,speed_rpm,load,coolant_degC\n0,1,1,20\n100,2,1,30\n\n140,3,1,10\n150,4,1,10\n");
+  const Schedule schedule = read_schedule(file.path(), make_boundaries());
+  OperatingState state = make_boundaries().operating;
+  for (const auto& [time_s, degC] : {std::pair{0.0, 20.0},
+                                     {50.0, 25.0},
+                                     {100.0, 30.0},
+                                     {110.0, 25.0},
+                                     {130.0, 15.0},
+                                     {140.0, 10.0},
+                                     {145.0, 10.0}}) {
+    state_at(schedule, time_s, state);
+    EXPECT_NEAR(state.environment_K[0], 273.15 + degC, 1e-10) << time_s;
+  }
+  ASSERT_EQ(schedule.rows.size(), 4U);
+  EXPECT_EQ(schedule.rows[1].line, 3);
+  EXPECT_EQ(schedule.rows[2].line, 5);
+  EXPECT_EQ(schedule.rows[2].time_s, 140.0);
 }
 
 TEST(Schedule, constant_schedule_holds_the_operating_state) {
   const Boundaries boundaries = make_boundaries();
   const Schedule schedule = constant_schedule(boundaries, 1800.0);
+  EXPECT_EQ(schedule.rows.front().time_s, 0.0);
+  EXPECT_EQ(schedule.rows.back().time_s, 1800.0);
   EXPECT_EQ(schedule.end_s, 1800.0);
   OperatingState state = boundaries.operating;
   state_at(schedule, 900.0, state);
