@@ -114,6 +114,9 @@ TEST(NewtonSolver, says_that_a_matrix_is_singular) {
   solver.set_matrix(Eigen::MatrixXd::Identity(2, 2), walls);
   EXPECT_FALSE(solver.set_step(1.0, Eigen::MatrixXd::Constant(1, 1, 2.0)));
   EXPECT_TRUE(solver.set_step(1.0, Eigen::MatrixXd::Constant(1, 1, 0.5)));
+  Eigen::Vector2d solution(3.0, 4.0);
+  solver.solve(solution.data(), solution.data());
+  EXPECT_LT((solution - Eigen::Vector2d(2.0, 2.0)).norm(), 1e-14) << "1 + 1 − 0.5 and 1 + 1";
   NewtonSolver plain(2, 0, context);
   plain.set_matrix(-Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd(2, 0));
   EXPECT_FALSE(plain.set_step(1.0, Eigen::MatrixXd(0, 0))) << "1 + γ k = 0 without a circuit";
