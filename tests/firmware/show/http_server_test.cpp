@@ -1,6 +1,7 @@
 #include "firmware/show/http_server.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -245,6 +246,29 @@ TEST(HttpServer, without_a_descriptor_nobody_is_accepted_for_a_second_and_then_w
   serving.clock.pass(1);
   house.counts("32", "0");
   EXPECT_EQ(waits.read_all().status, 200);
+}
+
+/// poll() refuses more descriptors than a process may have.
+TEST(HttpServer, behind_a_poll_that_failed_it_rests_a_tenth_of_a_second_says_so_and_goes_on) {
+  const Logged log;
+  {
+    Serving serving;
+    Client asks(serving.server.port());
+    EXPECT_TRUE(serving.has_clients(1));
+    const std::int64_t began_ns = serving.clock.now_ns();
+    rlimit before{};
+    ::getrlimit(RLIMIT_NOFILE, &before);
+    const rlimit none{2, before.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &none);
+    asks.send("GET /rou");  // the next poll fails
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+    while (serving.clock.now_ns() == began_ns && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    ::setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(serving.get("/routes").status, 200);
+    EXPECT_GT(serving.clock.now_ns(), began_ns);
+    EXPECT_EQ((serving.clock.now_ns() - began_ns) % (ns_per_s / 10), 0);
+  }
+  EXPECT_NE(log.text().find("error http: poll: Invalid argument"), std::string::npos) << log.text();
 }
 
 TEST(HttpServer, a_deadline_is_kept_though_nothing_else_happens) {
