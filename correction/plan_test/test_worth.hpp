@@ -37,7 +37,7 @@ struct Worth {
 ///   P = (P₀⁻¹ + Hᵀ W⁻¹ H)⁻¹            H the readings' sensitivities, W residual_covariance, as calibrate has both
 ///   Q = P of the machine + drift², priors of the day for all else
 ///   σ(t)² = l(t)ᵀ (Q⁻¹ + Σ_{t' <= t} hᵀ W⁻¹ h)⁻¹ l(t),   over the readings of service up to t
-/// A reading more and a longer test never make it larger. Not for the cycle.
+/// Of one drift, a reading more and a longer test never make it larger. Not for the cycle.
 class TestWorth {
  public:
   /// Integrates the service drive once. `network` must outlive this. Throws rom::InputError for a network without that
@@ -46,6 +46,7 @@ class TestWorth {
 
   /// Sensitivities of all sensors and of the probe along a drive, from rest. The same bits from any thread.
   TestPrediction linearise(const rom::Schedule& test) const;
+  /// Without a reading that of the priors. A test that tells less than the drift since takes away leaves a little more.
   Worth of(const TestPrediction& test, const TakenReadings& taken) const;
   /// Of the priors alone.
   Worth untested() const;

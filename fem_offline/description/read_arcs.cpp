@@ -121,9 +121,10 @@ Polygon read_polygon(const TomlTable& table, Geometry geometry, const MeshSettin
     is_arc[end] = true;
     const Corner& from = corners[(end + corners.size() - 1) % corners.size()];
     if (distance_mm(from, *found) <= same_corner_mm) given.fail("to", "the arc begins and ends at the same point");
-    if (given.has("centre") == given.has("through")) given.fail("to", "an arc needs either centre or through");
-    const Arc arc = given.has("centre") ? about(given, from, *found)
-                                        : through(given, from, corner_from(given, "through", geometry), *found);
+    const bool has_centre = given.has("centre"), has_through = given.has("through");
+    if (has_centre == has_through) given.fail("to", "an arc needs either centre or through");
+    const Arc arc =
+        has_centre ? about(given, from, *found) : through(given, from, corner_from(given, "through", geometry), *found);
     before[end] = corners_on(given, arc, mesh);
     centres[end] = arc.centre;
   }

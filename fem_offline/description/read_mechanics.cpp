@@ -16,9 +16,9 @@ Point read_point(const TomlTable& table, Geometry geometry) {
 
 /// "face" or "at"; the point comes back only if it was given.
 std::optional<Point> read_place(const TomlTable& table, Geometry geometry, Box& face) {
-  if (table.has("face") == table.has("at"))
-    table.fail("face", "needs either a face [r0, r1, z0, z1] or a point at [r, z]");
-  if (table.has("face")) {
+  const bool has_face = table.has("face"), has_point = table.has("at");
+  if (has_face == has_point) table.fail("face", "needs either a face [r0, r1, z0, z1] or a point at [r, z]");
+  if (has_face) {
     face = read_face(table, "face");
     return std::nullopt;
   }

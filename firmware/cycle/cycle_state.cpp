@@ -223,7 +223,9 @@ void Cycle::label(std::int64_t missed) {
                                                         bits(Fault::checkpoint_lost));
   snapshot_.fault &= static_cast<std::uint16_t>(~(bits(Fault::start_timed_out) | of_others));
   snapshot_.fault |= static_cast<std::uint16_t>(outside_faults_ & of_others);
-  if (!started_ && waited_s_ >= plan_.start_wait_s) snapshot_.fault |= bits(Fault::start_timed_out);
+  // With one good reading the next cycle starts from it.
+  const bool nothing_to_start_from = !started_ && judgement_.good == 0;
+  if (nothing_to_start_from && waited_s_ >= plan_.start_wait_s) snapshot_.fault |= bits(Fault::start_timed_out);
 
   if (missed > 0) snapshot_.quality |= bits(Quality::overrun);
   if (snapshot_.tare_m != 0.0) snapshot_.quality |= bits(Quality::tared);

@@ -23,10 +23,13 @@ std::string text_of(const std::string& path) {
 }
 
 double read_capacity(const TomlTable& table) {
-  if (table.has("capacity_J_per_K") == table.has("mass_kg")) {
+  // In this order they are listed where a key is unknown.
+  const bool has_capacity = table.has("capacity_J_per_K");
+  const bool has_mass = table.has("mass_kg");
+  if (has_capacity == has_mass) {
     table.fail("capacity_J_per_K", "a node needs either this or mass_kg with heat_capacity_J_per_kgK");
   }
-  if (table.has("capacity_J_per_K")) return table.number("capacity_J_per_K", {1e-6, 1e9, false, false});
+  if (has_capacity) return table.number("capacity_J_per_K", {1e-6, 1e9, false, false});
   return table.number("mass_kg", {1e-9, 1e6, false, false}) *
          table.number("heat_capacity_J_per_kgK", {1.0, 1e5, false, false});
 }

@@ -30,8 +30,10 @@ Eigen::VectorXd read_row(const TomlTable& owner, const std::string& key, Range r
 
 /// `node`, or `weights` of several nodes.
 Eigen::VectorXd read_weights(const TomlTable& table, const Draft& draft) {
-  if (table.has("node") == table.has("weights")) table.fail("node", "either this or weights is needed");
-  if (table.has("node")) {
+  const bool has_node = table.has("node");
+  const bool has_weights = table.has("weights");
+  if (has_node == has_weights) table.fail("node", "either this or weights is needed");
+  if (has_node) {
     return Eigen::VectorXd::Unit(draft.size(), static_cast<Eigen::Index>(draft.nodes.find(table, "node")));
   }
   Eigen::VectorXd row = read_row(table, "weights", not_negative, draft);
