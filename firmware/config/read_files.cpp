@@ -26,12 +26,14 @@ std::string read_state_file(const TomlTable& table, const std::string& key, cons
 
 HistoryPlan read_history(const TomlTable& table, const std::string& config_path) {
   constexpr double bytes_per_MiB = 1048576.0;
+  const auto in_MiB = [](std::uint64_t bytes) { return static_cast<double>(bytes) / bytes_per_MiB; };
   HistoryPlan plan;
   plan.path = read_state_file(table, "path", config_path);
   const bool is_sqlite = is_sqlite_path(plan.path);
-  const double segment_MiB = is_sqlite ? 8.0 : table.number_or("segment_MiB", 64.0, rom::between(0.01, 1e5));
-  const double most_MiB =
-      table.number_or("most_MiB", std::max(1024.0, 2.0 * segment_MiB), rom::between(2.0 * segment_MiB, 1e7));
+  const double segment_MiB =
+      is_sqlite ? 8.0 : table.number_or("segment_MiB", in_MiB(plan.segment_bytes), rom::between(0.01, 1e5));
+  const double most_MiB = table.number_or("most_MiB", std::max(in_MiB(plan.most_bytes), 2.0 * segment_MiB),
+                                          rom::between(2.0 * segment_MiB, 1e7));
   plan.segment_bytes = static_cast<std::uint64_t>(segment_MiB * bytes_per_MiB);
   plan.most_bytes = static_cast<std::uint64_t>(most_MiB * bytes_per_MiB);
   if (is_sqlite) plan.most_days = table.number_or("most_days", plan.most_days, rom::between(0.01, 36500.0));

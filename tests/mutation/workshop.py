@@ -20,7 +20,7 @@ NOTICED_BY = {"rom": ["test_rom", "test_correction", "test_firmware", "test_repl
               "correction": ["test_correction", "test_firmware", "test_replay"],
               "firmware": ["test_firmware", "test_replay"]}
 # At last the whole daemon, where its own sources are at fault: tests of ctest, and the programs that they run.
-WHOLE_DAEMON = {"firmware": "^(daemon|compensation|service|device_fault|daemon_fault|http|stream|spindles|plant|history|deploy|tls|viewers)_system$"}
+WHOLE_DAEMON = {"firmware": "^(daemon|compensation|service|device_fault|daemon_fault|http|stream|spindles|plant|history|deploy|tls|viewers|network_file)_system$"}
 WHOLE_PROGRAMS = ["spindle-twind", "spindle-twin", "make_small_network", "spindle-twin-node"]
 NODE_MODULES = "tests/system/clients/node_modules"  # what host_tools/setup has installed: the copy of the tests uses it
 SLOWEST, SLACK_S = 10.0, 60.0  # tests that take so many times their usual time, and that much longer, hang

@@ -114,6 +114,12 @@ TEST(ByHandEdges, each_number_is_taken_at_its_ends_and_refused_beyond) {
   EXPECT_EQ(said_of(with(everything, "speed_rpm = 1000.0", "speed_rpm = 1000.0\nload = 0.0")), "accepted");
 }
 
+TEST(ByHandEdges, a_file_that_is_not_there_or_is_a_folder_cannot_be_read) {
+  for (const char* path : {"/nowhere/net.toml", "/"}) {
+    EXPECT_EQ(refusal_of([&] { read_by_hand(path); }), std::string(path) + ": cannot be read as a file");
+  }
+}
+
 TEST(ByHandEdges, weights_and_speed_laws_add_up_to_one_to_a_billionth) {
   for (const double part : {0.8, -0.8, 1.3, -1.3}) {
     const bool taken = std::abs(part) < 1.0;

@@ -24,6 +24,14 @@ TEST(TurningParts, rotor_and_balls_turn_and_the_sleeve_does_not) {
   EXPECT_EQ(turning_parts(spindle_twin::tests::small_network()), (Names{"rotor", "bearing"}));
 }
 
+TEST(TurningParts, a_bearing_of_the_first_node_turns_as_any_other) {
+  rom::Network network = spindle_twin::tests::small_network();
+  network.source_distribution.setZero();
+  network.source_distribution.row(0).setConstant(0.6);  // most friction is in the rotor's node
+  network.source_distribution.bottomRows(1).setConstant(0.4);
+  EXPECT_EQ(turning_parts(network), (Names{"rotor"}));
+}
+
 TEST(TurningParts, what_is_joined_to_the_shaft_turns_with_it) {
   EXPECT_EQ(turning_parts(with_nut()), (Names{"rotor", "bearing", "nut"}));
 }
