@@ -85,7 +85,7 @@ TEST(LawReadings, are_part_means_pressures_and_displacements_of_the_outputs) {
 }
 
 TEST(LawReadings, of_one_thing_is_one_row_however_many_laws_read_it) {
-  const Eigen::MatrixXd& rows = share(make_network_with_laws())->laws().rows();
+  const Eigen::MatrixXd rows = share(make_network_with_laws())->laws().rows();
   for (Eigen::Index a = 0; a < rows.cols(); ++a) {
     for (Eigen::Index b = 0; b < a; ++b) EXPECT_NE(rows.col(a), rows.col(b)) << a << " " << b;
   }
