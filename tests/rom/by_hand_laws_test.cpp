@@ -12,6 +12,7 @@
 #include "rom/integrate/cvode_stepper.hpp"
 #include "rom/laws/law_fields.hpp"
 #include "rom/read/input_error.hpp"
+#include "tests/rom/operating_values.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace by_hand_laws_test {
@@ -77,9 +78,7 @@ Eigen::VectorXd rate_K_per_s(const Network& network, const Eigen::VectorXd& temp
 TEST(ByHandLaws, example_meets_an_independent_integration) {
   const Network network = read_by_hand(motor_spindle_laws);
   ASSERT_TRUE(has_physics(network.boundaries));
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
+  BoundaryValues values = operating_values(network);
   const auto shared = std::make_shared<const NetworkOperator>(network);
   CvodeStepper stepper(shared);
   Eigen::VectorXd temperatures_K = Eigen::VectorXd::Constant(shared->nodes(), 293.15);

@@ -13,6 +13,7 @@
 #include "rom/integrate/exact_stepper.hpp"
 #include "rom/integrate/outputs.hpp"
 #include "tests/rom/by_hand_texts.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/support/texts.hpp"
 
 namespace spindle_twin::rom::tests {
@@ -60,13 +61,6 @@ std::string error_of(const std::string& text) {
   return refusal_of([&] { parse_by_hand(text, "net.toml"); });
 }
 
-BoundaryValues nominal(const Network& network) {
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
-  return values;
-}
-
 /// C_a x' = −2 x + 2 y + 30, C_b y' = 2 x − 3 y, from rest, by the eigenvalues of the 2 x 2 system.
 TEST(ByHand, two_nodes_follow_their_two_exponentials) {
   const Network network = parse_by_hand(two_nodes, "net.toml");
@@ -79,7 +73,7 @@ TEST(ByHand, two_nodes_follow_their_two_exponentials) {
   const double k_fast = (ca * fast + 2.0) / 2.0, k_slow = (ca * slow + 2.0) / 2.0;
   const double q = (-steady_b + steady_a * k_fast) / (k_slow - k_fast), p = -steady_a - q;
 
-  const BoundaryValues values = nominal(network);
+  const BoundaryValues values = operating_values(network);
   CvodeStepper stepper(std::make_shared<const NetworkOperator>(network));
   stepper.set_temperatures(Eigen::VectorXd::Constant(2, 293.15));
   for (int second = 1; second <= 600; ++second) {
@@ -95,7 +89,7 @@ TEST(ByHand, two_nodes_follow_their_two_exponentials) {
 
 TEST(ByHand, steady_state_and_outputs_by_hand) {
   const Network network = parse_by_hand(two_nodes, "net.toml");
-  const BoundaryValues values = nominal(network);
+  const BoundaryValues values = operating_values(network);
   const auto channels = std::make_shared<const NetworkOperator>(network);
   const Eigen::VectorXd steady_K = steady_temperatures_K(channels, values);
   EXPECT_NEAR(steady_K[0], 293.15 + 45.0, 1e-9);
@@ -114,7 +108,7 @@ const std::string motor_spindle = SPINDLE_TWIN_SOURCE_DIR "/rom/by_hand/motor_sp
 /// What is stored plus what has left is what was put in, over an hour of the example at its operating state.
 TEST(ByHand, heat_is_conserved_over_an_hour) {
   const Network network = read_by_hand(motor_spindle);
-  const BoundaryValues values = nominal(network);
+  const BoundaryValues values = operating_values(network);
   const Eigen::Index n = network.capacity_J_per_K.rows();
   const auto channels = std::make_shared<const NetworkOperator>(network);
   Eigen::MatrixXd film_W_per_K = Eigen::MatrixXd::Zero(n, n);
@@ -207,7 +201,7 @@ Pa_per_K = { a = 1e4, b = -1e4 }
   ASSERT_EQ(network.boundaries.circuits.size(), 1u);
   EXPECT_EQ(network.boundaries.circuits[0].segments, (std::vector<int>{3, 4}));
   EXPECT_EQ(network.contact_pressures[0].row_Pa_per_K[1], -1e4);
-  const BoundaryValues values = nominal(network);
+  const BoundaryValues values = operating_values(network);
   const auto channels = std::make_shared<const NetworkOperator>(network);
   const Eigen::VectorXd steady_K = steady_temperatures_K(channels, values);
   const double to_room_W = 1.0 * (steady_K[1] - 293.15);

@@ -8,6 +8,7 @@
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/shared_operator.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
@@ -23,13 +24,6 @@ Network network_of_all_inputs() {
   return network;
 }
 
-BoundaryValues held_values(const Network& network) {
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
-  return values;
-}
-
 using Change = std::function<void(BoundaryValues&)>;
 
 struct Counted {
@@ -41,7 +35,7 @@ struct Counted {
 /// Some cycles of `first`, then one that is changed.
 Counted at_change(const Network& network, const Change& first, const Change& change, const CvodeSettings& settings) {
   CvodeStepper stepper(share(network), settings);
-  BoundaryValues values = held_values(network);
+  BoundaryValues values = operating_values(network);
   first(values);
   for (int cycle = 0; cycle < 3; ++cycle) EXPECT_EQ(stepper.advance(1.0, values), StepStatus::ok);
   Counted counted{stepper.counts(), {}};
@@ -138,7 +132,7 @@ TEST(CvodeHistory, is_dropped_after_a_period_that_failed_and_not_by_one_that_is_
   CvodeSettings starved;
   starved.max_internal_steps = 1;  // the first cycle needs more
   CvodeStepper stepper(share(network), starved);
-  const BoundaryValues values = held_values(network);
+  const BoundaryValues values = operating_values(network);
   const Eigen::VectorXd start_K = stepper.temperatures_K();
   for (int attempt = 1; attempt <= 3; ++attempt) {
     EXPECT_EQ(stepper.advance(1.0, values), StepStatus::integrator_failed);
@@ -168,7 +162,7 @@ TEST(CvodeHistory, goes_on_while_nothing_moves_also_of_what_is_zero) {
                                     }};
   for (std::size_t i = 0; i < held.size(); ++i) {
     CvodeStepper stepper(share(network));
-    BoundaryValues values = held_values(network);
+    BoundaryValues values = operating_values(network);
     held[i](values);
     for (int cycle = 0; cycle < 5; ++cycle) ASSERT_EQ(stepper.advance(1.0, values), StepStatus::ok);
     EXPECT_EQ(stepper.counts().restarts, 1) << "inputs " << i;
@@ -178,7 +172,7 @@ TEST(CvodeHistory, goes_on_while_nothing_moves_also_of_what_is_zero) {
 
 TEST(CvodeHistory, goes_on_with_the_factors_of_a_single_node) {
   const Network network = make_single_node();
-  BoundaryValues values = held_values(network);
+  BoundaryValues values = operating_values(network);
   values.heat_W.setZero();
   values.node_heat_W = Eigen::VectorXd::Constant(1, 40.0);
   values.capacity_factor = Eigen::VectorXd::Constant(1, 1.7);
@@ -293,7 +287,7 @@ TEST(CvodeStepper, starts_at_the_reference_temperature_and_asks_for_a_period_tha
   CvodeStepper stepper(share(network));
   const Eigen::VectorXd start_K = stepper.temperatures_K();
   EXPECT_LT((start_K.array() - network.boundaries.reference_temperature_K).abs().maxCoeff(), 1e-9);
-  const BoundaryValues values = held_values(network);
+  const BoundaryValues values = operating_values(network);
   for (const double period_s : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(stepper.advance(period_s, values), StepStatus::integrator_failed) << period_s;
     EXPECT_EQ(stepper.temperatures_K(), start_K);
@@ -302,7 +296,7 @@ TEST(CvodeStepper, starts_at_the_reference_temperature_and_asks_for_a_period_tha
 
 TEST(CvodeStepper, a_network_that_nothing_cools_warms_by_heat_times_time_over_capacity) {
   const Network network = make_single_node();
-  BoundaryValues values = held_values(network);
+  BoundaryValues values = operating_values(network);
   values.conductance_W_per_m2K[0] = 0.0;
   CvodeStepper stepper(share(network));
   for (int second = 0; second < 7; ++second) ASSERT_EQ(stepper.advance(1.0, values), StepStatus::ok);
@@ -316,7 +310,7 @@ TEST(CvodeStepper, takes_the_same_steps_however_large_the_spindle_is) {
   const Network small = make_single_node();
   Network large = small;
   large.capacity_J_per_K *= times;
-  BoundaryValues small_values = held_values(small), large_values = small_values;
+  BoundaryValues small_values = operating_values(small), large_values = small_values;
   large_values.conductance_W_per_m2K *= times;
   large_values.heat_W *= times;
   CvodeStepper of_small(share(small)), of_large(share(large));
@@ -334,9 +328,9 @@ TEST(CvodeStepper, a_state_that_is_not_finite_is_not_carried_on) {
   Eigen::VectorXd spoilt_K = Eigen::VectorXd::Constant(9, 300.0);
   spoilt_K[4] = std::numeric_limits<double>::quiet_NaN();
   stepper.set_temperatures(spoilt_K);
-  EXPECT_EQ(stepper.advance(1.0, held_values(network)), StepStatus::not_finite);
+  EXPECT_EQ(stepper.advance(1.0, operating_values(network)), StepStatus::not_finite);
   stepper.set_temperatures(Eigen::VectorXd::Constant(9, 300.0));
-  EXPECT_EQ(stepper.advance(1.0, held_values(network)), StepStatus::ok);
+  EXPECT_EQ(stepper.advance(1.0, operating_values(network)), StepStatus::ok);
 }
 
 }  // namespace cvode_history_test

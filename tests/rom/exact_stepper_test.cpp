@@ -7,18 +7,12 @@
 #include <vector>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/shared_operator.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace exact_stepper_test {
-
-BoundaryValues operating_values(const Network& network) {
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
-  return values;
-}
 
 Network with_lumped_capacity(Network network) {
   network.capacity_J_per_K = Eigen::VectorXd(network.capacity_J_per_K.rowwise().sum()).asDiagonal();

@@ -8,6 +8,7 @@
 #include "rom/integrate/flow_rows.hpp"
 #include "rom/integrate/heat_flows.hpp"
 #include "tests/rom/by_hand_texts.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/synthetic_network.hpp"
 #include "tests/support/texts.hpp"
 
@@ -102,9 +103,7 @@ TEST(FlowPaths, of_an_air_volume_lead_from_each_wall_to_the_air) {
 
 TEST(FlowPaths, the_heats_of_paths_are_area_times_coefficient_times_difference) {
   const Network network = parse_by_hand(around_air, "net.toml");
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
+  BoundaryValues values = operating_values(network);
   values.node_heat_W = Eigen::Vector4d(0.5, 1.0, 2.0, 4.0);
   const Eigen::Vector4d temperatures_K(300.0, 330.0, 320.0, 310.0);
   const HeatFlows flows = heat_flows(network, network_bodies(network), values, temperatures_K);
@@ -146,9 +145,7 @@ TEST(FlowPaths, are_of_faces_however_small_and_of_none_that_has_no_area) {
 
 TEST(FlowRows, of_one_body_are_its_film_its_heat_and_what_is_put_into_its_node) {
   const Network network = make_single_node();
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
+  BoundaryValues values = operating_values(network);
   values.node_heat_W = Eigen::VectorXd::Constant(1, 7.0);
   const std::vector<Body> bodies = network_bodies(network);
   const Eigen::VectorXd warm_K = Eigen::VectorXd::Constant(1, 302.0);

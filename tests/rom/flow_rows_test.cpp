@@ -9,16 +9,13 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "tests/rom/heap_calls.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom {
 namespace flow_rows_test {
 
-BoundaryValues values_of(const Network& network) {
-  BoundaryValues values = make_boundary_values(network.boundaries);
-  evaluate_boundaries(network.boundaries, network.boundaries.operating, no_correction(network.boundaries), values);
-  return values;
-}
+using tests::operating_values;
 
 /// All that a network's flows are told by.
 struct Told {
@@ -55,7 +52,7 @@ struct Told {
 class Rows : public testing::TestWithParam<bool> {
  protected:
   Network network_ = GetParam() ? tests::make_network_with_circuit({}, 7) : tests::make_synthetic_network({}, 7);
-  BoundaryValues values_ = values_of(network_);
+  BoundaryValues values_ = operating_values(network_);
   Eigen::Index nodes_ = network_.capacity_J_per_K.rows();
   Eigen::VectorXd some_K_ = Eigen::VectorXd::LinSpaced(nodes_, 295.0, 330.0);
 };

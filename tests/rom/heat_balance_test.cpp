@@ -9,6 +9,7 @@
 #include "rom/integrate/heat_flows.hpp"
 #include "tests/rom/law_network.hpp"
 #include "tests/rom/metered_stepper.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 /// What is put in, less what is given away, is what is stored; and the check of that notices where it is not so.
@@ -75,9 +76,7 @@ TEST(HeatBalance, closes_by_a_quadrature_that_knows_no_integrator_as_far_as_the_
 /// The meters against heat_flows(), which knows nothing of them, at one instant.
 TEST(HeatBalance, meters_rise_as_heats_and_films_say) {
   const Network network = make_synthetic_network({}, 7);
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
+  BoundaryValues values = operating_values(network);
   const Eigen::VectorXd nodes_K =
       300.0 + 10.0 * Eigen::VectorXd::LinSpaced(network.capacity_J_per_K.rows(), 0.0, 1.0).array();
   const HeatFlows flows = heat_flows(network, network_bodies(network), values, nodes_K);

@@ -11,17 +11,13 @@
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/coolant_outputs.hpp"
 #include "rom/integrate/sensitivity.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom {
 namespace heat_flows_test {
 
-BoundaryValues operating_values(const Network& network) {
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
-  return values;
-}
+using tests::operating_values;
 
 /// The first film becomes a coolant circuit's only segment, so that the liquid warms up along it.
 Network with_circuit(Network network) {

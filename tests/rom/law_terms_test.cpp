@@ -16,6 +16,7 @@
 #include "rom/integrate/sensitivity.hpp"
 #include "tests/rom/heap_calls.hpp"
 #include "tests/rom/law_network.hpp"
+#include "tests/rom/operating_values.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace law_terms_test {
@@ -143,9 +144,7 @@ TEST(LawTerms, heat_balance_closes) {
 TEST(LawTerms, one_node_with_copper_meets_its_closed_form) {
   const Network network = make_copper_node();
   const auto shared = std::make_shared<const NetworkOperator>(network);
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
+  BoundaryValues values = operating_values(network);
   const double cold_W = 3.0 * 100.0 * 0.4, by_K = 0.00393 * cold_W, film_W_per_K = 25.0, capacity_J_per_K = 1000.0;
   const double steady_K = (cold_W - by_K * 293.15 + film_W_per_K * 300.0) / (film_W_per_K - by_K);
   const double rate_per_s = (film_W_per_K - by_K) / capacity_J_per_K;

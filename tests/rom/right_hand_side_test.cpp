@@ -10,18 +10,12 @@
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "tests/rom/law_network.hpp"
+#include "tests/rom/operating_values.hpp"
 #include "tests/rom/shared_operator.hpp"
 #include "tests/rom/synthetic_network.hpp"
 
 namespace spindle_twin::rom::tests {
 namespace right_hand_side_test {
-
-BoundaryValues operating_values(const Network& network) {
-  BoundaryValues values = rom::make_boundary_values(network.boundaries);
-  rom::evaluate_boundaries(network.boundaries, network.boundaries.operating, rom::no_correction(network.boundaries),
-                           values);
-  return values;
-}
 
 TEST(BoundaryValues, a_single_number_that_is_none_makes_them_not_finite) {
   BoundaryValues good;

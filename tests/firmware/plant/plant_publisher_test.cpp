@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "firmware/watch/clock.hpp"
 #include "tests/firmware/support/small_broker.hpp"
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/firmware/support/standing_clock.hpp"
 
 /// The publisher in its own thread, whose clock stands until a test sets it; its broker in the test's.
 namespace spindle_twin::firmware {
@@ -24,13 +24,6 @@ using small_broker::Bytes;
 using small_broker::comes_true;
 using small_broker::metric_ms;
 using small_broker::Published;
-
-class StandingClock final : public Clock {
- public:
-  std::int64_t now_ns() const override { return now; }
-  void sleep_until_ns(std::int64_t time_ns) override { now = time_ns; }
-  std::atomic<std::int64_t> now{1000 * ns_per_s};
-};
 
 class Publishes : public ::testing::Test {
  protected:
@@ -84,7 +77,7 @@ class Publishes : public ::testing::Test {
   /// How many of a kind the broker hears until so long from now.
   std::size_t heard_after(std::int64_t ns, const char* kind) {
     broker_.take_published();
-    clock_.now += ns;
+    clock_.pass(ns);
     see();
     return broker_.count(kind);
   }
@@ -116,16 +109,16 @@ class Publishes : public ::testing::Test {
 TEST_F(Publishes, a_cycle_once_and_only_at_each_period) {
   see();
   EXPECT_EQ(broker_.count("DDATA"), 0U) << "there was no cycle";
-  const std::int64_t began_ns = clock_.now;
+  const std::int64_t began_ns = clock_.now_ns();
   show_cycle(1, 1, began_ns);
   EXPECT_EQ(heard_after(10 * ns_per_s - 1, "DDATA"), 0U);
-  clock_.now += 1;
+  clock_.pass(1);
   const std::vector<Published> first = wait_for("DDATA", 1);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].topic, "spBv1.0/group/DDATA/node/right");
   EXPECT_EQ(heard_after(10 * ns_per_s, "DDATA"), 0U) << "the same cycle";
-  show_cycle(1, 2, clock_.now);
-  clock_.now += 10 * ns_per_s;
+  show_cycle(1, 2, clock_.now_ns());
+  clock_.pass(10 * ns_per_s);
   EXPECT_EQ(wait_for("DDATA", 1).size(), 1U);
   EXPECT_TRUE(comes_true([&] {
     broker_.turn();
@@ -138,10 +131,10 @@ TEST_F(Publishes, a_cycle_once_and_only_at_each_period) {
 TEST_F(Publishes, the_time_of_a_number_is_that_of_its_cycle_by_the_clock_on_the_wall) {
   see();
   for (const std::int64_t age_ns : {std::int64_t{0}, 40 * ns_per_s, -7 * ns_per_s}) {
-    clock_.now += 10 * ns_per_s - 1;
-    show_cycle(1, static_cast<std::uint64_t>(50 + age_ns / ns_per_s), clock_.now + 1 - age_ns);
+    clock_.pass(10 * ns_per_s - 1);
+    show_cycle(1, static_cast<std::uint64_t>(50 + age_ns / ns_per_s), clock_.now_ns() + 1 - age_ns);
     const double before_ms = 1e3 * unix_now_s();
-    clock_.now += 1;
+    clock_.pass(1);
     const std::vector<Published> data = wait_for("DDATA", 1);
     const double after_ms = 1e3 * unix_now_s();
     ASSERT_EQ(data.size(), 1U);
@@ -175,9 +168,9 @@ TEST_F(Publishes, whose_cycle_is_too_old_dies_and_is_born_again_with_the_next) {
     topics.clear();
     broker_.take_published();
     ++sequence;
-    show_cycle(0, sequence, clock_.now + period_ns - age_ns);
-    show_cycle(1, sequence, clock_.now + period_ns);
-    clock_.now += period_ns;
+    show_cycle(0, sequence, clock_.now_ns() + period_ns - age_ns);
+    show_cycle(1, sequence, clock_.now_ns() + period_ns);
+    clock_.pass(period_ns);
     listen([&] { return std::find(topics.begin(), topics.end(), "spBv1.0/group/DDATA/node/right") != topics.end(); });
   };
   pass_a_period(5 * ns_per_s);
@@ -201,7 +194,7 @@ TEST(PlantPublisher, its_only_spindle_needs_no_name) {
   PlantPublisher publisher(plan, {{"", names_of(tests::small_network())}}, clock);
   Snapshot snapshot = first_snapshot(tests::small_network());
   snapshot.sequence = 1;
-  snapshot.time_ns = clock.now - 5 * ns_per_s;  // no older than it may be
+  snapshot.time_ns = clock.now_ns() - 5 * ns_per_s;  // no older than it may be
   publisher.tap(0).write(snapshot);
   std::thread thread([&] { publisher.run(); });
   EXPECT_TRUE(comes_true([&] {

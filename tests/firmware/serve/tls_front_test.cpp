@@ -13,6 +13,7 @@
 #include "tests/firmware/support/http_serving.hpp"
 #include "tests/firmware/support/logged.hpp"
 #include "tests/firmware/support/serving.hpp"
+#include "tests/firmware/support/standing_clock.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 /// Clients that never end their handshake, on a clock that stands.
@@ -20,7 +21,6 @@ namespace spindle_twin::firmware {
 namespace serve_tls_front_test {
 
 using http_serving::Client;
-using http_serving::StandingClock;
 
 constexpr std::uint32_t host_a = INADDR_LOOPBACK;  ///< those behind it are other hosts
 constexpr std::uint32_t stranger_host = INADDR_LOOPBACK + 0x10000;

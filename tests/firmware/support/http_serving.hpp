@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
@@ -25,25 +24,10 @@
 #include "firmware/show/http_server.hpp"
 #include "firmware/watch/clock.hpp"
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/firmware/support/standing_clock.hpp"
 
 /// An HTTP server of the tests, whose clock stands until a test sets it, and clients that say and read what they like.
 namespace spindle_twin::firmware::http_serving {
-
-/// Stands still unless it is set; counts how often it was asked.
-class StandingClock final : public Clock {
- public:
-  std::int64_t now_ns() const override {
-    ++asked;
-    return now;
-  }
-  void sleep_until_ns(std::int64_t time_ns) override { now = time_ns; }
-  void pass(std::int64_t by_ns) { now += by_ns; }
-
-  mutable std::atomic<long> asked{0};
-
- private:
-  std::atomic<std::int64_t> now{1000 * ns_per_s};
-};
 
 struct Reply {
   int status = 0;  ///< 0: the connection ended without an answer
