@@ -58,14 +58,19 @@ class MemoryStream final : public httplib::Stream {
   std::size_t at_ = 0;
 };
 
+/// Names of computers differ in their letters' case only for who reads them.
+std::string in_small_letters(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
 /// The name that a request's Host says, in small letters, without port and brackets.
 std::string host_of(const httplib::Request& request) {
   std::string host = request.get_header_value("Host");
   const std::size_t end = host.starts_with('[') ? host.find(']') : host.find(':');
   host.resize(std::min(end, host.size()));
   if (host.starts_with('[')) host.erase(0, 1);
-  std::transform(host.begin(), host.end(), host.begin(), [](unsigned char c) { return std::tolower(c); });
-  return host;
+  return in_small_letters(std::move(host));
 }
 
 bool is_address(const std::string& host) {
@@ -105,6 +110,7 @@ class HttpAnswerer::Library final : public httplib::Server {
  public:
   Library(Pages pages, std::vector<std::string> names) : pages_(std::move(pages)), names_(std::move(names)) {
     names_.insert(names_.end(), {"", "localhost", own_name()});  // "": HTTP/1.0 says none
+    for (std::string& name : names_) name = in_small_letters(std::move(name));
     // Before the library's own routing, which would read a body first.
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       show(request, response);

@@ -92,12 +92,12 @@ TEST_F(Answers, a_stream_is_a_head_without_length_and_of_head_it_is_none) {
 }
 
 TEST_F(Answers, only_who_asks_for_this_host_is_answered) {
-  HttpAnswerer named([](const HttpRequest&) { return Page{200, "text/plain", "hello"}; }, {"twin.example"});
+  HttpAnswerer named([](const HttpRequest&) { return Page{200, "text/plain", "hello"}; }, {"twin.example", "CNC-Twin"});
   const auto status_for = [&](const std::string& host) {
     return named.answer("GET / HTTP/1.1\r\nHost: " + host + "\r\n\r\n").status;
   };
   for (const char* host : {"127.0.0.1", "127.0.0.1:9502", "192.168.7.3:80", "[::1]:9502", "localhost", "LocalHost:1",
-                           "twin.example", "Twin.Example:9502"}) {
+                           "cnc-twin:9502", "CNC-TWIN", "twin.example", "Twin.Example:9502"}) {
     EXPECT_EQ(status_for(host), 200) << host;
   }
   for (const char* host : {"elsewhere.example", "127.0.0.1.elsewhere.example", "localhost.example:9502", "a b"}) {
