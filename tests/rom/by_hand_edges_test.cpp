@@ -114,6 +114,16 @@ TEST(ByHandEdges, each_number_is_taken_at_its_ends_and_refused_beyond) {
   EXPECT_EQ(said_of(with(everything, "speed_rpm = 1000.0", "speed_rpm = 1000.0\nload = 0.0")), "accepted");
 }
 
+TEST(ByHandEdges, a_key_point_is_within_a_hundred_metres_as_a_node_is) {
+  const auto at = [](const std::string& place) {
+    return said_of(with(everything, "name = \"middle\"", "name = \"middle\"\nat = " + place)) == "accepted";
+  };
+  EXPECT_TRUE(at("[1e5, -1e5]"));
+  EXPECT_TRUE(at("[-1e5, 1e5]"));
+  for (const char* far : {"[1.4e5, 0.0]", "[-1.4e5, 0.0]", "[0.0, 1.4e5]", "[0.0, -1.4e5]"})
+    EXPECT_FALSE(at(far)) << far;
+}
+
 TEST(ByHandEdges, a_file_that_is_not_there_or_is_a_folder_cannot_be_read) {
   for (const char* path : {"/nowhere/net.toml", "/"}) {
     EXPECT_EQ(refusal_of([&] { read_by_hand(path); }), std::string(path) + ": cannot be read as a file");

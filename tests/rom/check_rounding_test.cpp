@@ -97,6 +97,48 @@ TEST(CheckNetwork, shares_of_a_limit_are_below_one_and_a_limit_says_whose_it_is)
   EXPECT_NE(rule(0.0, 0.99, 4.0).find("has a limit without saying which share"), std::string::npos);
 }
 
+TEST(CheckNetwork, the_first_of_each_list_is_looked_at_as_any_other) {
+  EXPECT_NE(said(plain(), [](Network& n) { n.parts[0].candidate_rows(0, 0) += 1.0; }).find("candidate 0: weights sum"),
+            std::string::npos);
+  EXPECT_NE(said(plain(), [](Network& n) { n.boundaries.operating.environment_K[0] = 0.0; }).find("operating_K"),
+            std::string::npos);
+}
+
+TEST(CheckNetwork, each_matrix_has_its_rows_and_its_columns) {
+  const auto refused = [](const std::function<void(Network&)>& change, const std::string& expected) {
+    const std::string found = said(plain(), change);
+    EXPECT_EQ(found, "x.rom: " + expected);
+  };
+  refused([](Network& n) { n.capacity_J_per_K.conservativeResize(13, 14); },
+          "capacity_J_per_K: is 13 x 14, but must be 13 x 13");
+  refused([](Network& n) { n.conduction_W_per_K.conservativeResize(12, 13); },
+          "conduction_W_per_K: is 12 x 13, but must be 13 x 13");
+  const std::string candidates =
+      "part " + plain().parts[0].name + " candidates: must have at least one row and one column per node";
+  refused([](Network& n) { n.parts[0].candidate_rows.resize(0, 13); }, candidates);
+  refused([](Network& n) { n.parts[0].candidate_rows.conservativeResize(Eigen::NoChange, 12); }, candidates);
+  refused(
+      [](Network& n) {
+        n.outlines = {{"x", Eigen::MatrixXd::Zero(3, 3)}};
+      },
+      "outline of x: must have r and z of at least three points");
+  refused([](Network& n) { n.nodes.clear(); }, "nodes: none; at least one is needed");
+  refused([](Network& n) { n.nodes.resize(2000, n.nodes[0]); },
+          "capacity_J_per_K: is 13 x 13, but must be 2000 x 2000");
+}
+
+TEST(CheckNetwork, an_exchange_that_touches_nothing_conserves_heat) {
+  EXPECT_EQ(said(plain(), [](Network& n) { n.factors_m[0].setZero(); }), "accepted");
+}
+
+TEST(CheckNetwork, a_law_of_speed_needs_a_reference_speed_however_small) {
+  const auto at = [](double reference_rpm) {
+    return said(plain(), [=](Network& n) { n.boundaries.reference_speed_rpm = reference_rpm; });
+  };
+  EXPECT_EQ(at(1e-3), "accepted");
+  EXPECT_NE(at(0.0).find("reference_speed_rpm: must be positive where a law depends on speed"), std::string::npos);
+}
+
 TEST(CheckNetwork, what_may_not_stand_together_is_refused_together_alone) {
   const Network laws = make_network_with_laws();
   const auto heat = [&](const std::function<void(HeatSource&)>& change) {

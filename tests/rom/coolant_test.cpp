@@ -125,6 +125,44 @@ TEST(Coolant, upstream_matrix_and_march_are_one_law) {
   }
 }
 
+/// Two segments, half of the flow's W/K each, walls 10 and 20 K above the inlet, at any flow down to none.
+TEST(Coolant, a_flow_of_less_than_a_watt_per_kelvin_is_a_flow_and_a_standing_one_is_the_end_of_a_forward_one) {
+  CoolantSegments two;
+  two.first = {0, 2};
+  two.conductance = {0, 1};
+  two.inlet = {0, 0};
+  two.area_m2 = Eigen::Vector2d::Ones();
+  BoundaryValues values;
+  values.environment_K = Eigen::VectorXd::Constant(1, 300.0);
+  const Eigen::VectorXd wall_K = Eigen::Vector2d(310.0, 320.0), rise_K = Eigen::Vector2d(10.0, 20.0);
+  CoolantOutlets outlets{Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1)};
+  Eigen::MatrixXd upstream(2, 2);
+  Eigen::VectorXd weights(2);
+  const auto flow = [&](double flow_W_per_K) {
+    values.coolant_W_per_K = Eigen::VectorXd::Constant(1, flow_W_per_K);
+    values.conductance_W_per_m2K = Eigen::VectorXd::Constant(2, 0.5 * std::abs(flow_W_per_K));
+    march_coolant(two, values, wall_K, outlets);
+    coolant_upstream(two, values, upstream);
+    coolant_slope(two, values, rise_K, 0, 0, weights);
+  };
+  for (const double flow_W_per_K : {1e-3, 0.5, 1.0, 2.0, 1e3}) {
+    flow(flow_W_per_K);
+    EXPECT_NEAR(outlets.outlet_K[0], 312.5, 1e-12) << flow_W_per_K;
+    EXPECT_NEAR(outlets.heat_W[0], 12.5 * flow_W_per_K, 1e-12 * flow_W_per_K);
+    EXPECT_EQ(upstream, (Eigen::Matrix2d() << 0.0, 0.0, 0.5, 0.0).finished());
+    EXPECT_LT((weights - Eigen::Vector2d(0.0, 5.0)).norm(), 1e-12) << flow_W_per_K;
+    flow(-flow_W_per_K);
+    EXPECT_NEAR(outlets.outlet_K[0], 310.0, 1e-12) << -flow_W_per_K;
+    EXPECT_EQ(upstream, (Eigen::Matrix2d() << 0.0, 0.5, 0.0, 0.0).finished());
+    EXPECT_LT((weights - Eigen::Vector2d(10.0, 0.0)).norm(), 1e-12) << -flow_W_per_K;
+  }
+  flow(0.0);
+  EXPECT_EQ(outlets.outlet_K[0], 320.0) << "at the temperature of the last wall";
+  EXPECT_EQ(outlets.heat_W[0], 0.0);
+  EXPECT_EQ(upstream, (Eigen::Matrix2d() << 0.0, 0.0, 1.0, 0.0).finished());
+  EXPECT_EQ(weights, Eigen::Vector2d::Zero());
+}
+
 TEST(Coolant, network_carries_the_heat_that_the_liquid_takes_away) {
   const Network network = make_network_with_circuit({4, 3, 3, true}, 5);
   for (const double flow_kg_per_s : {0.03, -0.03, 0.001}) {

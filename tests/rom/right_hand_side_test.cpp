@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,25 @@ TEST(BoundaryValues, a_single_number_that_is_none_makes_them_not_finite) {
       EXPECT_FALSE(all_finite(bad)) << "place " << i;
     }
   }
+}
+
+TEST(BoundaryValues, node_inputs_are_of_every_node_or_of_none_and_a_capacity_is_more_than_nothing) {
+  Network network = make_synthetic_network({2, 2, 2, true}, 3);
+  network.capacity_J_per_K = Eigen::VectorXd(network.capacity_J_per_K.rowwise().sum()).asDiagonal();
+  const NetworkOperator nine(network);
+  ASSERT_EQ(nine.nodes(), 9);
+  for (const Eigen::Index size : {0, 1, 2, 8, 9, 10}) {
+    BoundaryValues heats, factors;
+    heats.node_heat_W = factors.capacity_factor = Eigen::VectorXd::Constant(size, 0.5);
+    EXPECT_EQ(accepts(nine, heats), size == 0 || size == 9) << size;
+    EXPECT_EQ(accepts(nine, factors), size == 0 || size == 9) << size;
+  }
+  BoundaryValues nothing;
+  nothing.capacity_factor = Eigen::VectorXd::Ones(9);
+  nothing.capacity_factor[8] = 0.0;
+  EXPECT_FALSE(accepts(nine, nothing));
+  nothing.capacity_factor[8] = 1e-9;
+  EXPECT_TRUE(accepts(nine, nothing));
 }
 
 /// ∂f/∂x = −(K̃ − W Y Wᵀ) is exact where only heats follow the state; their conductances' slopes are not in Y.
@@ -167,6 +187,19 @@ TEST(RightHandSide, the_matrix_does_not_remember_which_conductances_were_before)
   }
 }
 
+TEST(RightHandSide, the_matrix_comes_back_to_the_bit_with_the_conductances) {
+  const Network network = make_synthetic_network({4, 3, 3, true}, 12);
+  RightHandSide rhs(share(network));
+  BoundaryValues values = operating_values(network);
+  rhs.hold(values);
+  const Eigen::MatrixXd before = rhs.lower();
+  values.conductance_W_per_m2K[1] *= 1.5;
+  rhs.hold(values);
+  EXPECT_NE(rhs.lower(), before);
+  rhs.hold(operating_values(network));
+  EXPECT_EQ(rhs.lower(), before);
+}
+
 TEST(NetworkOperator, one_kelvin_everywhere_is_the_root_of_all_capacity) {
   const Network network = make_synthetic_network({3, 2, 2, true}, 2);
   const auto shared = share(network);
@@ -177,6 +210,36 @@ TEST(NetworkOperator, one_kelvin_everywhere_is_the_root_of_all_capacity) {
   EXPECT_NEAR(x.norm(), shared->internal_per_kelvin() * std::sqrt(static_cast<double>(n)), 1e-9 * x.norm());
   shared->to_temperatures(x, back_K);
   EXPECT_LT((back_K.array() - shared->reference_K() - 1.0).abs().maxCoeff(), 1e-10);
+}
+
+TEST(NetworkOperator, a_conductance_counts_in_proportion_also_where_it_is_one) {
+  const Network network = make_single_node();
+  BoundaryValues values = operating_values(network);
+  RightHandSide rhs(share(network));
+  for (const double film_W_per_m2K : {0.0, 0.5, 1.0, 2.0, 50.0}) {
+    values.conductance_W_per_m2K[0] = film_W_per_m2K;
+    rhs.hold(values);
+    EXPECT_NEAR(rhs.lower()(0, 0), film_W_per_m2K * 0.5 / 1000.0, 1e-15) << film_W_per_m2K;
+  }
+}
+
+TEST(NetworkOperator, a_factor_that_does_not_fit_is_refused) {
+  using Change = std::function<void(Network&)>;
+  const std::vector<Change> wrong = {
+      [](Network& n) { n.capacity_J_per_K(3, 3) = -1.0; },
+      [](Network& n) { n.factors_m[0].conservativeResize(12, Eigen::NoChange); },
+      [](Network& n) { n.factors_m.back().conservativeResize(14, Eigen::NoChange); },
+      [](Network& n) { n.boundaries.conductances.back().environment = 2; },
+  };
+  const Network good = make_synthetic_network({3, 2, 2, true}, 2);
+  ASSERT_EQ(good.capacity_J_per_K.rows(), 13);
+  ASSERT_EQ(good.boundaries.environments.size(), 2U);
+  EXPECT_NO_THROW(NetworkOperator{good});
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    Network network = good;
+    wrong[i](network);
+    EXPECT_THROW(NetworkOperator{network}, std::invalid_argument) << i;
+  }
 }
 
 }  // namespace right_hand_side_test

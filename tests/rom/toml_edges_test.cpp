@@ -83,6 +83,8 @@ TEST(StrictTomlEdges, lists_of_any_length_of_that_length_and_of_none) {
   EXPECT_EQ(root.numbers("one", 1), std::vector<double>{4.0});
   EXPECT_EQ(refusal_of([&] { root.numbers("one", 2); }),
             "f.toml:2: one: must be an array of 2 numbers, is an array of 1");
+  EXPECT_EQ(refusal_of([&] { root.numbers("none", 1); }),
+            "f.toml:1: none: must be an array of 1 numbers, is an array of 0");
   EXPECT_EQ(refusal_of([&] { root.numbers("u"); }), "f.toml:7: u: must be an array of numbers, is a table");
   EXPECT_EQ(refusal_of([&] { root.tables("tables"); }), "f.toml:3: tables: must hold at least one table");
   EXPECT_TRUE(root.tables_or_empty("nothing").empty());

@@ -2,18 +2,28 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/sysmacros.h>
+#include <sys/ucontext.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -147,6 +157,108 @@ TEST_F(WholeFile, a_write_that_fails_leaves_the_old_file_and_nothing_unfinished)
   }
   EXPECT_EQ(text_of(file("x")), "old");
   EXPECT_EQ(folder.files(), 1);
+}
+
+#if defined(__x86_64__)
+/// Lets the file grow by another 1000 bytes and says that the write was interrupted, as a signal's handler may find it.
+void grow_and_interrupt(int, siginfo_t*, void* context) {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_FSIZE, &limit);
+  limit.rlim_cur += 1000;
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  static_cast<ucontext_t*>(context)->uc_mcontext.gregs[REG_RAX] = -EINTR;
+}
+
+/// A file may grow to 1000 bytes: the first write takes a part and the next one is interrupted, and so on.
+TEST_F(WholeFile, a_write_that_takes_a_part_or_is_interrupted_goes_on_where_it_ended) {
+  std::string text;
+  for (int i = 0; text.size() < 4500; ++i) text += std::to_string(i) + " ";
+  EXPECT_TRUE(in_child([&] {
+    struct sigaction action {};
+    action.sa_sigaction = grow_and_interrupt;
+    action.sa_flags = SA_SIGINFO;
+    ::sigaction(SIGXFSZ, &action, nullptr);
+    const rlimit limit{1000, RLIM_INFINITY};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    write_whole_file(file("x"), text);
+    return true;
+  }));
+  EXPECT_EQ(text_of(file("x")), text);
+}
+#endif
+
+/// The kernel gives this one a page at a time.
+TEST_F(WholeFile, a_file_that_is_read_in_parts_is_whole) {
+  const std::string path = "/sys/kernel/btf/vmlinux";
+  if (!fs::exists(path)) GTEST_SKIP() << "this kernel has no " << path;
+  std::ifstream stream(path, std::ios::binary);
+  const std::vector<std::uint8_t> whole{std::istreambuf_iterator<char>(stream), {}};
+  const std::vector<std::uint8_t> read = read_whole_file(path, whole.size());
+  ASSERT_EQ(read.size(), whole.size());
+  EXPECT_TRUE(read == whole);
+}
+
+/// A file that says of itself that it is longer than what it gives.
+TEST_F(WholeFile, a_file_that_was_cut_short_while_it_was_read_ends_there) {
+  const std::string path = "/sys/kernel/mm/transparent_hugepage/enabled";
+  if (!fs::exists(path)) GTEST_SKIP() << "this kernel has no " << path;
+  std::ifstream stream(path);
+  const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+  ASSERT_LT(whole.size(), fs::file_size(path));
+  EXPECT_TRUE(in_child([&] {
+    errno = EINTR;  // of a call before: a read that ends the file leaves it
+    return text_of(path) == whole;
+  }));
+}
+
+/// A system call that the kernel answers with an error from now on, where the bits `mask` of an argument are `value`.
+struct FailingCall {
+  long call = 0;
+  int error = EIO;
+  std::uint32_t argument = 0, mask = 0, value = 0;
+};
+
+bool make_fail(const FailingCall& failing) {
+  const auto number = [](std::size_t at) { return static_cast<std::uint32_t>(at); };
+  const std::uint32_t argument_at = number(offsetof(seccomp_data, args)) + 8 * failing.argument;  // its lower half
+  sock_filter filter[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, number(offsetof(seccomp_data, nr))),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(failing.call), 0, 4),
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, argument_at),
+      BPF_STMT(BPF_ALU | BPF_AND | BPF_K, failing.mask),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, failing.value, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(failing.error)),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  const sock_fprog program{static_cast<unsigned short>(std::size(filter)), filter};
+  return ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+}
+
+/// Of a file, of its mode, of its folder, and of what is read.
+TEST_F(WholeFile, a_disk_that_fails_at_one_call_is_told_by_that_call) {
+  if (!in_child([] { return make_fail({SYS_fsync, EIO, 0, 0xffffffffU, 99}); })) GTEST_SKIP() << "no seccomp here";
+  write_whole_file(file("x"), std::string("old"));
+  const auto said = [&](const FailingCall& failing, const std::string& expected) {
+    return in_child([&] {
+      const std::string path = file("x");
+      return make_fail(failing) && refusal_of([&] { write_whole_file(path, std::string("new")); }) == path + expected;
+    });
+  };
+  EXPECT_TRUE(said({SYS_fsync}, ": cannot be written: Input/output error"));
+  EXPECT_TRUE(said({SYS_fchmod, EPERM}, ": cannot be written: Operation not permitted"));
+  EXPECT_EQ(text_of(file("x")), "old");
+  EXPECT_EQ(folder.files(), 1);
+  const int of_file = ::open("/", O_RDONLY), of_folder = ::open("/", O_RDONLY);  // the next two that are free
+  ::close(of_file);
+  ::close(of_folder);
+  EXPECT_TRUE(said({SYS_fsync, EIO, 0, 0xffffffffU, static_cast<std::uint32_t>(of_folder)},
+                   ": its folder cannot be synced: Input/output error"));
+  EXPECT_TRUE(
+      said({SYS_openat, EACCES, 2, O_DIRECTORY, O_DIRECTORY}, ": its folder cannot be synced: Permission denied"));
+  EXPECT_TRUE(in_child([&] {
+    return make_fail({SYS_read}) &&
+           refusal_of([&] { read_whole_file(file("x"), 10); }) == file("x") + ": cannot be read: Input/output error";
+  }));
 }
 
 TEST_F(WholeFile, permissions_are_0644_less_the_umask_and_of_a_private_one_0600) {

@@ -80,6 +80,10 @@ TEST(SeveralStarts, where_two_answers_are_about_as_good_both_are_covered) {
     ASSERT_EQ(five.starts.size(), 5u);
     EXPECT_NEAR(std::abs(five.fit.z[0]), hidden, 0.05);
     EXPECT_LT(std::abs(hidden - five.fit.z[0]), 2.02 * std::sqrt(five.fit.covariance(0, 0)));
+    EXPECT_GT(2.0 * hidden, 1.9 * std::sqrt(five.fit.covariance(0, 0))) << "once, however many starts lead there";
+    int evaluations = 0;
+    for (const StartedFit& start : five.starts) evaluations += start.evaluations;
+    EXPECT_EQ(five.fit.evaluations, evaluations);
     EXPECT_TRUE(std::any_of(five.starts.begin(), five.starts.end(), [](const auto& start) { return start.is_other; }));
     // ½ (y − mean)²/σ² of the prior is all that tells them apart.
     const double prior_mean = mean[0], deviation = options.priors.contact;
@@ -110,6 +114,36 @@ TEST(SeveralStarts, answers_are_two_where_a_deviation_lies_between_them) {
     }
   }
   EXPECT_GT(near, 0);
+}
+
+/// A sensor on the first node, the better the less one of the answers is believed: up to a cost of 3, and no further.
+TEST(SeveralStarts, answers_are_about_as_good_where_one_costs_less_than_three_more) {
+  rom::Network network = with_two_answers();
+  network.key_points.push_back({"first", "first", 0.0, 0.0, Eigen::Vector2d(1.0, 0.0)});
+  int dear = 0, cheap = 0;
+  for (int k = 6; k <= 10; ++k) {
+    CalibrateOptions options = joint_alone(network);
+    options.starts = 5;
+    options.sensor_error_K = options.sensor_error_share = 0.0;
+    options.sensors[1].noise_K = 10.0 * std::pow(1.2, k);
+    const TestPredictor predictor(network, options);
+    std::vector<ThermalTest> tests{steady(network)};
+    ThermalTest& test = tests.front();
+    const double second_K = test.measured_K(60, 0) - test.start_K;
+    test.measured_K.conservativeResize(61, 2);
+    test.measured_K.col(1) = test.measured_K.col(0);
+    test.measured_K.col(1).array() += second_K * std::exp(-hidden);  // 25 W/K outwards of the second, and the joint
+    const FitTask task{network, predictor, options, tests};
+    const Eigen::VectorXd mean = TestUnknowns(network, predictor.parameters(), options, 1).mean();
+    for (const StartedFit& start : fit_from_several(task, mean, {}).starts) {
+      EXPECT_EQ(start.is_other, start.apart > 1.0 && start.cost < 3.0) << start.apart << " " << start.cost;
+      if (start.apart <= 1.0) continue;
+      dear += start.cost > 3.0 && start.cost < 6.0 ? 1 : 0;
+      cheap += start.cost < 3.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(dear, 0);
+  EXPECT_GT(cheap, 0);
 }
 
 TEST(SeveralStarts, of_a_test_with_one_answer_all_lead_to_it) {

@@ -66,6 +66,59 @@ TEST(SteppedState, stages_are_solved_to_a_nanokelvin) {
   }
 }
 
+TEST(SteppedState, of_one_body_whose_friction_falls_knows_how_it_follows_its_heat_and_its_start) {
+  rom::Network network = node_network(tau_s, heat_W);
+  network.boundaries.sources.front().friction = true;
+  const ParameterModel parameters(network, {});
+  Eigen::VectorXd theta = parameters.neutral();
+  theta[parameters.bearing()] = 0.03;
+  const auto coordinates = std::make_shared<const rom::NetworkOperator>(network);
+  const auto after = [&](const Eigen::VectorXd& at) {
+    SteppedState state(network, coordinates, parameters, at);
+    state.start(ambient_K);
+    for (const double period_s : {100.0, 200.0, 200.0}) {
+      EXPECT_TRUE(state.advance(period_s, network.boundaries.operating));
+    }
+    return state;
+  };
+  const Eigen::VectorXd slope = after(theta).sensitivities().row(0).transpose();
+  for (const int slot : {parameters.heat(0), parameters.bearing(), parameters.start(), parameters.conductance(0)}) {
+    constexpr double step = 1e-4;
+    Eigen::VectorXd above = theta, below = theta;
+    above[slot] += step;
+    below[slot] -= step;
+    const double difference = (after(above).x()[0] - after(below).x()[0]) / (2.0 * step);
+    EXPECT_NEAR(slope[slot], difference, 1e-5 * std::abs(difference)) << slot;
+    EXPECT_GT(std::abs(difference), 1e-3) << slot;
+  }
+}
+
+// A heat that grows by e^(0.05/K) of its rise runs away in long steps: in one of 100 s from 5 K the first stage still
+// has a solution near 17 K, from which the second one begins at 34 K.
+TEST(SteppedState, says_so_where_only_the_second_stage_has_no_solution) {
+  rom::Network network = node_network(tau_s, heat_W);
+  network.boundaries.sources.front().friction = true;
+  const ParameterModel parameters(network, {});
+  Eigen::VectorXd theta = parameters.neutral();
+  theta[parameters.bearing()] = -0.05;
+  theta[parameters.start()] = 5.0;
+  const Friction growing{-0.05};
+  for (const double period_s : {20.0, 100.0}) {
+    SteppedState state(network, std::make_shared<const rom::NetworkOperator>(network), parameters, theta);
+    state.start(ambient_K);
+    const auto solution_K = [&](double from_K) {  // the lowest, or 200 K
+      double rise_K = from_K;
+      while (rise_K < 200.0 && from_K + gamma * period_s * growing.rate_K_per_s(rise_K) > rise_K) rise_K += 0.001;
+      return rise_K;
+    };
+    const double first_K = solution_K(5.0);
+    ASSERT_LT(first_K, 199.0);
+    const bool solvable = solution_K(5.0 + (1.0 - gamma) / gamma * (first_K - 5.0)) < 199.0;
+    EXPECT_EQ(solvable, period_s < 50.0);
+    EXPECT_EQ(state.advance(period_s, network.boundaries.operating), solvable) << period_s;
+  }
+}
+
 TEST(SteppedState, says_so_where_a_stage_has_no_solution) {
   const rom::Network network = node_network(tau_s, heat_W);
   const ParameterModel parameters(network, {});

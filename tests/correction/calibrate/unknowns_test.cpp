@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 #include "correction/estimator/estimator_correction.hpp"
 #include "tests/rom/law_network.hpp"
 
@@ -50,6 +53,82 @@ TEST(TestUnknowns, offsets_of_each_test_stand_behind_that_tests_own_unknowns_and
       EXPECT_NEAR(unknowns.root().row(static_cast<Eigen::Index>(expected)).norm(), deviation_K, 1e-12);
     }
   }
+}
+
+TEST(TestUnknowns, begin_at_the_means_and_covariances_of_the_priors_once_for_the_machine_and_in_each_test) {
+  const rom::Network network = rom::tests::make_network_with_laws();
+  CalibrateOptions options;
+  options.sensors = key_point_sensors(network, {});
+  options.priors.heat_common = 0.3;  // so that heats are correlated
+  const ParameterModel parameters(network, options.priors);
+  const TestUnknowns unknowns(network, parameters, options, 2);
+  const Eigen::MatrixXd covariance = unknowns.root() * unknowns.root().transpose(), prior = parameters.covariance();
+  const std::vector<Eigen::Index>& machine = unknowns.machine();
+  for (std::size_t a = 0; a < machine.size(); ++a) {
+    for (std::size_t b = 0; b < machine.size(); ++b) {
+      EXPECT_NEAR(covariance(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)), prior(machine[a], machine[b]),
+                  1e-12);
+    }
+  }
+  Eigen::MatrixXd between = covariance;
+  between.topLeftCorner(static_cast<Eigen::Index>(machine.size()), static_cast<Eigen::Index>(machine.size())).setZero();
+  between.diagonal().setZero();
+  EXPECT_LT(between.cwiseAbs().maxCoeff(), 1e-12) << "nothing else is shared";
+  for (const std::size_t test : {0U, 1U}) {
+    EXPECT_EQ(unknowns.theta(unknowns.mean(), test), parameters.mean());
+    double start_K2 = 0.0;
+    const Eigen::VectorXd row =
+        unknowns.row(Eigen::VectorXd::Unit(parameters.count(), parameters.start()), test).cwiseAbs2();
+    for (Eigen::Index i = 0; i < row.size(); ++i) start_K2 += row[i] * covariance(i, i);
+    EXPECT_NEAR(start_K2, prior(parameters.start(), parameters.start()), 1e-12);
+  }
+}
+
+/// The row of what follows theta is the derivative of it along z; other tests' unknowns and lags do not move it.
+TEST(TestUnknowns, of_a_test_move_its_parameters_as_their_rows_say_and_no_other_tests) {
+  const rom::Network network = rom::tests::make_network_with_laws();
+  CalibrateOptions options;
+  options.sensors = key_point_sensors(network, {});
+  for (EstimatorSensor& sensor : options.sensors) sensor.lag_s = 9.0;
+  const ParameterModel parameters(network, options.priors);
+  const TestUnknowns unknowns(network, parameters, options, 3);
+  const Eigen::VectorXd along = Eigen::VectorXd::LinSpaced(parameters.count(), 1.0, 3.0);
+  Eigen::VectorXd step(unknowns.count());
+  for (Eigen::Index i = 0; i < step.size(); ++i) step[i] = 1e-3 * std::sin(1.7 * static_cast<double>(i) + 0.2);
+  TestPrediction prediction;
+  prediction.sensitivities.resize(2, parameters.count());
+  prediction.sensitivities.row(0) = along.transpose();
+  prediction.sensitivities.row(1) = -along.reverse().transpose();
+  const auto sensors = static_cast<int>(options.sensors.size());
+  prediction.readings = {{0.0, sensors - 1, 0.0, 0.0, 1, 0.25, 0.0}, {0.0, sensors, 0.0, 0.0, 1, 0.25, 0.0}};
+  const Eigen::VectorXd moved = unknowns.mean() + step;
+  const double lag_step_s = (unknowns.lag_s(moved) - unknowns.lag_s(unknowns.mean()))[sensors - 1];
+  for (const std::size_t test : {0U, 1U, 2U}) {
+    const Eigen::VectorXd theta_step = unknowns.theta(moved, test) - unknowns.theta(unknowns.mean(), test);
+    EXPECT_GT(theta_step.cwiseAbs().minCoeff(), 0.0);
+    EXPECT_NEAR(unknowns.row(along, test).dot(step), along.dot(theta_step), 1e-12);
+    const Eigen::VectorXd followed = unknowns.rows(prediction, test) * step;
+    EXPECT_NEAR(followed[0], along.dot(theta_step) + unknowns.offset(step, test, sensors - 1) + 0.25 * lag_step_s,
+                1e-12);
+    EXPECT_NEAR(followed[1], -along.reverse().dot(theta_step) + unknowns.offset(step, test, sensors), 1e-12)
+        << "a probe has no lag";
+  }
+}
+
+TEST(TestUnknowns, stay_within_the_limits_of_their_parameters_and_no_lag_is_below_none) {
+  const rom::Network network = rom::tests::make_network_with_laws();
+  CalibrateOptions options;
+  options.sensors = key_point_sensors(network, {});
+  const ParameterModel parameters(network, options.priors);
+  const TestUnknowns unknowns(network, parameters, options, 1);
+  const Eigen::VectorXd far = Eigen::VectorXd::Constant(unknowns.count(), 1e6);
+  const Eigen::VectorXd highest = unknowns.theta(far, 0), lowest = unknowns.theta(-far, 0);
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    EXPECT_EQ(highest[i], parameters.list()[static_cast<std::size_t>(i)].maximum);
+    EXPECT_EQ(lowest[i], parameters.list()[static_cast<std::size_t>(i)].minimum);
+  }
+  EXPECT_TRUE((unknowns.lag_s(far).array() == 1e6).all());
+  EXPECT_TRUE(unknowns.lag_s(-far).isZero(0.0));
 }
 
 /// The README's 0.2 and 0.01 per kelvin, where service believes less.

@@ -1,6 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
 
 #include "correction/calibration/calibration.hpp"
 #include "rom/read/input_error.hpp"
@@ -113,6 +118,53 @@ TEST(CalibrationFile, numbers_that_are_none_are_refused) {
   calibration.root(1, 1) = 0.0;
   EXPECT_EQ(refusal([&] { decode_calibration(encode_calibration(calibration), "x"); }),
             "x: root: its diagonal must be above 0");
+}
+
+TEST(CalibrationFile, each_list_and_number_of_it_is_looked_at) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](const std::function<void(Calibration&)>& change) {
+    Calibration calibration = some_calibration(plates());
+    change(calibration);
+    return refusal([&] { decode_calibration(encode_calibration(calibration), "x"); }) == "x: malformed";
+  };
+  EXPECT_FALSE(refused([](Calibration&) {}));
+  for (const auto member : {&Calibration::prior_mean, &Calibration::prior_deviation, &Calibration::nominal}) {
+    for (const Eigen::Index size : {2, 4}) {
+      EXPECT_TRUE(refused([&](Calibration& calibration) { calibration.*member = Eigen::VectorXd::Ones(size); }));
+    }
+    EXPECT_TRUE(refused([&](Calibration& calibration) { (calibration.*member)[2] = none; }));
+  }
+  EXPECT_TRUE(refused([](Calibration& calibration) { calibration.mean.conservativeResize(2); }));
+  EXPECT_TRUE(refused([](Calibration& calibration) { calibration.names.push_back("one more"); }));
+  EXPECT_TRUE(refused([](Calibration& calibration) { calibration.names.pop_back(); }));
+  EXPECT_TRUE(refused([&](Calibration& calibration) { calibration.root(2, 0) = none; }));
+  for (const auto member : {&Calibration::made_unix_s, &Calibration::tested_s, &Calibration::promised_m}) {
+    EXPECT_TRUE(refused([&](Calibration& calibration) { calibration.*member = none; }));
+  }
+  EXPECT_FALSE(refused([](Calibration& calibration) { calibration.nominal.resize(0); })) << "a file of before";
+}
+
+TEST(CalibrationFile, has_one_parameter_at_the_least_and_512_at_the_most) {
+  for (const Eigen::Index count : {0, 1, 512, 513}) {
+    Calibration calibration;
+    calibration.spindle = "many";
+    for (Eigen::Index i = 0; i < count; ++i) calibration.names.push_back("heat " + std::to_string(i));
+    calibration.mean = calibration.prior_mean = calibration.prior_deviation = Eigen::VectorXd::Ones(count);
+    calibration.root = 0.5 * Eigen::MatrixXd::Identity(count, count);
+    const std::vector<std::uint8_t> bytes = encode_calibration(calibration);
+    const bool fits = count >= 1 && count <= 512;
+    EXPECT_EQ(refusal([&] { decode_calibration(bytes, "x"); }), fits ? "taken" : "x: malformed") << count;
+    if (fits) {
+      EXPECT_EQ(decode_calibration(bytes, "x").calibration.root, calibration.root);
+    }
+  }
+}
+
+TEST(CalibrationFile, of_more_than_four_mebibytes_is_not_even_read) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("large.calibration");
+  std::ofstream(path, std::ios::binary) << std::string((1U << 22U) + 1U, 'x');
+  EXPECT_EQ(refusal([&] { read_calibration(path); }), path + ": 4194305 bytes; at most 4194304 are allowed");
 }
 
 TEST(CalibrationFile, of_another_spindle_or_of_parameters_it_does_not_have_is_refused_by_name) {

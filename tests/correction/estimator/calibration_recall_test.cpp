@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "tests/correction/estimator/plant_and_twin.hpp"
 
@@ -94,6 +96,29 @@ TEST(CalibrationRecall, a_mean_that_has_wandered_unseen_comes_back_and_one_that_
   }
   EXPECT_NEAR(filter.mean()[motor], 0.8, 0.03);
   EXPECT_NEAR(filter.mean()[bearing], -0.2, 0.01);
+}
+
+/// The test's own information, as often a second as keeps twice its variance: 1/P grows by (walk / 2 p)² t.
+TEST(CalibrationRecall, of_one_parameter_each_time_adds_what_keeps_twice_its_variance) {
+  auto one = std::make_shared<CalibratedPrior>();
+  one->names = {"heat motor"};
+  one->mean = Eigen::VectorXd::Constant(1, 0.3);
+  one->covariance = Eigen::MatrixXd::Constant(1, 1, 0.01);
+  const rom::Network network = plates();
+  EstimatorPriors priors;
+  priors.calibrated = one;
+  const ParameterModel parameters(network, priors);
+  const Eigen::Index motor = parameters.calibrated_slots()[0];
+  const double walk = parameters.list()[static_cast<std::size_t>(motor)].walk_per_root_s;
+  CalibrationRecall recall(parameters, parameters.count());
+  SquareRootFilter filter(parameters.mean(), parameters.covariance());
+  double information = 1.0 / 0.01;
+  for (const double elapsed_s : {6000.0, 12000.0, 0.0, -5.0}) {
+    recall.take_in(elapsed_s, filter);
+    information += std::pow(walk / (2.0 * 0.01), 2.0) * std::max(0.0, elapsed_s);
+    EXPECT_NEAR(std::pow(filter.deviation(motor), 2.0), 1.0 / information, 1e-9 / information) << elapsed_s;
+  }
+  EXPECT_GT(information, 101.0);
 }
 
 TEST(CalibrationRecall, without_a_calibration_nothing_is_recalled) {

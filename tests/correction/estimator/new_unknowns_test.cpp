@@ -230,6 +230,9 @@ TEST(CapacityParameter, belongs_to_hand_written_networks_with_lumped_nodes_only)
   rom::Network full = plates();
   full.hand_written = true;
   EXPECT_FALSE(has_capacities(full)) << "its capacity matrix is not diagonal";
+  full = spindle_twin::tests::small_network_by_hand();
+  full.capacity_J_per_K(0, 1) = full.capacity_J_per_K(1, 0) = 0.5;
+  EXPECT_FALSE(has_capacities(full)) << "not even by half a joule";
 }
 
 /// A sensor 0 that lags by true_s, told_s to the estimator, after hours of steps of speed.

@@ -45,11 +45,29 @@ Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_writte
   return {};
 }
 
+/// What the factor of an ln factor multiplies; 1 of all others.
+double nominal_of(const rom::Network& network, const Parameter& parameter) {
+  const auto at = static_cast<std::size_t>(parameter.index);
+  const rom::Boundaries& boundaries = network.boundaries;
+  switch (parameter.kind) {
+    case ParameterKind::heat:
+      return std::abs(boundaries.sources[at].nominal_W);
+    case ParameterKind::contact:
+    case ParameterKind::film:
+      return boundaries.conductances[at].nominal_W_per_m2K * boundaries.conductances[at].area_m2;
+    case ParameterKind::capacity:
+      return network.capacity_J_per_K(parameter.index, parameter.index);
+    default:
+      return 1.0;
+  }
+}
+
 TEST(NominalShift, is_the_logarithm_of_two_values_and_none_where_one_of_them_is_zero) {
   EXPECT_DOUBLE_EQ(nominal_shift(2.0, 1.0), std::log(2.0));
   EXPECT_EQ(nominal_shift(3.0, 3.0), 0.0);
   EXPECT_EQ(nominal_shift(0.0, 5.0), 0.0);
   EXPECT_EQ(nominal_shift(5.0, 0.0), 0.0);
+  EXPECT_DOUBLE_EQ(nominal_shift(0.5, 0.25), std::log(2.0));
 }
 
 TEST(Parameters, of_a_network_have_the_priors_that_are_stated) {
@@ -68,6 +86,9 @@ TEST(Parameters, of_a_network_have_the_priors_that_are_stated) {
       EXPECT_DOUBLE_EQ(parameter.maximum, expected.maximum);
       EXPECT_DOUBLE_EQ(std::sqrt(60.0) * parameter.walk_per_root_s, expected.walk_per_root_min);
       EXPECT_EQ(parameter.memory_s, expected.memory_s);
+      EXPECT_EQ(parameter.uncalibrated_mean, parameter.mean);
+      EXPECT_EQ(parameter.uncalibrated_deviation, parameter.deviation);
+      EXPECT_DOUBLE_EQ(parameter.nominal, nominal_of(network, parameter));
     }
   }
 }
@@ -249,6 +270,11 @@ TEST(Parameters, of_speed_end_at_a_twentieth_of_the_reference) {
   EXPECT_NEAR(model.log_speed(-0.1 * reference_rpm), std::log(0.1), 1e-12);
   EXPECT_NEAR(model.log_speed(0.01 * reference_rpm), std::log(0.05), 1e-12);
   EXPECT_NEAR(model.log_speed(0.0), std::log(0.05), 1e-12);
+  rom::Network without_speed = network;
+  without_speed.boundaries.reference_speed_rpm = 0.0;
+  EXPECT_EQ(ParameterModel(without_speed, EstimatorPriors{}).log_speed(3000.0), 0.0);
+  without_speed.boundaries.reference_speed_rpm = 0.5;
+  EXPECT_NEAR(ParameterModel(without_speed, EstimatorPriors{}).log_speed(-1.0), std::log(2.0), 1e-12);
 }
 
 TEST(Parameters, a_watt_into_a_group_warms_all_of_it_alike_and_stays_a_watt) {
@@ -298,6 +324,8 @@ TEST(Parameters, without_a_deviation_are_left_out) {
   EXPECT_FALSE(model.is_start(0));
   EXPECT_FALSE(model.has_capacities());
   EXPECT_FALSE(model.has_disturbances());
+  EXPECT_EQ(model.capacity(0), -1);
+  EXPECT_EQ(model.expansion(), -1);
   priors.start_K = 0.2;
   priors.start_shape_K = 0.0;
   EXPECT_EQ(ParameterModel(network, priors).starts(), 1) << "the uniform start alone";

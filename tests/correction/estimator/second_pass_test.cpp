@@ -131,6 +131,37 @@ TEST(SecondPass, a_cycle_after_a_pause_goes_through_no_more_of_the_record_than_o
   EXPECT_EQ(pair.estimator.relinearised(), 1);
 }
 
+/// 200 s of the record in each cycle of 10 s in which a thousand could be: half an hour and what comes meanwhile in
+/// ten.
+TEST(SecondPass, no_cycle_goes_through_more_than_200_s_of_the_record) {
+  const rom::Network network = rom::tests::make_single_node();
+  EstimatorOptions options = environments_alone();
+  options.second_pass = 100.0;
+  Pair pair(network, options);
+  pair.cycle_s = 10.0;
+  while (pair.estimator.relinearised() == 0 && pair.time_s < 2400.0) pair.cycle();
+  EXPECT_EQ(pair.time_s - pair.cycle_s, 1800.0 + 100.0);
+}
+
+/// A linear estimate settles in one pass, at twenty times the speed of what was recorded.
+TEST(SecondPass, is_made_after_half_an_hour_an_hour_and_two_of_the_record_and_no_more) {
+  const rom::Network network = rom::tests::make_single_node();
+  Pair pair(network, environments_alone());
+  pair.cycle_s = 10.0;
+  std::vector<double> ages_s;
+  while (pair.time_s < 16000.0) {
+    const long before = pair.estimator.relinearised();
+    pair.cycle();
+    if (pair.estimator.relinearised() > before) ages_s.push_back(pair.time_s - pair.cycle_s);
+  }
+  ASSERT_EQ(ages_s.size(), 3U);
+  const double expected_s[] = {1800.0, 3600.0, 7200.0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_GE(ages_s[k], expected_s[k] + expected_s[k] / 20.0);
+    EXPECT_LE(ages_s[k], expected_s[k] * 20.0 / 19.0 + 30.0);
+  }
+}
+
 TEST(SecondPass, an_estimate_that_begins_anew_begins_another_record) {
   const rom::Network network = plates();
   Pair pair(network, {});

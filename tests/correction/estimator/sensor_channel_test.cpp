@@ -83,7 +83,10 @@ TEST(SensorChannel, reading_its_own_model_has_no_residual_and_a_step_of_its_lag_
   const double x = 120.0 / tau_s, slope = -rate * (1.0 - std::exp(-x) - x * std::exp(-x));
   EXPECT_NEAR(channel.lag_slope_K_per_s(), slope, 1e-12);
   channel.set_sensitivity(Eigen::Vector2d(0.5, -1.0));
+  EXPECT_GT(std::abs(channel.mean_lag_slope()), 0.0);
   channel.clear();
+  EXPECT_EQ(channel.mean_lag_slope(), 0.0);
+  EXPECT_TRUE(std::isnan(channel.mean_reading_K()));
   EXPECT_TRUE(std::isnan(channel.mean_residual_K()));
   // A step of parameters and lag: the place moves by 0.7, what is shown by 0.5 · 0.2 − 1 · 0.1 + slope · 3.
   channel.correct(Eigen::Vector2d(4.0, 1.0), Eigen::Vector2d(0.2, 0.1), 3.0);

@@ -91,6 +91,16 @@ TEST(StartShapes, without_heat_or_without_a_way_out_there_is_no_running_and_no_s
   }
 }
 
+TEST(StartShapes, of_two_bodies_are_both_of_them_and_of_heats_that_hardly_warm_it_running_and_stopped_too) {
+  rom::Network network = rom::tests::make_synthetic_network({1, 2, 2, true}, 5);
+  for (rom::HeatSource& source : network.boundaries.sources) source.nominal_W *= 1e-3;
+  const Shapes shapes(std::move(network));
+  ASSERT_EQ(shapes.list.size(), 5U);
+  EXPECT_EQ(shapes.list[1].name, "running");
+  EXPECT_EQ(shapes.list[2].name, "stopped");
+  EXPECT_EQ(Eigen::VectorXd(shapes.list[3].rise_K + shapes.list[4].rise_K), Eigen::VectorXd::Ones(5));
+}
+
 TEST(StartShapes, of_a_single_body_have_no_groups) {
   const Shapes shapes(rom::tests::make_single_node());
   for (const StartShape& shape : shapes.list) EXPECT_NE(shape.name, "body");

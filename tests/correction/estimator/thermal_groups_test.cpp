@@ -55,5 +55,50 @@ TEST(ThermalGroups, those_that_exchange_fastest_become_one_first_under_the_name_
   EXPECT_EQ(two[0].name, "rotor");
 }
 
+/// Three equal nodes in a row.
+rom::Network three_in_a_row(double first_W_per_K, double second_W_per_K) {
+  rom::Network network;
+  network.nodes = {{"first", "", 0.0, 0.0}, {"second", "", 0.0, 0.0}, {"third", "", 0.0, 0.0}};
+  network.capacity_J_per_K = 100.0 * Eigen::MatrixXd::Identity(3, 3);
+  Eigen::Matrix3d conduction;
+  conduction << first_W_per_K, -first_W_per_K, 0.0,                     //
+      -first_W_per_K, first_W_per_K + second_W_per_K, -second_W_per_K,  //
+      0.0, -second_W_per_K, second_W_per_K;
+  network.conduction_W_per_K = conduction;
+  return network;
+}
+
+TEST(ThermalGroups, of_equally_fast_and_equally_large_ones_the_first_two_become_one_under_the_first_name) {
+  const std::vector<ThermalGroup> two = thermal_groups(three_in_a_row(1.0, 1.0), 2);
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(two[0].indicator, Eigen::Vector3d(1.0, 1.0, 0.0));
+  EXPECT_EQ(two[0].name, "first");
+  EXPECT_EQ(two[1].name, "third");
+}
+
+/// The pair that exchanges half as much is nearly as fast where one of its two is small, and no faster, wherever it is.
+TEST(ThermalGroups, of_two_pairs_the_capacities_of_both_bodies_count_alike) {
+  rom::Network network = three_in_a_row(1.0, 0.5);  // 0.020 and 0.019 per second
+  network.capacity_J_per_K(2, 2) = 1.0 / 0.028;
+  EXPECT_EQ(thermal_groups(network, 2)[0].indicator, Eigen::Vector3d(1.0, 1.0, 0.0));
+  network = three_in_a_row(0.5, 1.0);
+  network.capacity_J_per_K(0, 0) = 1.0 / 0.028;
+  EXPECT_EQ(thermal_groups(network, 2)[0].indicator, Eigen::Vector3d(1.0, 0.0, 0.0));
+}
+
+/// What two of them lose to one environment they do not exchange.
+TEST(ThermalGroups, a_film_over_two_bodies_is_no_exchange_between_them) {
+  rom::Network network = three_in_a_row(1.0, 0.9);
+  rom::Conductance film;
+  film.environment = 0;
+  film.nominal_W_per_m2K = 0.5;
+  network.boundaries.conductances = {film};
+  network.factors_m = {Eigen::Vector3d(1.0, 1.0, 0.0)};
+  EXPECT_EQ(thermal_groups(network, 2)[0].indicator, Eigen::Vector3d(1.0, 1.0, 0.0));
+  network.boundaries.conductances[0].environment = -1;
+  network.factors_m = {Eigen::Vector3d(0.0, 1.0, -1.0)};
+  EXPECT_EQ(thermal_groups(network, 2)[0].indicator, Eigen::Vector3d(1.0, 0.0, 0.0)) << "a joint is one";
+}
+
 }  // namespace estimator_thermal_groups_test
 }  // namespace spindle_twin::correction::test

@@ -118,6 +118,88 @@ TEST(JudgeGrowth, how_many_times_the_published_growth_was_measured_has_the_sign_
   EXPECT_FALSE(measured_times(warm_up(0.01))) << "hardly any published growth";
 }
 
+/// Readings whose with² − without² are these, of a published growth of 1: left = measured − 1.
+std::vector<GrowthReading> with_differences(const std::vector<double>& differences) {
+  std::vector<GrowthReading> readings = {{0.0, 0, ReadingOrigin::touch_off, 0.0, 0.0}};
+  for (const double difference : differences) {
+    readings.push_back({60.0, 0, ReadingOrigin::touch_off, 0.5 * (1.0 - difference), 1.0});
+  }
+  return readings;
+}
+
+TEST(JudgeGrowth, a_mean_beyond_two_standard_errors_is_told_and_within_it_is_not) {
+  // Of four that lie 1 above and below their mean the standard error is √(4/3/4).
+  const double error = 2.0 * std::sqrt(1.0 / 3.0);
+  for (const double share : {-1.01, -0.99, 0.0, 0.99, 1.01}) {
+    const double mean = share * error;
+    const auto judged = judge_growth(with_differences({mean + 1, mean - 1, mean + 1, mean - 1}), -ever, ever);
+    EXPECT_EQ(judged.verdict, share > 1.0    ? Verdict::makes_worse
+                              : share < -1.0 ? Verdict::helps
+                                             : Verdict::not_told)
+        << share;
+  }
+}
+
+TEST(JudgeGrowth, the_worst_is_the_largest_either_way_with_its_sign) {
+  std::vector<GrowthReading> readings = {{0.0, 0, ReadingOrigin::touch_off, 0.0, 0.0}};
+  for (const auto& [measured, published] : {std::pair{3.0, 2.0}, {-5.0, -2.0}, {4.0, 5.0}}) {
+    readings.push_back({60.0, 0, ReadingOrigin::touch_off, measured * um, published * um});
+  }
+  const GrowthJudgement judged = judge_growth(readings, -ever, ever);
+  EXPECT_DOUBLE_EQ(judged.growth_worst_m, -5.0 * um);
+  EXPECT_DOUBLE_EQ(judged.left_worst_m, -3.0 * um);
+  EXPECT_DOUBLE_EQ(judged.growth_rms_m, std::sqrt((9.0 + 25.0 + 16.0) / 3.0) * um);
+  EXPECT_DOUBLE_EQ(judged.left_rms_m, std::sqrt((1.0 + 9.0 + 1.0) / 3.0) * um);
+}
+
+TEST(JudgeGrowth, nothing_is_told_where_there_is_nothing_but_a_first_reading) {
+  const GrowthJudgement judged = judge_growth(std::vector<GrowthReading>(1), -ever, ever);
+  EXPECT_EQ(judged.readings, 0U);
+  EXPECT_EQ(judged.growth_rms_m, 0.0);
+  EXPECT_EQ(judged.left_rms_m, 0.0);
+  EXPECT_EQ(judged.growth_worst_m, 0.0);
+  EXPECT_EQ(judged.left_worst_m, 0.0);
+}
+
+TEST(JudgeGrowth, a_micrometre_rms_of_published_growth_is_enough_and_less_is_not) {
+  for (const double rms_um : {0.99, 1.01}) {
+    std::vector<GrowthReading> touch_offs = {{0.0, 0, ReadingOrigin::touch_off, 0.0, 0.0}};
+    for (const double share : {0.6, 0.8, 1.0, 1.0, 1.4, 1.0}) {  // sum of squares 5.96
+      const double published_m = share / std::sqrt(5.96 / 6.0) * rms_um * um;
+      touch_offs.push_back({60.0, 0, ReadingOrigin::touch_off, 3.0 * published_m, published_m});
+    }
+    const auto times = measured_times(touch_offs);
+    ASSERT_EQ(times.has_value(), rms_um > 1.0);
+    EXPECT_NEAR(times.value_or(3.0), 3.0, 1e-12);
+  }
+}
+
+TEST(JudgeGrowth, a_week_reaches_from_monday_midnight_to_the_next) {
+  constexpr double monday_s = 1'793'577'600.0, week_s = 7.0 * 86400.0;  // 2 November 2026
+  std::vector<GrowthReading> readings = {{monday_s - week_s, 0, ReadingOrigin::touch_off, 0.0, 0.0}};
+  for (const double at_s : {monday_s, monday_s + week_s - 1.0, monday_s + week_s, monday_s + 2.0 * week_s - 1.0}) {
+    readings.push_back({at_s, 0, ReadingOrigin::touch_off, um, um});
+  }
+  const std::vector<GrowthWeek> weeks = judge_weeks(readings);
+  ASSERT_EQ(weeks.size(), 2U);
+  for (std::size_t w = 0; w < 2; ++w) {
+    EXPECT_EQ(weeks[w].from_unix_s, monday_s + static_cast<double>(w) * week_s);
+    EXPECT_EQ(weeks[w].judged.readings, 2U);
+  }
+  readings.resize(2);
+  EXPECT_EQ(judge_weeks(readings).size(), 1U) << "one reading is told of too";
+}
+
+TEST(AppliedScale, at_its_limits_belongs_to_what_is_nearer_to_a_whole_number) {
+  for (const double off : {-0.25, 0.25}) {
+    EXPECT_EQ(applied_as(1.0 + off), AppliedAs::as_published);
+    EXPECT_EQ(applied_as(-1.0 + off), AppliedAs::wrong_sign);
+    EXPECT_EQ(applied_as(off), AppliedAs::not_at_all);
+  }
+  EXPECT_EQ(applied_as(1.5), AppliedAs::not_told);
+  EXPECT_EQ(applied_as(0.5), AppliedAs::not_told);
+}
+
 TEST(AppliedScale, is_found_from_what_compensated_parts_have_left) {
   const auto left_of = [](double applied) {
     std::vector<GrowthReading> parts = warm_up(1.0, ReadingOrigin::by_hand_compensated);

@@ -53,6 +53,14 @@ TEST(TouchOffs, of_another_output_beside_a_tare_or_without_a_prediction_there_is
   EXPECT_TRUE(found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, none}}).empty());
 }
 
+TEST(TouchOffs, a_reading_has_the_number_of_the_stretch_of_its_row) {
+  const auto readings = found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, 5}, {1, 0, 2, 0, 6}, {1, 1, 3, 0, 7}, {1, 1, 4, 0, 8}});
+  ASSERT_EQ(readings.size(), 3U) << "what comes with a tare is none";
+  EXPECT_EQ(readings[0].stretch, 0U);
+  EXPECT_EQ(readings[1].stretch, 0U);
+  EXPECT_EQ(readings[2].stretch, 1U);
+}
+
 TEST(TouchOffs, starts_and_tares_begin_a_stretch) {
   TouchOffs touch_offs(0);
   for (int run = 0; run < 2; ++run) {

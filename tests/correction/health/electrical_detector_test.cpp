@@ -29,5 +29,14 @@ TEST(ElectricalDetector, one_wrong_reading_is_a_spike_and_the_second_in_a_row_a_
   EXPECT_TRUE(detector.note_fault(limits));
 }
 
+TEST(ElectricalDetector, the_limits_themselves_are_told_where_the_range_of_the_channel_is_wider) {
+  const HealthLimits limits;
+  const auto judged = [&](double reading_K) { return ElectricalDetector::judge(reading_K, 100.0, 1000.0, limits); };
+  EXPECT_EQ(judged(673.15), HealthFault::open);
+  EXPECT_EQ(judged(673.14), HealthFault::none);
+  EXPECT_EQ(judged(173.15), HealthFault::shorted);
+  EXPECT_EQ(judged(173.16), HealthFault::none);
+}
+
 }  // namespace health_electrical_detector_test
 }  // namespace spindle_twin::correction::test

@@ -212,6 +212,27 @@ TEST(ExchangeDetector, two_that_read_the_same_place_are_not_exchanged) {
   }
 }
 
+TEST(ExchangeDetector, three_minutes_of_both_are_needed) {
+  for (const std::size_t late : {std::size_t{0}, std::size_t{1}}) {
+    TwoPlaces crossed;
+    crossed.exchanged = true;
+    for (; crossed.t < 3200;) {
+      const int level_s = crossed.t++ % 1200;
+      for (std::size_t i = 0; i < 2; ++i) {
+        crossed.truth_K[i] += ((level_s < 600 ? 10.0 : 0.0) - crossed.truth_K[i]) / crossed.time_constant_s[i];
+      }
+      for (std::size_t i = 0; i < 2; ++i) crossed.detector.note_model(i, crossed.truth_K[i], 1.0);
+      for (std::size_t i = 0; i < 2; ++i) {
+        crossed.detector.note_reading(i, crossed.truth_K[1 - i], 1.0, i != late || crossed.t > 2400, {});
+      }
+      const double evidence = crossed.detector.evidence(0, 1, {});
+      if (crossed.t >= 2400 + 180) continue;
+      ASSERT_EQ(evidence, -std::numeric_limits<double>::infinity()) << crossed.t;
+    }
+    EXPECT_GT(crossed.detector.evidence(0, 1, {}), 0.0);
+  }
+}
+
 TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> unit(0.0, 1.0);

@@ -41,6 +41,28 @@ TEST(JumpDetector, only_differences_count_so_that_a_jump_is_the_same_at_every_te
   }
 }
 
+TEST(JumpDetector, half_of_the_first_step_is_needed_and_a_little_more_is_enough_however_small_the_steps) {
+  for (const double first_K : {0.25, -0.25, 4.0, -4.0}) {
+    for (const double share : {0.5, 0.515625}) {
+      JumpDetector detector;
+      detector.note_outlier(first_K, 0.0, {});
+      detector.note_outlier(first_K, 0.0, {});
+      EXPECT_EQ(detector.note_outlier((1.0 + share) * first_K, 0.0, {}),
+                share > 0.5 ? Meaning::place_moves : Meaning::jump)
+          << first_K << ' ' << share;
+    }
+  }
+}
+
+TEST(JumpDetector, one_outlier_is_a_row_already) {
+  JumpDetector detector;
+  detector.note_outlier(2.0, 0.0, {});
+  EXPECT_EQ(detector.in_a_row(), 1);
+  EXPECT_TRUE(detector.end_row());
+  EXPECT_EQ(detector.in_a_row(), 0);
+  EXPECT_FALSE(detector.end_row());
+}
+
 TEST(JumpDetector, a_row_that_ends_was_a_spike_and_counts_no_more) {
   JumpDetector detector;
   EXPECT_FALSE(detector.end_row());

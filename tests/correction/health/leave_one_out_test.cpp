@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/rom/heap_calls.hpp"
 
@@ -65,7 +69,7 @@ TEST(LeaveOneOut, healthy_sensors_agree_with_all_others) {
 
 TEST(LeaveOneOut, evidence_is_what_an_update_surprises_all_less_what_it_surprises_all_others_and_fades) {
   const rom::Network network = plates();
-  for (const double begin_s : {902.0, 4502.0}) {
+  for (const double begin_s : {52.0, 182.0, 902.0, 4502.0}) {
     Watched watched(network);
     watched.run_until(begin_s);
     const EstimatorCorrection& estimator = watched.pair.estimator;
@@ -96,7 +100,7 @@ TEST(LeaveOneOut, evidence_is_what_an_update_surprises_all_less_what_it_surprise
     at = 0;
     for (const Eigen::Index s : {0, 2, 3}) joint_K2(at, at) += made.noise_K2[s], ++at;
     others = innovation_K.dot(joint_K2.llt().solve(innovation_K));
-    const double memory_s = std::min(begin_s + 8.0, 3600.0);  // all of it, an hour at most
+    const double memory_s = std::clamp(begin_s + 8.0, 120.0, 3600.0);  // all of it, two minutes to an hour
     EXPECT_NEAR(watched.bank.misfit(1).evidence, std::exp(-10.0 / memory_s) * before + all - others, 1e-9);
   }
 }
@@ -213,6 +217,99 @@ TEST(LeaveOneOut, going_back_is_to_what_was_known_ten_to_fifteen_minutes_ago_and
     }
     EXPECT_TRUE(age_s >= 600.0 && age_s < 910.0) << age_s;
     EXPECT_GT(before.deviation(0), deviation);
+  }
+}
+
+TEST(LeaveOneOut, doubt_opens_from_evidence_of_four_to_twelve) {
+  EXPECT_EQ(LeaveOneOut::weight_of(-100.0), 0.0);
+  EXPECT_EQ(LeaveOneOut::weight_of(4.0), 0.0);
+  EXPECT_EQ(LeaveOneOut::weight_of(6.0), 0.25);
+  EXPECT_EQ(LeaveOneOut::weight_of(8.0), 0.5);
+  EXPECT_EQ(LeaveOneOut::weight_of(12.0), 1.0);
+  EXPECT_EQ(LeaveOneOut::weight_of(100.0), 1.0);
+}
+
+/// One sensor that drifts by 10 K/h, until there is evidence of 6 against it.
+struct Drifting : Watched {
+  Drifting(const rom::Network& network, Eigen::Index sensor) : Watched(network) {
+    pair.tamper = [=, this](Eigen::VectorXd& readings_K) {
+      readings_K[sensor] += 10.0 / 3600.0 * std::max(0.0, pair.time_s - 600.0);
+    };
+    while (bank.misfit(sensor).evidence < 6.0 && pair.time_s < 7200.0) run_until(pair.time_s + 10.0);
+  }
+};
+
+TEST(LeaveOneOut, what_each_sensor_would_change_has_its_weight_and_no_sensor_changes_nothing) {
+  const rom::Network network = plates();
+  for (const Eigen::Index drifting : {0, 3}) {
+    Drifting watched(network, drifting);
+    const EstimatorCorrection& estimator = watched.pair.estimator;
+    const Eigen::MatrixXd steps = watched.bank.alternatives(watched.pair.estimator);
+    ASSERT_EQ(steps.cols(), 5);
+    ASSERT_EQ(steps.rows(), estimator.parameters().count());
+    for (Eigen::Index s = 0; s < 4; ++s) {
+      const double weight = LeaveOneOut::weight_of(watched.bank.misfit(s).evidence);
+      EXPECT_TRUE(s != drifting || (weight > 0.0 && weight < 1.0)) << weight;
+      const Eigen::VectorXd whole = (watched.bank.without(s).mean() - estimator.filter().mean()).head(steps.rows());
+      EXPECT_LT((steps.col(s) - std::sqrt(weight) * whole).norm(), 1e-12 * whole.norm()) << s;
+    }
+    EXPECT_EQ(steps.col(4).norm(), 0.0);
+  }
+}
+
+TEST(LeaveOneOut, the_most_doubtful_is_the_one_with_most_evidence_and_at_least_so_much) {
+  const rom::Network network = plates();
+  for (const Eigen::Index drifting : {0, 1, 3}) {
+    Drifting watched(network, drifting);
+    const double evidence = watched.bank.misfit(drifting).evidence;
+    EXPECT_EQ(watched.bank.most_doubtful(-1e9), drifting);
+    EXPECT_EQ(watched.bank.most_doubtful(evidence), drifting);
+    EXPECT_EQ(watched.bank.most_doubtful(std::nextafter(evidence, 1e9)), -1);
+    watched.bank.settle_on(drifting);
+    EXPECT_EQ(watched.bank.most_doubtful(-1e9), -1) << "none is judged yet";
+  }
+}
+
+TEST(LeaveOneOut, another_offset_of_a_sensor_is_that_of_each_filter_and_of_what_was_known) {
+  const rom::Network network = plates();
+  Watched watched(network);
+  watched.run_until(1200.0);
+  const EstimatorCorrection& estimator = watched.pair.estimator;
+  const Eigen::Index offset = estimator.parameters().count() + 2;
+  const auto means = [&] {
+    std::vector<Eigen::VectorXd> all{watched.bank.before(estimator).mean()};
+    for (Eigen::Index s = 0; s < 4; ++s) all.push_back(watched.bank.without(s).mean());
+    return all;
+  };
+  const auto deviations_K = [&](Eigen::Index at) {
+    std::vector<double> all{watched.bank.before(estimator).deviation(at)};
+    for (Eigen::Index s = 0; s < 4; ++s) all.push_back(watched.bank.without(s).deviation(at));
+    return all;
+  };
+  std::vector<Eigen::VectorXd> expected = means();
+  const std::vector<double> sure_K = deviations_K(offset), other_K = deviations_K(offset - 1);
+  watched.bank.shift_offset(estimator, 2, 0.4);
+  watched.bank.widen_offset(estimator, 2, 0.3);
+  for (Eigen::VectorXd& mean : expected) mean[offset] -= 0.4;
+  for (std::size_t f = 0; f < expected.size(); ++f) {
+    EXPECT_LT((means()[f] - expected[f]).cwiseAbs().maxCoeff(), 1e-9) << f;
+    EXPECT_NEAR(deviations_K(offset)[f], std::hypot(sure_K[f], 0.3), 1e-9) << f;
+    EXPECT_NEAR(deviations_K(offset - 1)[f], other_K[f], 1e-9) << f;
+  }
+}
+
+TEST(LeaveOneOut, settled_on_one_filter_all_go_on_from_it_and_so_does_what_was_known) {
+  const rom::Network network = plates();
+  for (const Eigen::Index chosen : {0, 3}) {
+    Watched watched(network);
+    watched.run_until(1200.0);
+    const Eigen::VectorXd mean = watched.bank.without(chosen).mean();
+    watched.bank.settle_on(chosen);
+    for (Eigen::Index s = 0; s < 4; ++s) {
+      EXPECT_EQ(watched.bank.without(s).mean(), mean) << s;
+      EXPECT_EQ(watched.bank.misfit(s).evidence, 0.0);
+    }
+    EXPECT_LT((watched.bank.before(watched.pair.estimator).mean() - mean).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 

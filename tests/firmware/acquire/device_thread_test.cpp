@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "firmware/cycle/device_inbox.hpp"
+#include "tests/firmware/support/logged.hpp"
 
 namespace spindle_twin::firmware {
 namespace acquire_device_thread_test {
@@ -69,6 +72,39 @@ TEST_F(DeviceThreadTest, steps_follow_the_period_and_losses_the_back_off_which_a
   EXPECT_EQ(at_ms, (std::vector<std::int64_t>{0, 500, 1000, 1100, 1300, 1700, 2200, 2300}));
 }
 
+TEST_F(DeviceThreadTest, a_step_that_takes_too_long_is_followed_at_once_and_none_is_made_up_for) {
+  plan_.poll_s = 0.5;
+  const auto at_ms = run(5, [this](std::size_t step, DeviceReadings&) -> Step {
+    if (step == 1) clock_.time_ns += 1'200'000'000;
+    return {};
+  });
+  EXPECT_EQ(at_ms, (std::vector<std::int64_t>{0, 500, 1700, 2200, 2700}));
+}
+
+TEST_F(DeviceThreadTest, a_change_is_said_once_and_so_is_each_new_reason) {
+  const Logged log;
+  run(8, [](std::size_t step, DeviceReadings&) -> Step {
+    if (step < 2 || step > 5) return {};
+    return {Step::Is::lost, step < 4 ? "gone" : "broken"};
+  });
+  EXPECT_EQ(log.text(),
+            "info device device at nowhere answers\n"
+            "warning device device at nowhere does not answer (gone); trying on\n"
+            "warning device device at nowhere does not answer (broken); trying on\n"
+            "info device device at nowhere answers\n");
+}
+
+/// Each second another reason; the one behind a minute says how many were not said.
+TEST_F(DeviceThreadTest, of_a_device_that_comes_and_goes_six_lines_a_minute_are_said) {
+  const Logged log;
+  plan_.retry_s = plan_.retry_most_s = 1.0;
+  run(62, [](std::size_t step, DeviceReadings&) -> Step { return {Step::Is::lost, std::to_string(step)}; });
+  const std::string text = log.text();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 7) << text;
+  EXPECT_NE(text.find("(5); trying on\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("(60); trying on (and 54 times that were not logged)\n"), std::string::npos) << text;
+}
+
 TEST_F(DeviceThreadTest, a_lost_device_keeps_its_readings_and_says_that_it_is_offline) {
   plan_.channels = {{Channel::Kind::sensor, 3, "outer", {}, {}}};
   plan_.delay_s = 0.2;
@@ -113,6 +149,67 @@ TEST(DeviceInbox, each_value_comes_from_its_own_device_and_the_loss_of_one_leave
   EXPECT_EQ(all.sensors[0].value, 1.0);
   EXPECT_EQ(all.sensors[0].time_ns, 10);
   EXPECT_EQ(all.sensors[1].value, 2.5);
+}
+
+TEST(DeviceReadings, times_rise_and_what_is_more_than_a_second_older_is_none) {
+  DeviceReadings readings("node", 0, {{Channel::Kind::sensor, 0, "a", {}, {}}}, 0.0);
+  const Reading& sensor = readings.frame().sensors[0];
+  constexpr std::int64_t last_ns = 5'000'000'000;
+  readings.take(0, 1.0, last_ns);
+  EXPECT_EQ(sensor.time_ns, last_ns);
+  readings.take(0, 2.0, last_ns - 1'000'000'001);
+  EXPECT_EQ(sensor.value, 1.0);
+  readings.take(0, 3.0, last_ns - 1'000'000'000);
+  EXPECT_EQ(sensor.value, 3.0);
+  EXPECT_EQ(sensor.time_ns, last_ns + 1);
+  readings.take(0, 4.0, last_ns + 2);
+  EXPECT_EQ(sensor.time_ns, last_ns + 2);
+}
+
+TEST(DeviceReadings, a_reading_has_a_time_even_at_the_clocks_begin) {
+  DeviceReadings readings("node", 0, {{Channel::Kind::sensor, 0, "a", {}, {}}}, 0.5);
+  readings.take(0, 1.0, 100);
+  EXPECT_EQ(readings.frame().sensors[0].time_ns, 1) << "0 says: never read";
+}
+
+TEST(DeviceReadings, each_kind_of_channel_has_its_own_place) {
+  DeviceReadings readings("node", 2,
+                          {{Channel::Kind::sensor, 1, "a", {}, {}},
+                           {Channel::Kind::displacement, 1, "b", {}, {}},
+                           {Channel::Kind::signal, 1, "c", {}, {}}},
+                          0.0);
+  for (std::size_t channel = 0; channel < 3; ++channel) readings.take(channel, 7.0 + static_cast<double>(channel), 5);
+  const DeviceFrame& frame = readings.frame();
+  EXPECT_EQ(frame.sensors[1].value, 7.0);
+  EXPECT_EQ(frame.displacements[1].value, 8.0);
+  EXPECT_EQ(frame.signals[1].value, 9.0);
+  EXPECT_TRUE(frame.devices[2].used);
+  EXPECT_FALSE(frame.devices[0].used);
+}
+
+TEST(DeviceReadings, a_fault_of_a_wire_is_said_when_it_comes_and_when_it_goes) {
+  const Logged log;
+  Channel channel{Channel::Kind::sensor, 0, "inner", {}, {}};
+  channel.conversion.kind = ConversionKind::pt100;
+  DeviceReadings readings("cabinet", 0, {channel}, 0.0);
+  std::int64_t now_ns = 5'000'000'000;
+  for (const double ohm : {100.0, 1e6, 1e6, 100.0, 100.0}) readings.take(0, ohm, now_ns += 1'000'000);
+  EXPECT_EQ(log.text(),
+            "warning device cabinet: inner is open or at failure current\n"
+            "info device cabinet: inner is good\n");
+}
+
+TEST(DeviceReadings, of_a_wire_that_comes_and_goes_six_lines_a_minute_are_said) {
+  const Logged log;
+  Channel channel{Channel::Kind::sensor, 0, "inner", {}, {}};
+  channel.conversion.kind = ConversionKind::pt100;
+  DeviceReadings readings("cabinet", 0, {channel}, 0.0);
+  for (int second = 0; second <= 60; ++second) {
+    readings.take(0, second % 2 == 0 ? 1e6 : 100.0, (5 + second) * std::int64_t{1'000'000'000});
+  }
+  const std::string text = log.text();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 7) << text;
+  EXPECT_NE(text.find("(and 54 times that were not logged)\n"), std::string::npos) << text;
 }
 
 TEST(DeviceReadings, a_broken_wire_shows_at_once_whatever_the_filter_and_a_good_one_begins_anew) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "firmware/acquire/node_clock.hpp"
 #include "tests/firmware/acquire/stream_frames.hpp"
@@ -146,6 +147,39 @@ TEST(StreamDecoder, noise_is_refused_and_a_frame_behind_it_is_found) {
   EXPECT_GE(decoder.refused(), 1U);
   EXPECT_EQ(values.back(), 5.0F);
   EXPECT_GT(values.size(), 200U);
+}
+
+TEST(StreamDecoder, a_length_of_nothing_or_of_more_than_2048_bytes_is_refused_as_soon_as_it_is_read) {
+  for (const auto& [length, refused] : {std::pair{0, 1U}, {1, 0U}, {2048, 0U}, {2049, 1U}}) {
+    StreamDecoder decoder;
+    const Bytes header{'S', 'T', 1, 0, static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(length & 255),
+                       0,   0,   0, 1};
+    EXPECT_TRUE(decoded(decoder, header).empty());
+    EXPECT_EQ(decoder.refused(), refused) << length;
+    EXPECT_EQ(decoder.has_part(), refused == 0) << length;
+  }
+}
+
+/// Frames each second that take a second to come, behind one that took no time.
+TEST(NodeClock, the_quickest_frame_counts_for_ten_seconds_and_those_of_the_ten_behind) {
+  constexpr std::int64_t ms = 1'000'000;
+  NodeClock clock;
+  EXPECT_EQ(clock.made_ns(0, 50'000 * ms), 50'000 * ms);
+  for (std::uint32_t k = 1; k <= 25; ++k) {
+    const std::int64_t received_ns = (50'000 + 1000 * k) * ms;
+    EXPECT_EQ(clock.made_ns(1000 * k - 1000, received_ns), received_ns - (k < 20 ? 1000 * ms : 0)) << k;
+  }
+}
+
+TEST(NodeClock, behind_twenty_seconds_of_silence_its_clock_is_a_new_one) {
+  constexpr std::int64_t ms = 1'000'000;
+  for (const std::int64_t silence_ms : {19'999, 20'000}) {
+    NodeClock clock;
+    clock.made_ns(100, 50'000 * ms);
+    const std::int64_t received_ns = (50'000 + silence_ms) * ms;
+    const auto says_ms = static_cast<std::uint32_t>(100 + silence_ms - 5000);
+    EXPECT_EQ(clock.made_ns(says_ms, received_ns), received_ns - (silence_ms < 20'000 ? 5000 * ms : 0)) << silence_ms;
+  }
 }
 
 TEST(NodeClock, a_frame_that_was_held_up_is_as_old_as_it_is) {

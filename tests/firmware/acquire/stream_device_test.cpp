@@ -130,6 +130,60 @@ TEST_F(StreamDeviceTest, a_burst_at_1_kHz_becomes_its_mean) {
     pass(0.1);
   }
   EXPECT_DOUBLE_EQ(readings_.frame().signals[1].value, 1.0);
+  // The second frame's last value is of 100.1 s, its middle 49.5 ms older, all 0.25 s late.
+  EXPECT_NEAR(static_cast<double>(readings_.frame().signals[1].time_ns), 99.8005 * second_ns, 1e3);
+}
+
+TEST_F(StreamDeviceTest, a_frame_has_its_second_from_its_first_byte_on_and_no_nanosecond_more) {
+  const int socket = connect_from("127.0.0.1");
+  node sender{};
+  send_bytes(socket, frames::frame_of(sender, 0, {20.0F}));
+  pass(5.0);
+  for (const bool in_time : {true, false}) {
+    const auto frame = frames::frame_of(sender, 5000, {in_time ? 21.0F : 22.0F});
+    send_bytes(socket, {frame.begin(), frame.begin() + 9});
+    clock_.time_ns += static_cast<std::int64_t>(second_ns) + (in_time ? 0 : 1);
+    step();
+    EXPECT_EQ(refused(), in_time ? 0U : 1U);
+    send_bytes(socket, {frame.begin() + 9, frame.end()});
+    EXPECT_EQ(sensor(0).value, 21.0);
+  }
+}
+
+/// A length that lies: the frame behind it stands within what it claims.
+TEST_F(StreamDeviceTest, what_stands_behind_a_frame_that_never_became_whole_is_taken_in_the_end) {
+  node sender{};
+  float value = 20.0F;
+  for (const bool closes : {true, false}) {
+    const int socket = connect_from("127.0.0.1");
+    auto bytes = frames::frame_of(sender, 0, {1.0F});
+    bytes[4] = 7;  // 1792 bytes more than there are
+    const auto behind = frames::frame_of(sender, 0, {++value});
+    bytes.insert(bytes.end(), behind.begin(), behind.end());
+    send_bytes(socket, bytes);
+    EXPECT_NE(sensor(0).value, static_cast<double>(value));
+    if (closes) {
+      shutdown(socket, SHUT_RDWR);
+    } else {
+      pass(1.001);
+    }
+    step(2);
+    EXPECT_EQ(sensor(0).value, static_cast<double>(value)) << closes;
+    EXPECT_EQ(refused(), closes ? 1U : 2U);
+  }
+}
+
+TEST_F(StreamDeviceTest, a_node_is_there_from_its_first_frame_on_and_for_ten_seconds_behind_each) {
+  const int socket = connect_from("127.0.0.1");
+  EXPECT_EQ(step().is, Step::Is::waiting) << "it has said nothing";
+  node sender{};
+  send_bytes(socket, frames::frame_of(sender, 0, {20.0F}));
+  clock_.time_ns += static_cast<std::int64_t>(10 * second_ns);
+  EXPECT_EQ(step().is, Step::Is::fresh);
+  clock_.time_ns += 1;
+  const Step ended = step();
+  EXPECT_EQ(ended.is, Step::Is::waiting);
+  EXPECT_EQ(ended.reason, "the node sent no frame in time");
 }
 
 TEST_F(StreamDeviceTest, flipped_cut_and_doubled_frames_are_refused_counted_and_change_nothing) {

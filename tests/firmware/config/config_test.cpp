@@ -276,6 +276,49 @@ TEST(Config, sessions_of_the_page_end_within_limits_that_are_refused_beyond) {
   EXPECT_DOUBLE_EQ(plan.longest_s, 10800.0);
 }
 
+TEST(Config, texts_and_numbers_that_hang_together_are_taken_up_to_their_ends) {
+  const std::string named = good + "[plant]\nhost = \"broker\"\nnode = \"mill\"\ngroup = \"";
+  EXPECT_EQ(error_of(named + std::string(64, 'a') + "\"\n"), "accepted");
+  EXPECT_NE(error_of(named + std::string(65, 'a') + "\"\n").find("must be 1 to 64"), std::string::npos);
+  EXPECT_EQ(error_of(named + "A_z-0. 9\"\n"), "accepted");
+  const std::string noticed = good + "[http]\nnotice = \"";
+  EXPECT_EQ(error_of(noticed + std::string(300, 'a') + "\"\n"), "accepted");
+  EXPECT_NE(error_of(noticed + std::string(301, 'a') + "\"\n").find("at most 300"), std::string::npos);
+  for (const char* minutes : {"0.0", "5.0", "235.0", "240.0"}) {
+    EXPECT_EQ(error_of(good + "[compensation]\nlook_ahead_min = " + minutes + "\n"), "accepted") << minutes;
+  }
+  for (const char* minutes : {"-5.0", "2.5", "241.0", "245.0"}) {
+    EXPECT_NE(error_of(good + "[compensation]\nlook_ahead_min = " + minutes + "\n"), "accepted") << minutes;
+  }
+  EXPECT_EQ(error_of(with("clock_rate = 60.0", "clock_rate = 10.0\nperiod_s = 0.01")), "accepted");
+  EXPECT_NE(error_of(with("clock_rate = 60.0", "clock_rate = 10.1\nperiod_s = 0.01")).find("at least 0.001 s"),
+            std::string::npos);
+  EXPECT_NE(error_of(with("register = 2", "register = 2\nmin_degC = 20.0\nmax_degC = 20.0")).find("above min_degC"),
+            std::string::npos);
+  const std::string probe = good + "[[displacement]]\noutput = \"nose\"\nregister = 20\nsd_um = 1.0\n";
+  EXPECT_EQ(error_of(probe + "min_um = 1.0\nmax_um = 1.001\n"), "accepted");
+  EXPECT_NE(error_of(probe + "min_um = 1.0\nmax_um = 1.0\n").find("above min_um"), std::string::npos);
+}
+
+TEST(Config, the_log_says_who_commands_so_it_must_be_read) {
+  const tests::TemporaryFolder folder;
+  const std::string accounts = folder.file("accounts");
+  std::ofstream(accounts) << "anna:$argon2id$v=19$m=8,t=1,p=1$c2FsdHNhbHRzYWx0c2FsdA$" << std::string(43, 'A') << "\n";
+  std::filesystem::permissions(accounts, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  const auto said = [&](const std::string& level, const std::string& http, const std::string& commands) {
+    return error_of("log_level = \"" + level + "\"\n" + good + "[http]\n" + http +
+                    (commands == "none" ? "" : "[http.commands]\naccounts = \"" + accounts + "\"\n" + commands));
+  };
+  EXPECT_EQ(said("warning", "", ""), "accepted");
+  EXPECT_EQ(said("error", "", "none"), "accepted");
+  EXPECT_NE(said("error", "", "").find("log_level: must be \"warning\" or lower"), std::string::npos);
+  const std::string open = "address = \"0.0.0.0\"\n";
+  EXPECT_NE(said("info", open, "").find("unencrypted: must be true"), std::string::npos);
+  EXPECT_NE(said("info", open, "behind_tls = false\nunencrypted = false\n").find("unencrypted"), std::string::npos);
+  EXPECT_EQ(said("info", open, "behind_tls = true\n"), "accepted");
+  EXPECT_EQ(said("info", open, "unencrypted = true\n"), "accepted");
+}
+
 TEST(Config, the_commented_example_is_valid) {
   const Config config = read_config(SPINDLE_TWIN_SOURCE_DIR "/firmware/spindle-twind.example.toml");
   EXPECT_EQ(config.sensors.size(), 3U);

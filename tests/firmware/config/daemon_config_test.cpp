@@ -102,6 +102,9 @@ TEST_F(DaemonConfigTest, names_and_units_are_those_that_paths_and_modbus_take) {
     const std::string said = refusal(head + spindle(name, 1, "left.toml"));
     EXPECT_NE(said.find("list.toml:4: spindle[1].name: must be 1 to 32 letters"), std::string::npos) << said;
   }
+  for (const std::string& name : {std::string(32, 'x'), std::string("A-z_0")}) {
+    EXPECT_EQ(refusal(head + spindle(name, 1, "left.toml")), "accepted") << name;
+  }
   for (const int unit : {0, -1, 248, 255}) {
     const std::string said = refusal(head + spindle("left", unit, "left.toml"));
     EXPECT_NE(said.find("list.toml:5: spindle[1].unit"), std::string::npos) << said;
@@ -114,6 +117,9 @@ TEST_F(DaemonConfigTest, names_and_units_are_those_that_paths_and_modbus_take) {
 TEST_F(DaemonConfigTest, more_than_32_are_refused) {
   std::string list = head;
   for (int n = 1; n <= 33; ++n) {
+    if (n == 33) {
+      EXPECT_EQ(refusal(list), "accepted");
+    }
     write(std::to_string(n) + ".toml", of_one);
     list += spindle("s" + std::to_string(n), n, std::to_string(n) + ".toml");
   }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 namespace spindle_twin::firmware {
 namespace cycle_compensate_test {
@@ -206,6 +208,18 @@ TEST(Compensation, begins_with_a_whole_step_too_and_moves_on_from_there) {
   EXPECT_NEAR(snapshot.compensation.value_m, 8.0 * um, 1e-15) << "less than a step away";
 }
 
+TEST(Compensation, begins_with_the_nearest_whole_step_also_where_that_is_the_first) {
+  for (const double side : {1.0, -1.0}) {
+    CompensationPlan stepped = plan();
+    stepped.step_m = 2.0 * um;
+    Compensation compensation(stepped);
+    Snapshot snapshot = live(side * 1.3);
+    compensation.begin_at(snapshot);
+    compensation.step(3, 3, 0.0, snapshot);
+    EXPECT_NEAR(snapshot.compensation.value_m, side * 2.0 * um, 1e-15);
+  }
+}
+
 TEST(Compensation, the_slope_is_that_between_nose_and_the_other_output) {
   CompensationPlan along = plan();
   along.other = 1;
@@ -217,6 +231,133 @@ TEST(Compensation, the_slope_is_that_between_nose_and_the_other_output) {
   run(compensation, snapshot, 60);
   EXPECT_NEAR(snapshot.compensation.slope, -1.0 * (0.0 - 10.0 * um) / -0.25, 1e-15);
   EXPECT_EQ(snapshot.compensation.reference_m, 0.1);
+}
+
+TEST(Compensation, holds_for_as_long_as_is_planned_and_decays_from_the_held_value_on_without_a_step) {
+  for (const OnLoss on_loss : {OnLoss::decay, OnLoss::hold}) {
+    CompensationPlan loses = plan();
+    loses.on_loss = on_loss;
+    Compensation compensation(loses);
+    Snapshot snapshot = live(10.0);
+    run(compensation, snapshot, 60);
+    Snapshot gone = lost(10.0);
+    gone.compensation = snapshot.compensation;
+    EXPECT_EQ(run(compensation, gone, 100), 0.0);
+    EXPECT_EQ(gone.compensation.rung, Rung::hold);
+    run(compensation, gone, 1);
+    EXPECT_EQ(gone.compensation.rung, on_loss == OnLoss::decay ? Rung::decay : Rung::hold) << "after the 100 s";
+    EXPECT_NEAR(gone.compensation.value_m, 10.0 * um * (on_loss == OnLoss::decay ? std::exp(-1e-3) : 1.0), 1e-15);
+  }
+}
+
+TEST(Compensation, a_loss_of_less_than_a_second_grows_older_by_a_pause_as_well) {
+  Compensation compensation(plan());
+  Snapshot snapshot = live(10.0);
+  run(compensation, snapshot, 60);
+  Snapshot gone = lost(10.0);
+  compensation.step(6, 6, 0.25, gone);
+  compensation.pass(500.0);
+  compensation.step(6, 6, 0.25, gone);
+  EXPECT_EQ(gone.compensation.age_s, 500.5);
+  EXPECT_EQ(gone.compensation.rung, Rung::decay);
+}
+
+TEST(Compensation, at_the_warning_and_at_the_limit_it_is_neither_warned_of_nor_limited) {
+  CompensationPlan exact = plan();
+  exact.warning_m = 30.0;
+  exact.limit_m = 40.0;
+  exact.slew_m_per_s = 1000.0;
+  Compensation compensation(exact);
+  constexpr int warned = bits(CompensationBit::warning), limited = bits(CompensationBit::limited);
+  for (const auto& [nose_m, told] : {std::pair{30.0, 0}, {30.5, warned}, {40.0, warned}, {40.5, warned | limited}}) {
+    for (const double side : {1.0, -1.0}) {
+      Snapshot snapshot = live(0.0);
+      snapshot.nose_m = side * nose_m;
+      compensation.step(6, 6, 1.0, snapshot);
+      EXPECT_EQ(snapshot.compensation.bits & (warned | limited), told) << side * nose_m;
+      EXPECT_EQ(snapshot.compensation.value_m, side * std::min(nose_m, 40.0));
+    }
+  }
+  Snapshot gone = lost(0.0);
+  for (const double passed_s : {1099.0, 1.0}) compensation.step(6, 6, passed_s, gone);
+  EXPECT_EQ(gone.compensation.bits & (warned | limited), 0) << "what is left of 40.5 after the decay";
+  EXPECT_NEAR(gone.compensation.value_m, -40.5 * std::exp(-1.0), 1e-12);
+}
+
+TEST(Compensation, a_value_that_has_moved_by_a_whole_step_is_told) {
+  CompensationPlan stepped;
+  stepped.step_m = 0.25;
+  stepped.slew_m_per_s = 0.125;
+  Compensation compensation(stepped);
+  Snapshot snapshot = live(0.0);
+  snapshot.nose_m = 0.625;
+  for (const double told_m : {0.0, 0.25, 0.25, 0.5, 0.5, 0.5}) {
+    compensation.step(6, 6, 1.0, snapshot);
+    EXPECT_EQ(snapshot.compensation.value_m, told_m);
+  }
+  EXPECT_EQ(snapshot.compensation.bits & bits(CompensationBit::moving), 0) << "it is where it is wanted";
+  EXPECT_EQ(snapshot.compensation.deviation_m, std::hypot(3.0 * um, 0.125));
+}
+
+TEST(Compensation, moves_by_slew_times_time) {
+  CompensationPlan slow;
+  slow.slew_m_per_s = 0.25;
+  Compensation compensation(slow);
+  Snapshot snapshot = live(0.0);
+  snapshot.nose_m = 100.0;
+  compensation.step(6, 6, 4.0, snapshot);
+  EXPECT_EQ(snapshot.compensation.value_m, 1.0);
+  EXPECT_EQ(snapshot.compensation.bits, bits(CompensationBit::enabled) | bits(CompensationBit::moving));
+  compensation.step(6, 6, 0.5, snapshot);
+  EXPECT_EQ(snapshot.compensation.value_m, 1.125);
+}
+
+TEST(Compensation, the_open_loop_needs_speed_and_load_and_no_other_signal) {
+  for (std::size_t signal = 0; signal < 4; ++signal) {
+    Compensation compensation(plan());
+    Snapshot snapshot = live(10.0);
+    snapshot.correction_enabled = false;
+    run(compensation, snapshot, 30);
+    snapshot.signals_held = static_cast<std::uint16_t>(1U << signal);
+    run(compensation, snapshot, 1);
+    const bool drives =
+        signal == static_cast<std::size_t>(Signal::speed) || signal == static_cast<std::size_t>(Signal::load);
+    EXPECT_EQ(snapshot.compensation.rung, drives ? Rung::hold : Rung::open_loop) << signal;
+    snapshot.correction_enabled = true;
+    run(compensation, snapshot, 1, 0);
+    EXPECT_EQ(snapshot.compensation.rung, drives ? Rung::hold : Rung::open_loop) << "no sensor corrects";
+    run(compensation, snapshot, 1, 1);
+    EXPECT_EQ(snapshot.compensation.rung, Rung::fewer_sensors) << "one is enough";
+    snapshot.state = State::degraded;
+    run(compensation, snapshot, 1);
+    EXPECT_EQ(snapshot.compensation.rung, Rung::estimator) << "degraded is no loss";
+  }
+}
+
+TEST(Compensation, without_an_output_to_compare_or_while_off_there_is_no_slope_and_without_a_nose_nothing) {
+  CompensationPlan along = plan();
+  along.other = 1;
+  along.distance_m = 0.25;
+  for (const bool is_there : {true, false}) {
+    for (const SwitchOrder order : {SwitchOrder::on, SwitchOrder::off}) {
+      Compensation compensation(along);
+      compensation.order(order);
+      Snapshot snapshot = live(10.0);
+      snapshot.deformations = is_there ? 2 : 1;
+      snapshot.deformation_m = {10.0 * um, 30.0 * um};
+      run(compensation, snapshot, 3);
+      const bool has_slope = is_there && order == SwitchOrder::on;
+      EXPECT_NEAR(snapshot.compensation.slope, has_slope ? 80.0 * um : 0.0, 1e-15);
+      EXPECT_EQ(snapshot.compensation.reference_m, 0.0);
+    }
+  }
+  Compensation compensation(plan());
+  Snapshot bare = live(10.0);
+  bare.deformations = 0;
+  bare.compensation.rung = Rung::hold;
+  compensation.step(6, 6, 1.0, bare);
+  EXPECT_TRUE(std::isnan(bare.compensation.value_m));
+  EXPECT_EQ(bare.compensation.rung, CompensationState{}.rung);
 }
 
 }  // namespace cycle_compensate_test

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "tests/firmware/support/machine.hpp"
@@ -215,6 +217,54 @@ TEST(Quality, a_correction_that_waits_or_finds_nothing_to_correct_is_not_frozen)
   EXPECT_GT(waiting, 0);
   EXPECT_GT(deadband, 0);
   EXPECT_GT(frozen, 0);
+}
+
+/// Integrates, and grows hotter by 300 K at once where it is told so.
+class Leaping final : public rom::Stepper {
+ public:
+  Leaping(std::shared_ptr<const rom::NetworkOperator> shared, const bool& leaps)
+      : inner_(std::move(shared)), leaps_(leaps) {}
+  void set_temperatures(const Eigen::VectorXd& temperatures_K) override { inner_.set_temperatures(temperatures_K); }
+  rom::StepStatus advance(double period_s, const rom::BoundaryValues& values) override {
+    const rom::StepStatus status = inner_.advance(period_s, values);
+    if (leaps_) inner_.set_temperatures(inner_.temperatures_K().array() + 300.0);
+    return status;
+  }
+  const Eigen::VectorXd& temperatures_K() const override { return inner_.temperatures_K(); }
+
+ private:
+  rom::ExactStepper inner_;
+  const bool& leaps_;
+};
+
+/// What no reading allows is not shown: the uncorrected model is, and for ten minutes it is said so.
+TEST(Guard, of_an_implausible_prediction_the_uncorrected_is_shown_and_a_fault_for_ten_minutes) {
+  const rom::Network network = tests::small_network();
+  for (CyclePlan plan : {open_loop(), corrected(), estimated()}) {
+    plan.period_s = 20.0;
+    bool leaps = false;
+    const bool never = false;
+    int made = 0;
+    Cycle cycle(network, plan, [&](const rom::Network& of) {
+      const auto shared = std::make_shared<const rom::NetworkOperator>(of);
+      return std::make_unique<rom::FallbackStepper>(std::make_unique<Leaping>(shared, made++ == 0 ? leaps : never),
+                                                    std::make_unique<rom::ExactStepper>(shared));
+    });
+    int n = 0;
+    for (; n < 10; ++n) EXPECT_EQ(cycle.step({}, {}, at_s(20 * n), 0).fault, 0);
+    leaps = true;
+    const Snapshot shown = cycle.step({}, {}, at_s(20 * n++), 0);
+    leaps = false;
+    EXPECT_EQ(shown.fault, bits(Fault::implausible_prediction));
+    EXPECT_EQ(shown.state, State::degraded);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(shown.predicted_K[k], shown.uncorrected_K[k]);
+    EXPECT_EQ(shown.deformation_raw_m[0], shown.nose_uncorrected_m);
+    for (int cycles = 1; cycles < 30; ++cycles) {
+      ASSERT_EQ(cycle.step({}, {}, at_s(20 * n++), 0).fault, bits(Fault::implausible_prediction))
+          << 20 * cycles << " s";
+    }
+    EXPECT_EQ(cycle.step({}, {}, at_s(20 * n++), 0).fault, 0) << "600 s behind it";
+  }
 }
 
 }  // namespace cycle_cycle_state_test

@@ -193,6 +193,7 @@ TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tar
   of.new_cycle.remember(checkpoint);
   EXPECT_NEAR(checkpoint.tare_m, 1.2 * of.machine.model.outputs.deformations_m[0] - nose_m, 1e-7)
       << "with what is to come of it";
+  EXPECT_EQ(of.new_cycle.standing_orders().tare_m, checkpoint.tare_m);
   for (int i = 0; i < 100; ++i) {
     const double grown_m = of.machine.model.outputs.deformations_m[0];
     of.step();

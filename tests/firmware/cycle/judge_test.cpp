@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace spindle_twin::firmware {
@@ -163,6 +165,173 @@ TEST(Judge, a_lost_device_shows_at_once) {
   inputs.frame.connected = false;
   inputs.at(10.0);
   EXPECT_EQ(inputs.judgement.quality, bits(Quality::device_offline));
+}
+
+/// Each limit belongs to what it bounds.
+TEST(Judge, a_sensor_at_the_ends_of_its_range_and_of_its_time_is_good_and_beyond_it_is_not) {
+  CyclePlan plan;
+  plan.sensors[2] = {.configured = true, .min_K = 250.0, .max_K = 400.0, .stale_after_s = 4.0};
+  Judgement judgement = first_judgement(plan);
+  SensedInputs sensed;
+  const auto judged = [&](double value_K, double age_s) {
+    sensed.sensors[2] = {value_K, age_s, second_ns};
+    judge(plan, sensed, judgement);
+    EXPECT_EQ(judgement.configured, 1U);
+    EXPECT_EQ(judgement.good, judgement.sensors[2] == SensorQuality::good ? 1U : 0U);
+    return judgement.sensors[2];
+  };
+  for (const double value_K : {250.0, 400.0}) {
+    EXPECT_EQ(judged(value_K, 4.0), SensorQuality::good);
+    EXPECT_EQ(judgement.data_age_s, 4.0);
+    EXPECT_EQ(judged(value_K, 4.001), SensorQuality::stale);
+    EXPECT_TRUE(std::isnan(judgement.data_age_s));
+  }
+  EXPECT_EQ(judged(249.999, 0.0), SensorQuality::out_of_range);
+  EXPECT_EQ(judgement.quality & bits(Quality::sensor_out_of_range), bits(Quality::sensor_out_of_range));
+  EXPECT_EQ(judged(400.001, 0.0), SensorQuality::out_of_range);
+}
+
+TEST(Judge, the_data_are_as_old_as_the_oldest_good_reading_whichever_it_is) {
+  CyclePlan plan;
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, slots::key_points - 1}) plan.sensors[k].configured = true;
+  plan.sensors[1].stale_after_s = 5.0;
+  Judgement judgement = first_judgement(plan);
+  SensedInputs sensed;
+  sensed.device_connected = true;
+  for (int turn = 0; turn < 3; ++turn) {
+    sensed.sensors[0] = {300.0, turn == 0 ? 2.5 : 1.0, 1};
+    sensed.sensors[1] = {300.0, 7.0, 1};
+    sensed.sensors[slots::key_points - 1] = {300.0, turn == 1 ? 2.75 : 0.5, 1};
+    judge(plan, sensed, judgement);
+    EXPECT_EQ(judgement.data_age_s, turn == 0 ? 2.5 : turn == 1 ? 2.75 : 1.0);
+    EXPECT_EQ(judgement.configured, 3U);
+    EXPECT_EQ(judgement.good, 2U);
+    EXPECT_EQ(judgement.quality, bits(Quality::sensor_stale));
+  }
+}
+
+/// One signal, told by hand.
+struct OneSignal {
+  explicit OneSignal(const SignalPlan& of, std::size_t signal = 0) : s(signal) {
+    plan.signals[s] = of;
+    judgement = first_judgement(plan);
+  }
+  bool believes(double value, double age_s, std::int64_t time_ns) {
+    sensed.signals[s] = {value, age_s, time_ns};
+    judge(plan, sensed, judgement);
+    const bool held = (judgement.quality & bits(Quality::signal_held)) != 0;
+    EXPECT_EQ(judgement.signals_held, held ? 1U << s : 0U);
+    return !held;
+  }
+  std::size_t s;
+  CyclePlan plan;
+  SensedInputs sensed;
+  Judgement judgement;
+};
+
+TEST(Judge, a_signal_at_the_ends_of_its_range_and_of_its_time_is_believed_and_beyond_it_is_not) {
+  for (const std::size_t s : {std::size_t{0}, signal_count - 1}) {
+    OneSignal signal({SignalSource::plc, 1.0, -2.0, 3.0, 0.5}, s);
+    for (const double value : {-2.0, 3.0}) {
+      EXPECT_TRUE(signal.believes(value, 0.5, 1));
+      EXPECT_EQ(signal.judgement.signals[s], value);
+    }
+    EXPECT_FALSE(signal.believes(0.0, 0.501, 1)) << "stale";
+    EXPECT_EQ(signal.judgement.signals_implausible, 0U);
+    for (const double value : {-2.001, 3.001}) {
+      EXPECT_FALSE(signal.believes(value, 0.0, 1));
+      EXPECT_EQ(signal.judgement.signals_implausible, 1U << s);
+      EXPECT_EQ(signal.judgement.signals[s], 3.0);
+    }
+  }
+}
+
+TEST(Judge, a_change_is_believed_from_the_time_on_in_which_it_could_come_so_fast) {
+  for (const double clock_rate : {1.0, 4.0}) {
+    OneSignal signal({SignalSource::device, clock_rate > 1.0 ? 900.0 : not_a_value, 0.0, 1000.0, 0.0, 2.0});
+    signal.plan.clock_rate = clock_rate;
+    const auto in_ns = [&](double model_s) { return 1 + static_cast<std::int64_t>(model_s / clock_rate * 1e9); };
+    EXPECT_TRUE(signal.believes(300.0, 0.0, 1)) << "the first of all is as good as any";
+    EXPECT_FALSE(signal.believes(316.0, 0.0, in_ns(7.5)));
+    EXPECT_TRUE(signal.believes(316.0, 0.0, in_ns(8.0)));
+    EXPECT_FALSE(signal.believes(308.0, 0.0, in_ns(11.5)));
+    EXPECT_TRUE(signal.believes(308.0, 0.0, in_ns(12.0)));
+    EXPECT_TRUE(signal.believes(308.0, 0.0, in_ns(12.0))) << "a repeat";
+    EXPECT_FALSE(signal.believes(308.5, 0.0, in_ns(12.0)));
+    EXPECT_TRUE(signal.believes(308.0, 0.0, in_ns(11.0))) << "no change is never too fast";
+  }
+}
+
+TEST(Judge, what_a_silent_plc_tells_is_held_and_what_a_device_tells_is_not) {
+  for (const SignalSource source : {SignalSource::plc, SignalSource::device}) {
+    OneSignal signal({source, 1.0, 0.0, 9.0, 0.0});
+    signal.sensed.plc_silent = true;
+    EXPECT_EQ(signal.believes(5.0, 0.0, 1), source == SignalSource::device);
+    EXPECT_EQ(signal.judgement.signals_implausible, 0U);
+    signal.sensed.plc_silent = false;
+    EXPECT_TRUE(signal.believes(6.0, 1e9, 1)) << "without a time it never grows stale";
+  }
+}
+
+TEST(Judge, a_device_is_missed_where_a_sensor_or_a_signal_comes_from_one) {
+  for (const bool sensor : {false, true}) {
+    for (const SignalSource source :
+         {SignalSource::none, SignalSource::constant, SignalSource::device, SignalSource::plc}) {
+      OneSignal signal({source, 1.0, 0.0, 9.0, 0.0});
+      signal.plan.sensors[0].configured = sensor;
+      for (const bool connected : {false, true}) {
+        signal.sensed.device_connected = connected;
+        signal.believes(5.0, 0.0, 1);
+        const bool missed = !connected && (sensor || source == SignalSource::device);
+        EXPECT_EQ((signal.judgement.quality & bits(Quality::device_offline)) != 0, missed);
+      }
+    }
+  }
+}
+
+TEST(Sense, ages_count_from_the_reading_in_model_time_and_none_is_below_zero) {
+  CyclePlan plan;
+  plan.clock_rate = 4.0;
+  plan.signals[1].source = SignalSource::plc;
+  plan.signals[2].source = SignalSource::device;
+  plan.signals[3] = {SignalSource::constant, 5.0};
+  DeviceFrame frame;
+  PlcCommand command;
+  SensedInputs sensed;
+  constexpr std::size_t last = slots::key_points - 1;
+  frame.sensors[last] = {300.0, 10 * second_ns};
+  frame.displacements[1] = {1e-6, 1};
+  frame.signals[2] = {2.0, 12 * second_ns};
+  command.signals[1] = {3.0, 13 * second_ns};
+  sense(plan, frame, command, 12 * second_ns, sensed);
+  EXPECT_EQ(sensed.sensors[last].age_s, 8.0);
+  EXPECT_EQ(sensed.sensors[last].value, 300.0);
+  EXPECT_EQ(sensed.sensors[last].time_ns, 10 * second_ns);
+  EXPECT_TRUE(std::isinf(sensed.sensors[0].age_s));
+  EXPECT_NEAR(sensed.displacements[1].age_s, 48.0, 1e-7) << "read at the clock's first nanosecond";
+  EXPECT_EQ(sensed.signals[1].age_s, 0.0) << "it came in meanwhile";
+  EXPECT_EQ(sensed.signals[2].age_s, 0.0);
+  EXPECT_EQ(sensed.signals[3].age_s, 0.0);
+  EXPECT_EQ(sensed.signals[3].value, 5.0);
+}
+
+TEST(Sense, a_plc_is_silent_beyond_its_time_by_the_clock_and_not_at_it) {
+  for (const double clock_rate : {1.0, 60.0}) {
+    CyclePlan plan;
+    plan.clock_rate = clock_rate;
+    PlcCommand command;
+    SensedInputs sensed;
+    const auto is_silent = [&](double timeout_s, std::int64_t alive_ns, std::int64_t now_ns) {
+      plan.plc_timeout_s = timeout_s;
+      command.alive_ns = alive_ns;
+      sense(plan, {}, command, now_ns, sensed);
+      return sensed.plc_silent;
+    };
+    EXPECT_FALSE(is_silent(2.0, second_ns, 3 * second_ns));
+    EXPECT_TRUE(is_silent(2.0, second_ns, 3 * second_ns + 1000));
+    EXPECT_TRUE(is_silent(2.0, 1, 3 * second_ns)) << "heard in the clock's first nanosecond";
+    EXPECT_FALSE(is_silent(0.0, second_ns, 3 * second_ns));
+  }
 }
 
 }  // namespace cycle_judge_test

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 #include "tests/firmware/support/machine.hpp"
 
@@ -126,6 +128,101 @@ TEST(OrderDesk, a_trial_is_done_without_the_disk_and_that_it_goes_on_gets_no_rec
   EXPECT_TRUE(std::isnan(run.last.compensation.trial_left_s));
   StandingOrders standing;
   EXPECT_FALSE(run.desk.standing().read(standing)) << "nothing of it outlives a restart";
+}
+
+/// What has no meaning is said to have none, and changes nothing.
+TEST(OrderDesk, each_kind_knows_its_own_codes) {
+  struct Known {
+    OrderKind kind;
+    std::uint16_t least, most;
+  };
+  for (const Known& of : {Known{OrderKind::tare, 1, 2}, Known{OrderKind::sensors, 1, 3}, Known{OrderKind::trial, 1, 3},
+                          Known{OrderKind::length, 1, 1}, Known{OrderKind::acknowledge, 1, 1}}) {
+    for (std::uint16_t code = 0; code <= 5; ++code) {
+      if (of.kind == OrderKind::trial && code == trial_goes_on) continue;  // it is no order
+      OrderDesk desk;
+      PlcCommand command;
+      Snapshot snapshot;
+      desk.give(order(of.kind, code, 5));
+      desk.hand_out(command);
+      OrderResults none{};
+      none.fill(OrderResult::refused);
+      desk.settle(none, {}, snapshot);
+      const bool known = code >= of.least && code <= of.most;
+      EXPECT_EQ(snapshot.last_orders[0].result, known ? OrderResult::refused : OrderResult::unknown)
+          << static_cast<int>(of.kind) << " " << code;
+      const std::uint32_t handed = command.tare_orders + command.sensor_orders + command.trial.orders +
+                                   command.displacements + command.acknowledgements;
+      EXPECT_EQ(handed, known ? 1U : 0U);
+      EXPECT_EQ(snapshot.orders, 1U);
+      EXPECT_EQ(snapshot.last_orders[0].number, 1U);
+      EXPECT_EQ(snapshot.last_orders[1].number, 0U) << "there was none before";
+      EXPECT_EQ(snapshot.last_orders[1].result, OrderResult::none);
+    }
+  }
+}
+
+TEST(OrderDesk, codes_mean_what_the_registers_say) {
+  const auto command_of = [](OrderKind kind, std::uint16_t code) {
+    OrderDesk desk;
+    PlcCommand command;
+    Order given = order(kind, code);
+    given.trial_m = 3e-6;
+    desk.give(given);
+    desk.hand_out(command);
+    return command;
+  };
+  for (const auto& [code, wanted] : {std::pair<std::uint16_t, SwitchOrder>{0, SwitchOrder::off},
+                                     {1, SwitchOrder::on},
+                                     {not_present_code, SwitchOrder::as_configured}}) {
+    EXPECT_EQ(command_of(OrderKind::correction, code).correction, wanted);
+    EXPECT_EQ(command_of(OrderKind::correction, code).compensation, SwitchOrder::as_configured);
+    EXPECT_EQ(command_of(OrderKind::compensation, code).compensation, wanted);
+  }
+  EXPECT_EQ(command_of(OrderKind::sensors, 1).sensor_order, SensorOrder::tare);
+  EXPECT_EQ(command_of(OrderKind::sensors, 2).sensor_order, SensorOrder::clear_tare);
+  EXPECT_EQ(command_of(OrderKind::sensors, 3).sensor_order, SensorOrder::acknowledge);
+  EXPECT_EQ(command_of(OrderKind::tare, 1).tare_order, TareOrder::take);
+  EXPECT_EQ(command_of(OrderKind::tare, 2).tare_order, TareOrder::clear);
+  EXPECT_EQ(command_of(OrderKind::trial, trial_begins).trial.value_m, 3e-6);
+  EXPECT_TRUE(std::isnan(command_of(OrderKind::trial, trial_ends).trial.value_m));
+}
+
+/// Each order that is done raises the revision by one, on from the run before, and is kept with it or a later one.
+TEST(OrderDesk, revisions_go_on_from_the_run_before_and_tell_what_is_on_the_disk) {
+  OrderDesk desk;
+  StandingOrders before;
+  before.revision = 7;
+  desk.begin_with(before);
+  PlcCommand command;
+  Snapshot snapshot;
+  OrderResults done{};
+  done.fill(OrderResult::done);
+  StandingOrders now;
+  const auto settle = [&] { desk.settle(done, before, snapshot); };
+  for (std::uint32_t n = 1; n <= 2; ++n) {
+    desk.give(order(OrderKind::tare, 1));
+    desk.hand_out(command);
+    settle();
+    ASSERT_TRUE(desk.standing().read(now));
+    EXPECT_EQ(now.revision, 7 + n);
+    EXPECT_EQ(snapshot.last_orders[0].result, OrderResult::waiting);
+  }
+  desk.note_kept(8);
+  settle();
+  EXPECT_EQ(snapshot.last_orders[1].result, OrderResult::done);
+  EXPECT_EQ(snapshot.last_orders[0].result, OrderResult::waiting);
+  desk.note_not_kept(9);
+  settle();
+  EXPECT_EQ(snapshot.last_orders[1].result, OrderResult::done) << "it is there";
+  EXPECT_EQ(snapshot.last_orders[0].result, OrderResult::not_kept);
+  EXPECT_FALSE(desk.standing().read(now)) << "nothing new stands";
+  desk.renew(before);
+  ASSERT_TRUE(desk.standing().read(now));
+  EXPECT_EQ(now.revision, 9U);
+  desk.note_kept(9);
+  settle();
+  EXPECT_EQ(snapshot.last_orders[0].result, OrderResult::done);
 }
 
 TEST(OrderDesk, a_full_queue_takes_no_more) {

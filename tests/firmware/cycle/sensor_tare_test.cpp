@@ -58,6 +58,10 @@ TEST(SensorTare, it_is_offered_at_rest_and_takes_the_offsets_away_without_a_step
   run.command.sensor_orders = 2;
   run.until(1102);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(run.last.sensor_tare_K[k], 0.0);
+  run.until(1130);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_GT(run.last.sensor_update[k].offset_deviation, 0.005) << "no tare, no certainty";
+  }
 }
 
 TEST(SensorTare, an_order_to_tare_counts_for_the_readings_of_its_own_cycle) {

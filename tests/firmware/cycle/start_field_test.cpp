@@ -41,5 +41,18 @@ TEST(StartField, gives_nothing_to_the_surroundings_whatever_number_they_have) {
   }
 }
 
+TEST(StartField, what_nothing_connects_has_the_mean_of_what_is_known) {
+  rom::Network network = tests::small_network();
+  network.factors_m[0].setZero();  // the rotor's contact
+  Snapshot said = first_snapshot(network);
+  for (std::size_t k = 0; k < 3; ++k) said.predicted_K[k] = 310.0 - 5.0 * static_cast<double>(k);
+  EXPECT_NEAR(start_field(network, said)[0], 305.0, 1e-3);
+  said.predicted_K[1] = not_a_value;
+  said.predicted_K[2] = 302.0;
+  EXPECT_NEAR(start_field(network, said)[0], 306.0, 1e-3);
+  said.part_maximum_K[0] = 320.0;
+  EXPECT_NEAR(start_field(network, said)[0], 320.0, 1e-3);
+}
+
 }  // namespace cycle_start_field_test
 }  // namespace spindle_twin::firmware

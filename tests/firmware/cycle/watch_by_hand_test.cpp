@@ -96,6 +96,7 @@ TEST(WatchByHand, a_reading_out_of_range_tells_a_broken_wire_from_a_hot_place) {
   EXPECT_EQ(hand.watch.health->record(0).fault, correction::HealthFault::open);
   EXPECT_EQ(hand.watch.health->record(2).fault, correction::HealthFault::out_of_range);
   EXPECT_EQ(hand.judgement.sensors[0], SensorQuality::out_of_range) << "what range says stays";
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(hand.watch.samples.tare[k].valid, k == 1) << "nor is it tared";
 }
 
 TEST(WatchByHand, one_tare_behind_another_takes_the_same_offsets_of_readings_as_they_come_in) {
@@ -257,6 +258,123 @@ TEST(WatchByHand, the_estimators_offsets_move_against_the_tare) {
   }
   take_sensor_order(SensorOrder::clear_tare, plan, hand.judgement, hand.watch, hand.corrector);
   for (Eigen::Index c = 0; c < 3; ++c) EXPECT_NEAR(offset_K(c), 0.0, 1e-12);
+}
+
+TEST(WatchByHand, a_heat_that_no_source_explains_is_looked_for_where_one_may_be_and_is_not_open_anyway) {
+  const auto looks = [](const rom::Network& network, const CyclePlan& plan) {
+    const Corrector corrector = make_corrector(network, plan, runtime);
+    const SensorWatch watch = make_watch(network, plan, corrector);
+    EXPECT_EQ(watch.others.has_value(), plan.estimator_corrects);
+    EXPECT_EQ(watch.opinion.has_value(), plan.estimator_corrects);
+    return watch.heat.has_value();
+  };
+  CyclePlan plan = estimated();
+  EXPECT_TRUE(looks(tests::small_network(), plan));
+  EXPECT_FALSE(looks(tests::small_network_by_hand(), plan)) << "open from the start on";
+  plan.estimator->priors.disturbance = 0.0;
+  EXPECT_FALSE(looks(tests::small_network(), plan));
+  plan = estimated();
+  plan.estimator_corrects = false;
+  EXPECT_FALSE(looks(tests::small_network(), plan));
+}
+
+/// Health is told of each sensor what it read and what of that is known to be its offset.
+TEST(WatchByHand, each_sample_is_the_reading_as_it_came_in_beside_the_model_and_what_is_known_of_it) {
+  CyclePlan plan = estimated();
+  plan.sensors[0].stale_after_s = 3.0;
+  ByHand hand(plan);
+  hand.reads_K = {start_K + 0.01, start_K + 0.02, start_K + 0.03};
+  set_tare({1, {0.25, 0.5, -0.125}, {0.01, 0.01, 0.01}}, plan, hand.watch, hand.corrector);
+  hand.corrector.estimator->note_tare(0, -4.0, 0.01);
+  hand.look();
+  const auto& samples = hand.watch.samples.health;
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_TRUE(samples[k].present);
+    EXPECT_EQ(samples[k].reading_K, hand.reads_K[k]);
+    EXPECT_EQ(samples[k].moved_K, 0.0) << "before the first cycle nothing has moved";
+    EXPECT_NEAR(samples[k].offset_K, k == 0 ? 4.0 : 0.0, 1e-12) << "of the tare the estimator knows the opposite";
+  }
+  for (const double rise_K : {0.25, 0.5, -0.125}) {
+    const Eigen::VectorXd before_K = hand.machine.model.stepper->temperatures_K();
+    hand.machine.model.stepper->set_temperatures(before_K.array() + rise_K);
+    predict(hand.network, hand.machine.model);
+    hand.look();
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(samples[k].moved_K, rise_K, 1e-9);
+      EXPECT_NEAR(samples[k].predicted_K, before_K[0] + rise_K, 1e-9);
+    }
+  }
+  hand.look(false);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_FALSE(samples[k].present) << "a repeat";
+  ByHand law(corrected());
+  set_tare({1, {0.25, 0.5, -0.125}, {0.01, 0.01, 0.01}}, law.plan, law.watch, law.corrector);
+  law.look();
+  EXPECT_EQ(law.watch.samples.health[1].offset_K, 0.5) << "of the tare alone";
+}
+
+TEST(WatchByHand, a_sensor_that_returns_brings_an_offset_of_its_own_and_leaves_the_others_theirs) {
+  for (const std::size_t off : {0U, 2U}) {
+    ByHand hand(estimated());
+    for (int n = 0; n < 20; ++n) hand.look();
+    const Eigen::Index first = hand.corrector.estimator->parameters().count();
+    const Eigen::VectorXd before_K2 = hand.corrector.estimator->covariance().diagonal();
+    hand.reads_K[off] = 1123.15;
+    for (int n = 0; n < 10; ++n) hand.look();
+    hand.reads_K[off] = start_K;
+    Snapshot now = first_snapshot(hand.network);
+    bool was_returning = false;
+    for (int n = 0; n < 2000 && !hand.watch.health->record(off).returned; ++n) {
+      hand.look();
+      now.sensor_quality = hand.judgement.sensors;
+      publish_health(hand.watch, hand.corrector, now);
+      was_returning = was_returning || now.sensor_health[off].state == SensorState::returning;
+      const bool is_out = hand.watch.health->record(off).state != correction::HealthState::good;
+      EXPECT_EQ(now.sensors_failed, is_out ? 1 : 0);
+    }
+    EXPECT_TRUE(was_returning);
+    const correction::HealthRecord& record = hand.watch.health->record(off);
+    ASSERT_TRUE(record.returned);
+    const Eigen::VectorXd grown_K2 = hand.corrector.estimator->covariance().diagonal() - before_K2;
+    const double own_K2 = record.return_offset_deviation_K * record.return_offset_deviation_K;
+    for (Eigen::Index z = 0; z < grown_K2.size(); ++z) {
+      EXPECT_NEAR(grown_K2[z], z == first + static_cast<Eigen::Index>(off) ? own_K2 : 0.0, 1e-9) << z;
+    }
+  }
+}
+
+TEST(WatchByHand, it_begins_without_a_tare) {
+  const ByHand hand(with_sensors());
+  EXPECT_EQ(hand.watch.tare.offset_K, std::vector<double>(3, 0.0));
+  EXPECT_EQ(hand.watch.tare.deviation_K, std::vector<double>(3, 0.0));
+}
+
+/// Of the estimate and of the sensors' health it is told as long as the estimator corrects by it.
+TEST(WatchByHand, an_estimate_in_doubt_is_told_while_it_corrects) {
+  const CyclePlan plan = estimated();
+  ByHand hand(plan);
+  const auto update = [&] {
+    for (const long before = hand.corrector.estimator->updates(); hand.corrector.estimator->updates() == before;) {
+      hand.look();
+      correct(hand.sensed, hand.judgement, hand.machine.operating, {hand.at_s, 1.0}, hand.machine.model,
+              hand.corrector);
+    }
+  };
+  const auto told = [&] {
+    Snapshot now = first_snapshot(hand.network);
+    publish_estimate(hand.corrector, now);
+    publish_health(hand.watch, hand.corrector, now);
+    const bool in_doubt = (now.quality & bits(Quality::estimate_in_doubt)) != 0;
+    EXPECT_EQ(now.model_in_doubt, in_doubt);
+    return in_doubt;
+  };
+  update();
+  EXPECT_FALSE(told());
+  hand.corrector.estimator->note_contradiction();
+  update();
+  ASSERT_TRUE(hand.corrector.estimator->consistency().in_doubt());
+  EXPECT_TRUE(told());
+  hand.corrector.enabled = false;
+  EXPECT_FALSE(told());
 }
 
 }  // namespace cycle_watch_by_hand_test

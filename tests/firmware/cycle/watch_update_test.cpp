@@ -82,6 +82,62 @@ TEST(WatchUpdate, one_that_drifts_fails_alone_whichever_it_is_and_the_truth_stay
   }
 }
 
+/// Fast enough that the estimate is loosened first and then follows the sensor.
+TEST(WatchUpdate, one_that_a_loosened_estimate_follows_is_left_out_whichever_it_is) {
+  const rom::Network network = tests::small_network();
+  for (const std::size_t drifting : {0U, 2U}) {
+    Watched run(network, estimated(), 0.5);
+    run.tamper = [&](int n, DeviceFrame& frame) {
+      frame.sensors[drifting].value -= std::max(0, n - 1200) * 20.0 / 3600.0;
+    };
+    EXPECT_LT(until_one_fails(run, 3600), 3600);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(run.last.sensor_health[k].state, k == drifting ? SensorState::failed : SensorState::good) << k;
+    }
+    run.until(run.n + 60);
+    EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]) << drifting;
+  }
+}
+
+TEST(WatchUpdate, an_offset_that_was_wrong_all_the_time_is_opened_also_of_the_first_sensor) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = estimated();
+  plan.estimator->offset_deviation_K = 0.02;
+  for (SensorPlan& sensor : plan.sensors) sensor.offset_deviation_K = 0.02;
+  Watched run(network, plan, 0.5);
+  run.tamper = [&](int n, DeviceFrame& frame) {
+    frame.sensors[0].value += std::clamp((n - 600) * 0.5 / 3600.0, 0.0, 0.5);
+  };
+  run.until(100);
+  double offset_K = 0.0, most_learnt_K = 0.0;
+  while (run.n < 5400 && most_learnt_K < 0.02) {
+    run.until(run.n + 10);
+    most_learnt_K = std::max(most_learnt_K, run.last.sensor_update[0].offset - offset_K);
+    offset_K = run.last.sensor_update[0].offset;
+  }
+  EXPECT_GE(most_learnt_K, 0.02);
+  EXPECT_EQ(run.last.sensors_failed, 0);
+}
+
+/// Where nobody looks for a heat that no source explains, sensors are judged all the same.
+TEST(WatchUpdate, without_unexplained_heats_a_drift_is_found_too) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = estimated();
+  plan.estimator->priors.disturbance = 0.0;
+  Watched run(network, plan, 0.5);
+  run.tamper = [](int n, DeviceFrame& frame) { frame.sensors[0].value -= std::max(0, n - 1200) * 10.0 / 3600.0; };
+  EXPECT_LT(until_one_fails(run, 3000), 3000);
+  EXPECT_EQ(run.last.sensor_health[0].fault, SensorFault::drift);
+}
+
+TEST(WatchUpdate, from_the_first_update_on_each_sensor_is_judged_by_the_others) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, estimated(), 0.5);
+  while (run.last.updates == 0 && run.n < 100) run.until(run.n + 1);
+  ASSERT_EQ(run.last.updates, 1U);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_TRUE(std::isfinite(run.last.sensor_health[k].misfit_ratio)) << k;
+}
+
 /// Off, the estimator stands by with what it knew; on again, nothing of before is held against a sensor.
 TEST(WatchUpdate, switched_off_and_on_no_sensor_fails_for_what_it_read_meanwhile) {
   const rom::Network network = tests::small_network();

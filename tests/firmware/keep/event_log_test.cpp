@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "tests/firmware/support/logged.hpp"
 #include "tests/firmware/support/small_network.hpp"
@@ -152,6 +154,43 @@ TEST(EventLogLines, of_trials_twenty_lines_a_minute) {
   const std::string text = lines.text();
   for (std::size_t at = 0; (at = text.find("compensation:", at)) != std::string::npos; ++at) ++said;
   EXPECT_EQ(said, 20);
+}
+
+/// Of each kind so many lines at once, and so many again once a minute has passed, whichever minute.
+TEST(EventLogLines, each_kind_has_so_many_lines_a_minute_and_as_many_in_the_next) {
+  struct Kind {
+    const char* line;
+    int most;
+    std::function<void(int, Snapshot&)> change;
+  };
+  const std::vector<Kind> kinds{
+      {"info state", 10, [](int n, Snapshot& now) { now.state = n % 2 == 0 ? State::running : State::degraded; }},
+      {"warning fault", 5, [](int n, Snapshot& now) { now.fault = n % 2 == 0 ? bits(Fault::history_lost) : 0; }},
+      {"warning sensor", 8,
+       [](int n, Snapshot& now) { now.sensor_health[1].state = n % 2 == 0 ? SensorState::failed : SensorState::good; }},
+      {"info order", 20,
+       [](int n, Snapshot& now) {
+         now.last_orders[0] = {static_cast<std::uint32_t>(n + 1), 1, OrderKind::tare, OrderResult::done};
+       }},
+      {"warning 1 cycles missed", 1, [](int, Snapshot& now) { ++now.overruns; }},
+      {"warning compensation: a trial", 10,
+       [](int n, Snapshot& now) { now.compensation.trial_left_s = n % 2 == 0 ? 1.0 : 0.0; }}};
+  for (const Kind& kind : kinds) {
+    EventLog events(tests::small_network());
+    Snapshot now;
+    events.note(now, 0);
+    for (const std::int64_t second : {100, 159, 160}) {
+      const Logged lines;
+      for (int n = 0; n < 60; ++n) {
+        kind.change(n + static_cast<int>(second) * 60, now);
+        events.note(now, second * s_ns);
+      }
+      const std::string text = lines.text();
+      int said = 0;
+      for (std::size_t at = 0; (at = text.find(kind.line, at)) != std::string::npos; ++at) ++said;
+      EXPECT_EQ(said, second == 159 ? 0 : kind.most) << kind.line << " at " << second << " s\n" << text;
+    }
+  }
 }
 
 }  // namespace keep_event_log_test

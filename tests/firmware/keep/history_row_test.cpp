@@ -82,6 +82,15 @@ void fill_rest(Snapshot& snapshot) {
   snapshot.displacement_count = 34;
   snapshot.model_time_s = 35.5;
   snapshot.data_age_s = 36.5;
+  snapshot.state = State::degraded;
+  snapshot.quality = 37;
+  snapshot.fault = 38;
+  snapshot.overruns = 39;
+  snapshot.correction_enabled = true;
+  snapshot.correction_freeze = 40;
+  snapshot.sensor_order = SensorOrder::acknowledge;
+  snapshot.sensor_quality[1] = SensorQuality::stale;
+  snapshot.sensor_health[1].state = SensorState::failed;
 }
 
 TEST(HistoryRow, each_column_holds_what_its_name_says_in_its_unit) {
@@ -93,6 +102,13 @@ TEST(HistoryRow, each_column_holds_what_its_name_says_in_its_unit) {
   const std::map<std::string, double> wanted{
       {"time_s", 35.5},
       {"sequence", 28},
+      {"state", bits(State::degraded)},
+      {"quality", 37},
+      {"fault", 38},
+      {"overruns", 39},
+      {"correction_enabled", 1},
+      {"correction_freeze", 40},
+      {"sensor_order", bits(SensorOrder::acknowledge)},
       {"correction_count", 31},
       {"data_age_s", 36.5},
       {"speed_rpm", 6000},
@@ -150,6 +166,8 @@ TEST(HistoryRow, each_column_holds_what_its_name_says_in_its_unit) {
                                              {"offset." + second + "_K", -0.25},
                                              {"offset_sd." + second + "_K", 0.125},
                                              {"sensor_misfit." + second, 0.0625},
+                                             {"sensor_quality." + second, bits(SensorQuality::stale)},
+                                             {"sensor_state." + second, bits(SensorState::failed)},
                                              {"sensor_fault." + second, bits(SensorFault::drift)}};
   for (const auto& [column, value] : update) {
     ASSERT_TRUE(row.contains(column)) << column;
@@ -165,6 +183,7 @@ TEST(HistoryRow, a_value_that_does_not_exist_is_an_empty_cell) {
     EXPECT_EQ(row.at(column), "") << column;
   }
   for (const auto& [column, cell] : row) EXPECT_EQ(cell.find("nan"), std::string::npos) << column;
+  EXPECT_EQ(row.at("correction_enabled"), "0");
 }
 
 /// A replay reads them back: every bit of what the cycle was given stays.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <chrono>
@@ -13,7 +14,9 @@
 #include <fstream>
 #include <functional>
 #include <random>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "firmware/cycle/publish.hpp"
 #include "firmware/keep/database.hpp"
@@ -227,6 +230,120 @@ TEST_F(SqliteFile, a_folder_that_is_not_there_is_a_fault_and_not_the_end_and_it_
   write_cycles(history, 6, 8);
   EXPECT_FALSE(is_at_fault());
   EXPECT_EQ(table().rows(), 3U);
+}
+
+/// In one transaction, as many as the ring takes.
+void write_at_once(HistoryWriter& history, const std::vector<Snapshot>& cycles) {
+  for (const Snapshot& cycle : cycles) ASSERT_TRUE(history.ring().push(cycle));
+  history.run(std::atomic<bool>(true));
+}
+
+std::vector<Snapshot> cycles_at(const rom::Network& network, const std::vector<std::int64_t>& seconds_ago) {
+  std::vector<Snapshot> cycles(seconds_ago.size(), first_snapshot(network));
+  const std::int64_t now_ns = MonotonicClock().now_ns();
+  for (std::size_t n = 0; n < cycles.size(); ++n) {
+    cycles[n].sequence = n + 1;
+    cycles[n].time_ns = now_ns - seconds_ago[n] * 1'000'000'000;
+  }
+  return cycles;
+}
+
+TEST_F(SqliteFile, each_row_has_the_time_of_its_cycle_and_a_run_that_of_its_first) {
+  SqliteHistory history({path_}, network_, troubles_);
+  write_at_once(history, cycles_at(network_, {50'000, 49'990, 49'000}));
+  ASSERT_EQ(runs().size(), 1U);
+  EXPECT_NEAR(runs()[0].first_unix_s, unix_now_s() - 50'000.0, 600.0);
+  EXPECT_NEAR(runs()[0].last_unix_s - runs()[0].first_unix_s, 1000.0, 1e-3);
+  Database database(path_, Database::Mode::read);
+  Statement began = database.prepare("SELECT began_unix_s, id FROM run");
+  ASSERT_TRUE(began.step());
+  EXPECT_EQ(began.number(0), runs()[0].first_unix_s);
+  EXPECT_EQ(database.whole("SELECT count(*) FROM cycle WHERE run = 1 AND id BETWEEN 1 AND 3"), 3);
+  write_at_once(history, cycles_at(network_, {0}));
+  EXPECT_EQ(table().rows(), 1U) << "a single row is written too";
+}
+
+TEST_F(SqliteFile, a_row_goes_once_it_is_older_than_most_days_and_not_a_minute_before) {
+  HistoryPlan plan{path_};
+  plan.most_days = 3.0;
+  constexpr std::int64_t days_s = 3 * 86400;
+  SqliteHistory history(plan, network_, troubles_);
+  write_at_once(history, cycles_at(network_, {days_s + 9000, days_s + 60, days_s - 60, 10}));
+  EXPECT_EQ(table().rows(), 2U);
+  EXPECT_EQ(table().column("sequence").front(), 3.0);
+}
+
+/// Of one that is full an eighth goes, whether it holds thousands or a hundred.
+TEST_F(SqliteFile, a_small_one_that_is_full_keeps_most_of_its_rows) {
+  HistoryPlan plan{path_};
+  plan.most_bytes = 96 << 10;
+  SqliteHistory history(plan, network_, troubles_);
+  Database reader(path_, Database::Mode::read);
+  std::int64_t most = 0;
+  for (std::uint64_t n = 0; n < 12; ++n) {
+    std::vector<Snapshot> cycles = cycles_at(network_, std::vector<std::int64_t>(64, 0));
+    for (Snapshot& cycle : cycles) cycle.sequence += 64 * n;
+    write_at_once(history, cycles);
+    const std::int64_t rows = reader.whole("SELECT count(*) FROM cycle");
+    most = std::max(most, rows);
+    EXPECT_GT(rows, most - most / 6) << n;
+  }
+  std::vector<Snapshot> one = cycles_at(network_, {0});
+  for (one[0].sequence = 12 * 64 + 1; one[0].sequence <= 12 * 64 + 20; ++one[0].sequence) write_at_once(history, one);
+  EXPECT_GT(reader.whole("SELECT count(*) FROM cycle"), most - most / 6) << "what is free in the file counts not";
+  EXPECT_GT(most, 128);
+  EXPECT_LT(most, 12 * 64) << "it was full";
+}
+
+TEST_F(SqliteFile, half_of_the_bytes_are_for_those_put_aside_and_it_has_what_they_leave) {
+  constexpr std::int64_t most = 256 << 10, slack = 32 << 10;
+  for (const bool fits : {true, false}) {
+    for (const auto& each : std::filesystem::directory_iterator(folder_.path())) std::filesystem::remove(each.path());
+    const std::string earlier = folder_.write("history.000001.sqlite", "x");
+    std::filesystem::resize_file(earlier, static_cast<std::uintmax_t>(most / 2 + (fits ? 0 : 1)));
+    HistoryPlan plan{path_};
+    plan.most_bytes = static_cast<std::uint64_t>(most);
+    SqliteHistory history(plan, network_, troubles_);
+    EXPECT_EQ(std::filesystem::exists(earlier), fits);
+    write_cycles(history, 1, 1400);
+    const std::int64_t size =
+        Database(path_, Database::Mode::read).whole("PRAGMA page_count") * 4096;  // what is in the WAL too
+    if (fits) {
+      EXPECT_LT(size, most / 2 + slack);
+    } else {
+      EXPECT_GT(size, most / 2 + slack);
+      EXPECT_LT(size, most + slack);
+    }
+  }
+}
+
+TEST_F(SqliteFile, one_of_another_program_or_version_is_put_aside_and_left_as_it_is) {
+  for (const char* other : {"PRAGMA application_id = 7", "PRAGMA user_version = 2"}) {
+    write_run(3);
+    const std::size_t before = earlier_histories(path_).size();
+    Database(path_, Database::Mode::write).run(other);
+    write_run(2);
+    EXPECT_EQ(table().rows(), 2U) << other;
+    ASSERT_EQ(earlier_histories(path_).size(), before + 1) << other;
+    Database aside(earlier_histories(path_).back(), Database::Mode::read);
+    EXPECT_EQ(aside.whole("SELECT count(*) FROM cycle"), before == 0 ? 3 : 5);
+    EXPECT_EQ(Database(path_, Database::Mode::read).whole("PRAGMA user_version"), 1);
+    EXPECT_EQ(Database(path_, Database::Mode::read).whole("PRAGMA application_id"), 0x53545748);
+    EXPECT_FALSE(is_at_fault());
+  }
+}
+
+/// What was committed is not lost where it is only the old rows that cannot be removed.
+TEST_F(SqliteFile, where_no_old_row_can_go_it_is_a_fault_but_no_row_is_lost) {
+  HistoryPlan plan{path_};
+  plan.most_days = 1.0;
+  SqliteHistory history(plan, network_, troubles_);
+  Database(path_, Database::Mode::write)
+      .run("CREATE TRIGGER keeps BEFORE DELETE ON cycle BEGIN SELECT RAISE(ABORT, 'kept'); END");
+  write_at_once(history, cycles_at(network_, {200'000, 0}));
+  EXPECT_TRUE(is_at_fault());
+  EXPECT_EQ(history.lost().load(), 0U);
+  EXPECT_EQ(table().rows(), 2U);
 }
 
 TEST_F(SqliteFile, what_is_no_history_is_one_clear_error) {

@@ -51,10 +51,14 @@ TEST_F(Accounts, what_is_wrong_is_said_with_file_and_line) {
 TEST_F(Accounts, a_file_that_everybody_reads_or_the_group_writes_is_refused) {
   for (const int mode : {0644, 0660, 0641}) {
     write("anna:" + hash + "\n", std::filesystem::perms(mode));
-    EXPECT_NE(tests::refusal_of([&] { read_accounts(path_); }).find("chmod 640"), std::string::npos) << mode;
+    EXPECT_EQ(tests::refusal_of([&] { read_accounts(path_); }),
+              path_ + ": must be for its owner, and for its group to read: chmod 640")
+        << mode;
   }
   std::filesystem::remove(path_);
   EXPECT_EQ(tests::refusal_of([&] { read_accounts(path_); }), path_ + ": No such file or directory");
+  const std::string folder = folder_.path().string();
+  EXPECT_EQ(tests::refusal_of([&] { read_accounts(folder); }), folder + ": must be a file");
 }
 
 }  // namespace login_accounts_test

@@ -1,7 +1,11 @@
 #include "firmware/login/password.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <termios.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <iostream>
 #include <sstream>
 #include <stdexcept>
@@ -35,18 +39,66 @@ TEST(Password, hashes_of_other_forms_and_those_that_take_the_machine_are_refused
   }
 }
 
-/// What ask_for_password() says to a person who types this; on a terminal it asks twice.
-std::string asked(const std::string& password) {
-  std::istringstream typed(password + "\n" + password + "\n");
+/// What ask_for_password() takes of these lines, or says to them.
+std::string asked_lines(const std::string& lines) {
+  std::istringstream typed(lines);
   std::streambuf* const before = std::cin.rdbuf(typed.rdbuf());
+  std::cin.clear();
   std::string said;
   try {
-    said = ask_for_password() == password ? "taken" : "another password";
+    said = ask_for_password();
   } catch (const std::runtime_error& error) {
     said = error.what();
   }
   std::cin.rdbuf(before);
+  std::cin.clear();
   return said;
+}
+/// By a person who types this; on a terminal it asks twice.
+std::string asked(const std::string& password) {
+  const std::string said = asked_lines(password + "\n" + password + "\n");
+  return said == password ? "taken" : said;
+}
+
+/// Another standard input while it lives; what is typed comes from asked() all the same.
+class StandardInput {
+ public:
+  explicit StandardInput(const char* path) {
+    const int other = ::open(path, O_RDWR | O_NOCTTY);
+    EXPECT_GE(other, 0) << path;
+    ::dup2(other, STDIN_FILENO);
+    ::close(other);
+  }
+  ~StandardInput() {
+    ::dup2(before_, STDIN_FILENO);
+    ::close(before_);
+  }
+  StandardInput(const StandardInput&) = delete;
+  StandardInput& operator=(const StandardInput&) = delete;
+
+ private:
+  int before_ = ::dup(STDIN_FILENO);
+};
+
+TEST(Password, is_asked_for_twice_at_a_terminal_and_once_elsewhere) {
+  {
+    const StandardInput file("/dev/null");
+    EXPECT_EQ(asked_lines("password 1\n"), "password 1");
+    EXPECT_EQ(asked_lines("password 1\r\npassword 2\n"), "password 1");
+    EXPECT_EQ(asked_lines(""), "no password was given");
+  }
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) GTEST_SKIP() << "no terminal here";
+  {
+    const StandardInput keyboard(::ptsname(terminal));
+    EXPECT_EQ(asked_lines("password 1\npassword 1\n"), "password 1");
+    EXPECT_EQ(asked_lines("password 1\npassword 2\n"), "these are two passwords");
+    EXPECT_EQ(asked_lines("password 1\n"), "no password was given");
+    termios shows{};
+    ASSERT_EQ(::tcgetattr(STDIN_FILENO, &shows), 0);
+    EXPECT_NE(shows.c_lflag & static_cast<tcflag_t>(ECHO), 0U) << "what is typed is seen again";
+  }
+  ::close(terminal);
 }
 
 TEST(Password, has_8_to_128_bytes) {

@@ -48,6 +48,10 @@ TEST(Sessions, are_sixteen_at_most_and_the_longest_idle_one_makes_room) {
   EXPECT_EQ(sessions.user_of(first, 100, true), "first");
   tokens.insert(sessions.begin("late", 101));
   EXPECT_EQ(tokens.size(), 15U);
+  for (const std::string& token : tokens) {
+    EXPECT_EQ(token.size(), 64U);
+    EXPECT_EQ(token.find_first_not_of("0123456789abcdef"), std::string::npos) << token;
+  }
   EXPECT_EQ(sessions.user_of(second, 102, true), std::nullopt);
   EXPECT_EQ(sessions.user_of(first, 102, true), "first");
 }

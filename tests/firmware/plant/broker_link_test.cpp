@@ -350,6 +350,20 @@ TEST_F(PlantLink, what_the_queue_drops_is_said_when_it_begins_and_counted_in_all
   EXPECT_EQ(said("1 samples were dropped in all"), 1);
 }
 
+TEST_F(PlantLink, of_a_broker_that_comes_and_goes_three_lines_in_ten_minutes_are_said) {
+  for (int n = 0; n < 4; ++n) {
+    if (n > 0) wait_for_attempt();
+    ASSERT_TRUE(connects());
+    broker_.end();
+    ASSERT_TRUE(is_lost());
+  }
+  const std::string text = log_.text();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
+  pass(600 * ns_per_s);
+  ASSERT_TRUE(connects());
+  EXPECT_NE(log_.text().find(" (and 5 times that were not logged)\n"), std::string::npos) << log_.text();
+}
+
 TEST_F(PlantLink, who_leaves_has_the_broker_say_its_death) {
   ASSERT_TRUE(connects());
   link_.leave();

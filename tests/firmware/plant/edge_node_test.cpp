@@ -241,6 +241,62 @@ TEST(EdgeNode, a_device_that_stops_dies_once_and_is_born_again) {
   EXPECT_EQ(again[0].topic, "spBv1.0/group/DBIRTH/node/a");
 }
 
+TEST(EdgeNode, nobody_dies_while_something_of_it_waits_behind_what_is_under_way) {
+  EdgeNode node = node_of({"a"});
+  node.will(1);
+  node.births(2);
+  node.add(0, 3, values(node));
+  node.data(4);
+  node.add(0, 5, values(node));
+  node.stop(0);
+  EXPECT_TRUE(node.deaths(6).empty());
+  node.confirm();
+  EXPECT_TRUE(node.deaths(7).empty());
+  EXPECT_EQ(node.data(8).size(), 1U);
+  node.confirm();
+  EXPECT_EQ(node.deaths(9).size(), 1U);
+}
+
+TEST(EdgeNode, sixty_four_samples_are_under_way_at_most_and_the_others_wait) {
+  EdgeNode node = node_of({"a"}, 100);
+  node.will(1);
+  node.births(2);
+  for (std::uint64_t t = 3; t < 73; ++t) node.add(0, t, values(node));
+  EXPECT_EQ(node.data(80).size(), 1U + 64U) << "with the birth";
+  EXPECT_EQ(node.confirm(), 64U);
+  EXPECT_EQ(node.data(81).size(), 6U);
+}
+
+TEST(EdgeNode, what_was_measured_before_its_birth_is_history_and_what_at_that_moment_is_not) {
+  EdgeNode node = node_of({"a"});
+  node.will(1);
+  node.births(100);
+  node.add(0, 99, values(node));
+  node.add(0, 100, values(node));
+  const std::vector<PlantMessage> messages = node.data(101);
+  ASSERT_EQ(messages.size(), 3U);
+  EXPECT_FALSE(look(messages[0]).metrics[1].is_historical) << "a birth is of now";
+  EXPECT_TRUE(look(messages[1]).metrics[0].is_historical);
+  EXPECT_FALSE(look(messages[2]).metrics[0].is_historical);
+}
+
+TEST(EdgeNode, metrics_of_all_devices_are_numbered_from_1_on_and_it_wants_no_rebirth_itself) {
+  EdgeNode node = node_of({"a", "b"});
+  node.will(1);
+  const Seen birth = look(node.births(2).front());
+  ASSERT_EQ(birth.names.size(), 3U);
+  EXPECT_EQ(birth.names[1], "Node Control/Rebirth");
+  EXPECT_TRUE(birth.metrics[1].has_boolean_value);
+  EXPECT_FALSE(birth.metrics[1].boolean_value);
+  for (const std::size_t device : {0U, 1U}) node.add(device, 3, values(node));
+  const std::vector<PlantMessage> messages = node.data(4);
+  ASSERT_EQ(messages.size(), 4U);
+  std::uint64_t alias = 0;
+  for (const std::size_t data : {1U, 3U}) {
+    for (const spindle_twin_plant_Metric& metric : look(messages[data]).metrics) EXPECT_EQ(metric.alias, ++alias);
+  }
+}
+
 TEST(PlantMetrics, are_what_metrics_show_under_names_that_stand_once) {
   const PlantMetrics all(names_of(tests::small_network()));
   std::set<std::string> names;

@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Against bytes made by hand from the standard's field numbers.
@@ -74,6 +76,62 @@ TEST(PlantPayload, what_does_not_fit_is_clipped) {
   EXPECT_EQ(Bytes(made.end() - 4, made.end()), (Bytes{0x50, 0xFF, 0xFF, 0x03}));
 }
 
+/// Sparkplug 3.0.0, 6.4.16 and 6.4.17.
+TEST(PlantPayload, each_type_has_the_standards_number_and_field) {
+  const auto last_of = [](DataType type, double value, std::size_t bytes) {
+    PayloadMessage message{1};
+    message.metrics.push_back(number(1, type, value));
+    const Bytes made = encode_payload(message);
+    return Bytes(made.end() - static_cast<long>(bytes), made.end());
+  };
+  EXPECT_EQ(last_of(DataType::int32, 5.0, 4), (Bytes{0x20, 3, 0x50, 5}));
+  EXPECT_EQ(last_of(DataType::int64, 5.0, 4), (Bytes{0x20, 4, 0x58, 5}));
+  EXPECT_EQ(last_of(DataType::uint16, 5.0, 4), (Bytes{0x20, 6, 0x50, 5}));
+  EXPECT_EQ(last_of(DataType::boolean, 5.0, 4), (Bytes{0x20, 11, 0x70, 1}));
+  EXPECT_EQ(last_of(DataType::boolean, 0.0, 4), (Bytes{0x20, 11, 0x70, 0}));
+  EXPECT_EQ(last_of(DataType::int64, 4294967295.0, 6), (Bytes{0x58, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F}));
+  PayloadMessage text{1};
+  text.metrics.push_back(number(1, DataType::string, 0.0));
+  text.metrics.back().text = "ab";
+  const Bytes made = encode_payload(text);
+  EXPECT_EQ(Bytes(made.end() - 6, made.end()), (Bytes{0x20, 12, 0x7A, 2, 'a', 'b'}));
+  for (const auto& [quality, code] :
+       {std::pair{MetricQuality::bad, 0U}, {MetricQuality::good, 192U}, {MetricQuality::stale, 500U}}) {
+    EXPECT_EQ(static_cast<std::uint32_t>(quality), code);
+  }
+}
+
+TEST(PlantPayload, a_metric_with_a_unit_and_a_quality_has_both_as_properties_and_with_one_has_that) {
+  const auto properties = [](const std::string& unit, std::optional<MetricQuality> quality) {
+    PayloadMessage message{1};
+    message.metrics.push_back(number(1, DataType::uint16, 5.0));
+    message.metrics.back().unit = unit;
+    message.metrics.back().quality = quality;
+    const Bytes made = encode_payload(message);
+    return std::string(made.begin(), made.end());
+  };
+  const std::string unit_key =
+                        "\x0A\x07"
+                        "engUnit",
+                    quality_key = "\x0A\x07Quality";
+  const std::string unit_value(
+      "\x12\x06\x08\x0C\x42\x02"
+      "um",
+      8);
+  const std::string quality_value("\x12\x05\x08\x03\x18\xC0\x01", 7);
+  for (const bool unit : {false, true}) {
+    for (const bool quality : {false, true}) {
+      const std::string made =
+          properties(unit ? "um" : "", quality ? std::optional(MetricQuality::good) : std::nullopt);
+      const auto has = [&](const std::string& part) { return made.find(part) != std::string::npos; };
+      EXPECT_EQ(has(unit_key), unit);
+      EXPECT_EQ(has(unit_value), unit);
+      EXPECT_EQ(has(quality_key), quality);
+      EXPECT_EQ(has(quality_value), quality);
+    }
+  }
+}
+
 Bytes order(const std::string& name, bool value) {
   PayloadMessage message{5};
   message.metrics.push_back(number(0, DataType::boolean, value ? 1.0 : 0.0));
@@ -87,6 +145,10 @@ TEST(PlantPayload, an_order_is_known_by_its_name_and_only_when_it_is_true) {
   EXPECT_FALSE(sets_true(order("Node Control/Rebirth", false), "Node Control/Rebirth"));
   EXPECT_FALSE(sets_true(order("Node Control/Reboot", true), "Node Control/Rebirth"));
   EXPECT_FALSE(sets_true({}, "Node Control/Rebirth"));
+  Bytes damaged{0x12, 0x02, 0xFF, 0xFF};  // a metric whose first key has no end
+  const Bytes whole = order("Node Control/Rebirth", true);
+  damaged.insert(damaged.end(), whole.begin(), whole.end());
+  EXPECT_FALSE(sets_true(damaged, "Node Control/Rebirth"));
 }
 
 TEST(PlantPayload, a_damaged_order_is_none_and_harms_nobody) {

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "firmware/keep/history_row.hpp"
+#include "firmware/keep/sqlite_history.hpp"
 #include "rom/read/input_error.hpp"
 #include "tests/firmware/support/small_network.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace run_history_page_test {
@@ -54,6 +56,19 @@ TEST(HistoryPage, there_is_none_of_a_history_that_is_no_database) {
   const auto page = history_page({"/nowhere/history.sqlite"}, tests::small_network());
   ASSERT_TRUE(page);
   EXPECT_THROW(page(1, false), rom::InputError);
+}
+
+TEST(HistoryPage, of_a_daemon_that_is_being_stopped_it_is_not_whole) {
+  const tests::TemporaryFolder folder;
+  const rom::Network network = tests::small_network();
+  Troubles troubles;
+  SqliteHistory history({folder.file("history.sqlite")}, network, troubles);
+  for (const bool stops : {false, true}) {
+    const Page page = history_page({folder.file("history.sqlite")}, network)(1, stops);
+    EXPECT_EQ(page.status, 200);
+    EXPECT_EQ(page.body.back(), '\n');
+    EXPECT_EQ(nlohmann::json::parse(page.body).at("is_whole"), !stops);
+  }
 }
 
 }  // namespace run_history_page_test

@@ -255,6 +255,30 @@ TEST(SlotWatch, one_that_foretells_worse_is_put_aside_with_the_reason) {
   EXPECT_EQ(log.text().find("the old network is shown again"), std::string::npos) << "it was never shown";
 }
 
+/// A folder of the name that it would get keeps it where it is.
+TEST(SlotWatch, one_that_cannot_be_put_aside_is_refused_once_and_looked_at_again_when_it_changes) {
+  Slot slot;
+  slot.step(5);
+  fs::create_directory(slot.path("new.rom.refused"));
+  std::ofstream(slot.path("new.rom.refused/occupied")) << "1";
+  std::size_t refusals = 0;
+  const Logged log;
+  const auto refused = [&] {
+    const std::string text = log.text();
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find("and is left alone\n", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  for (const double factor : {1.001, 1.0015}) {
+    slot.put("new.rom", with_conductances(factor), false);
+    for (int looks = 0; looks < 5; ++looks) slot.watch->look();
+    EXPECT_EQ(refused(), ++refusals) << log.text();
+    EXPECT_TRUE(slot.has("new.rom"));
+  }
+  slot.put("other.rom", with_conductances(1.001));
+  EXPECT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial) << "it is in nobody's way";
+}
+
 TEST(SlotWatch, other_names_folders_and_links_are_no_new_network) {
   Slot slot;
   slot.step(5);

@@ -83,6 +83,93 @@ TEST(FrameGate, refuses_a_length_or_quantity_that_contradicts_the_function) {
   }
 }
 
+/// A whole request from register 1000 on: of 3, 4 and 16 `quantity` registers, of 23 as many read and `written`
+/// written.
+Bytes whole_request(std::uint8_t function, int quantity, int written = 1) {
+  Bytes pdu{function, 3, 232, static_cast<std::uint8_t>(quantity >> 8), static_cast<std::uint8_t>(quantity & 255)};
+  if (function == 22) pdu.resize(7);
+  if (function == 23) {
+    for (const int byte : {3, 233, 0, written}) pdu.push_back(static_cast<std::uint8_t>(byte));
+  }
+  if (function == 16 || function == 23) {
+    const int bytes = 2 * (function == 16 ? quantity : written);
+    pdu.push_back(static_cast<std::uint8_t>(bytes));
+    pdu.resize(pdu.size() + static_cast<std::size_t>(bytes));
+  }
+  return pdu;
+}
+constexpr WriteRange all_registers{0, 65536};
+
+/// Modbus application protocol 1.1b3: 125 registers are read at the most, 123 written, 121 where both is done.
+TEST(FrameGate, takes_one_register_up_to_as_many_as_the_standard_allows) {
+  const auto expect = [](const Bytes& pdu, int exception) {
+    const Gate gate = judge_frame(framed(pdu), all_registers);
+    EXPECT_EQ(gate.exception, exception) << int{pdu[0]} << " " << int{pdu[3]} << " " << int{pdu[4]};
+    EXPECT_EQ(gate.verdict, exception == 0 ? Verdict::hand_over : Verdict::refuse);
+  };
+  for (const std::uint8_t function : {std::uint8_t{3}, std::uint8_t{4}}) {
+    for (const int quantity : {1, 125}) expect(whole_request(function, quantity), 0);
+    for (const int quantity : {0, 126, 257}) expect(whole_request(function, quantity), 3);
+  }
+  for (const int quantity : {1, 123}) expect(whole_request(16, quantity), 0);
+  expect(whole_request(16, 0), 3);
+  expect(whole_request(23, 1, 1), 0);
+  expect(whole_request(23, 125, 121), 0);
+  for (const auto& [read, written] : {std::pair{0, 1}, {126, 1}, {1, 0}}) expect(whole_request(23, read, written), 3);
+}
+
+TEST(FrameGate, says_which_registers_a_request_writes) {
+  const auto written = [](const Bytes& pdu) { return judge_frame(framed(pdu), all_registers).write; };
+  for (const std::uint8_t function : {std::uint8_t{3}, std::uint8_t{4}}) {
+    EXPECT_EQ(written(whole_request(function, 9)).count, 0);
+  }
+  for (const std::uint8_t function : {std::uint8_t{6}, std::uint8_t{22}}) {
+    EXPECT_EQ(written(whole_request(function, 9)).address, 1000);
+    EXPECT_EQ(written(whole_request(function, 9)).count, 1) << "what stands there is its value";
+  }
+  EXPECT_EQ(written(whole_request(16, 9)).address, 1000);
+  EXPECT_EQ(written(whole_request(16, 9)).count, 9);
+  EXPECT_EQ(written(whole_request(23, 9, 4)).address, 1001) << "not what it reads";
+  EXPECT_EQ(written(whole_request(23, 9, 4)).count, 4);
+}
+
+TEST(FrameGate, a_request_that_is_a_byte_shorter_or_longer_than_it_says_is_exception_3) {
+  for (const std::uint8_t function : Bytes{3, 4, 6, 16, 22, 23}) {
+    const Bytes whole = whole_request(function, 2, 2);
+    EXPECT_EQ(judge_frame(framed(whole), all_registers).verdict, Verdict::hand_over) << int{function};
+    for (std::size_t n = 1; n <= whole.size() + 1; ++n) {
+      Bytes wrong = whole;
+      wrong.resize(n);
+      if (n != whole.size()) {
+        EXPECT_EQ(judge_frame(framed(wrong), all_registers).exception, 3) << int{function} << " " << n;
+      }
+    }
+  }
+  for (const auto& [function, place] : {std::pair{16, 5}, {23, 9}}) {
+    Bytes wrong = whole_request(static_cast<std::uint8_t>(function), 2, 2);
+    wrong[static_cast<std::size_t>(place)] = 2;
+    wrong.resize(wrong.size() - 2);
+    EXPECT_EQ(judge_frame(framed(wrong), all_registers).exception, 3) << function << ": quantity 2, bytes of one";
+  }
+}
+
+TEST(FrameGate, a_frame_of_260_bytes_is_judged) {
+  Bytes longest = whole_request(4, 1);
+  longest.resize(253);
+  const Gate gate = judge_frame(framed(longest), all_registers);
+  EXPECT_EQ(gate.exception, 3);
+  EXPECT_EQ(gate.bytes, longest_frame);
+}
+
+TEST(FrameGate, of_function_43_only_device_identification_of_four_bytes_is_served) {
+  for (const Bytes& other : {Bytes{43}, Bytes{43, 13}, Bytes{43, 13, 1, 0}, Bytes{43, 15, 1, 0}}) {
+    EXPECT_EQ(judge_frame(framed(other), writable).exception, 1) << other.size();
+  }
+  for (const Bytes& wrong : {Bytes{43, 14}, Bytes{43, 14, 1}, Bytes{43, 14, 1, 0, 0}}) {
+    EXPECT_EQ(judge_frame(framed(wrong), writable).exception, 3) << wrong.size();
+  }
+}
+
 TEST(FrameGate, lets_writes_pass_only_inside_the_command_block) {
   const auto single = [](int address) {
     return framed({6, static_cast<std::uint8_t>(address >> 8), static_cast<std::uint8_t>(address & 255), 0, 1});
@@ -131,12 +218,14 @@ TEST(FrameGate, random_bytes_never_reach_beyond_what_was_received) {
       EXPECT_LE(gate.bytes, bytes.size());
     }
     EXPECT_TRUE(gate.write.count == 0 || gate.write.address >= writable.address);
+    EXPECT_EQ(gate.exception != 0, gate.verdict == Verdict::refuse);
   }
 }
 
 TEST(DeviceIdentification, basic_category_lists_three_objects) {
   const Bytes request = framed({43, 14, 1, 0});
   EXPECT_EQ(judge_frame(request, writable).verdict, Verdict::identify);
+  EXPECT_EQ(judge_frame(request, writable).exception, 0);
   const Bytes reply = identify_device(request);
   EXPECT_EQ(reply[0], 0xAB);
   EXPECT_EQ(reply[5] + 6U, reply.size());

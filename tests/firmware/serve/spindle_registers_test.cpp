@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <utility>
 
 #include "tests/firmware/support/serving.hpp"
+#include "tests/firmware/support/standing_clock.hpp"
 
 namespace spindle_twin::firmware {
 namespace serve_spindle_registers_test {
@@ -23,6 +25,64 @@ TEST(SpindleRegisters, an_order_to_one_switch_hides_none_to_the_other_and_one_th
       EXPECT_TRUE(serving.orders.has_room_for(OrderDesk::room - 2)) << repeated;
       EXPECT_FALSE(serving.orders.has_room_for(OrderDesk::room - 1)) << repeated;
     }
+  }
+}
+
+/// Without a server.
+struct Registers {
+  explicit Registers(const StandingOrders& standing = {}) {
+    desk.begin_with(standing);
+    registers.emplace(SpindlePorts{units_of_one_spindle(), snapshots, signals, desk}, clock);
+  }
+  std::uint16_t holds(Register which) { return registers->renew()->tab_registers[entry_of(which).address]; }
+
+  StandingClock clock;
+  Latest<Snapshot> snapshots;
+  Latest<PlcSignals> signals;
+  OrderDesk desk;
+  std::optional<SpindleRegisters> registers;
+};
+
+TEST(SpindleRegisters, switches_read_back_what_was_ordered_before_a_restart_and_that_again_is_no_order) {
+  for (const auto& [order, code] : {std::pair{SwitchOrder::on, std::uint16_t{1}},
+                                    {SwitchOrder::off, std::uint16_t{0}},
+                                    {SwitchOrder::as_configured, not_present_code}}) {
+    StandingOrders standing;
+    standing.correction = order;
+    standing.compensation = SwitchOrder::on;
+    Registers spindle(standing);
+    EXPECT_EQ(spindle.holds(Register::command_correction), code);
+    EXPECT_EQ(spindle.holds(Register::command_compensation), 1);
+    spindle.registers->take(writable_registers());
+    EXPECT_TRUE(spindle.desk.has_room_for(OrderDesk::room)) << "a PLC may write all registers each second";
+  }
+}
+
+TEST(SpindleRegisters, input_registers_end_with_the_last_block_that_is_no_command_block) {
+  int end = 0;
+  for (const RegisterBlock& block : register_blocks) {
+    if (!block.command && block.address + block.length > end) end = block.address + block.length;
+  }
+  Registers spindle;
+  EXPECT_EQ(spindle.registers->renew()->nb_input_registers, end);
+}
+
+TEST(SpindleRegisters, who_tells_a_signal_and_asks_three_times_is_watched_from_then_on) {
+  Registers spindle;
+  Talk talk;
+  PlcSignals told;
+  spindle.registers->note_request(talk, false);
+  EXPECT_FALSE(spindle.signals.read(told)) << "it has told nothing";
+  for (const bool tells : {true, false}) {
+    spindle.registers->note_request(talk, tells);
+    spindle.signals.read(told);
+    EXPECT_EQ(told.alive_ns, 0);
+  }
+  for (int n = 0; n < 3; ++n) {
+    spindle.clock.pass(7);
+    spindle.registers->note_request(talk, false);
+    ASSERT_TRUE(spindle.signals.read(told));
+    EXPECT_EQ(told.alive_ns, spindle.clock.now_ns());
   }
 }
 

@@ -173,6 +173,51 @@ TEST_F(Link, who_does_not_read_is_not_read) {
   EXPECT_TRUE(goes_on) << "where there is room again";
 }
 
+/// Else poll() would return at once for as long as nothing can be moved.
+TEST_F(Link, each_side_is_waited_for_only_where_something_can_be_moved) {
+  shake_hands();
+  let_sockets_hold_little();
+  EXPECT_EQ(link_->client_events(), POLLIN);
+  EXPECT_EQ(link_->server_events(), POLLIN | POLLRDHUP);
+  std::string asked = bytes(4'000'000), answered = bytes(4'000'000);
+  for (int n = 0; n < 4'000; ++n) {
+    client_writes(asked);
+    link_->move_bytes(0);
+  }
+  EXPECT_EQ(link_->client_events(), 0) << "the server takes nothing more";
+  EXPECT_EQ(link_->server_events(), POLLIN | POLLOUT | POLLRDHUP);
+  for (int n = 0; n < 4'000; ++n) {
+    server_writes(answered);
+    link_->move_bytes(0);
+  }
+  EXPECT_EQ(link_->client_events(), POLLOUT) << "nor does the client";
+  EXPECT_EQ(link_->server_events(), POLLOUT | POLLRDHUP);
+  link_->note_leaving_server(7 * second_ns);
+  EXPECT_EQ(link_->server_events(), POLLOUT);
+  EXPECT_GE(link_->server(), 0) << "it may still be told something";
+}
+
+TEST_F(Link, a_client_that_says_good_bye_ends_it) {
+  shake_hands();
+  SSL_shutdown(client_.get());
+  EXPECT_TRUE(turns_until([&] {
+    link_->move_bytes(0);
+    return link_->over();
+  }));
+}
+
+TEST_F(Link, who_is_ended_hears_a_good_bye) {
+  shake_hands();
+  link_->end();
+  EXPECT_TRUE(link_->over());
+  std::string got;
+  EXPECT_TRUE(turns_until([&] {
+    client_reads(got);
+    return (SSL_get_shutdown(client_.get()) & SSL_RECEIVED_SHUTDOWN) != 0;
+  }));
+  EXPECT_EQ(got, "");
+}
+
 TEST_F(Link, an_end_of_the_server_ends_it_behind_the_last_bytes) {
   shake_hands();
   std::string last = bytes(1000), got;

@@ -1,7 +1,9 @@
 #include "firmware/show/http_answer.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <fstream>
 #include <iterator>
@@ -128,6 +130,48 @@ TEST_F(Answers, a_page_hears_who_posts_what_and_whether_one_of_ours_does) {
   EXPECT_FALSE(is_ours("X-Spindle-Twin: 1\r\n"));
   EXPECT_NE(answer("GET /command HTTP/1.1\r\n\r\n").bytes.find("\r\nAllow: POST\r\n"), std::string::npos);
   EXPECT_NE(answer("POST / HTTP/1.1\r\n\r\n").bytes.find("\r\nAllow: GET, HEAD\r\n"), std::string::npos);
+}
+
+TEST_F(Answers, what_is_not_allowed_is_said_in_words_that_fit_the_path) {
+  const auto says = [&](const std::string& method, const std::string& path) {
+    const HttpAnswer got = answer(method + " " + path + " HTTP/1.1\r\n\r\n");
+    EXPECT_EQ(got.status, 405) << method << " " << path;
+    return got.bytes;
+  };
+  EXPECT_TRUE(says("GET", "/command").ends_with("{\"error\":\"only POST is allowed here\"}\n"));
+  EXPECT_NE(says("HEAD", "/command").find("\r\nAllow: POST\r\n"), std::string::npos);
+  for (const char* method : {"POST", "PUT", "DELETE"}) {
+    const std::string bytes = says(method, "/");
+    EXPECT_TRUE(bytes.ends_with("{\"error\":\"only GET and HEAD are allowed: nothing can be changed here\"}\n"))
+        << bytes;
+    EXPECT_NE(bytes.find("\r\nAllow: GET, HEAD\r\n"), std::string::npos) << bytes;
+  }
+  const HttpAnswer garbage = answer("nonsense\r\n\r\n");
+  EXPECT_EQ(garbage.status, 400);
+  EXPECT_TRUE(garbage.bytes.ends_with("{\"error\":\"this request is not understood\"}\n")) << garbage.bytes;
+  EXPECT_EQ(answer("HEAD / HTTP/1.1\r\n\r\n").status, 200);
+}
+
+TEST_F(Answers, this_computer_is_known_by_its_own_name_and_by_none) {
+  std::array<char, 300> name{};
+  ASSERT_EQ(gethostname(name.data(), name.size() - 1), 0);
+  const std::string own = name.data();
+  if (own.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos) {
+    EXPECT_EQ(answer("GET / HTTP/1.1\r\nHost: " + own + ":9502\r\n\r\n").status, 200) << own;
+  }
+  EXPECT_EQ(answer("GET / HTTP/1.0\r\n\r\n").status, 200) << "HTTP/1.0 says none";
+}
+
+TEST(HttpAnswerer, what_is_too_long_is_told_apart_and_its_answer_is_whole) {
+  for (const bool body : {false, true}) {
+    const HttpAnswer answer = HttpAnswerer::too_long(body);
+    EXPECT_EQ(answer.status, body ? 413 : 431);
+    EXPECT_TRUE(answer.bytes.starts_with(body ? "HTTP/1.1 413 Payload Too Large\r\n"
+                                              : "HTTP/1.1 431 Request Header Fields Too Large\r\n"));
+    const std::size_t end = answer.bytes.find("\r\n\r\n");
+    const std::string length = std::to_string(answer.bytes.size() - end - 4);
+    EXPECT_NE(answer.bytes.find("\r\nContent-Length: " + length + "\r\n"), std::string::npos);
+  }
 }
 
 TEST(HttpAnswerer, a_body_is_as_long_as_the_head_of_a_post_says) {

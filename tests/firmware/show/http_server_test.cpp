@@ -13,6 +13,7 @@
 #include "tests/firmware/support/http_serving.hpp"
 #include "tests/firmware/support/logged.hpp"
 #include "tests/firmware/support/no_descriptors.hpp"
+#include "tests/firmware/support/troubled_poll.hpp"
 
 /// Who asks slowly, reads nothing, breaks off, or is one too many. No viewers and no slow pages.
 namespace spindle_twin::firmware {
@@ -197,6 +198,9 @@ TEST(HttpServer, a_body_may_have_2_KiB_and_is_waited_for) {
   Client more(serving.server.port());
   more.send(post(longest_body + 1));
   EXPECT_EQ(more.read_all().status, 413);
+  Client both(serving.server.port());
+  both.send(head_of(longest_request + 1, "POST /api/v1/login HTTP/1.1\r\nContent-Length: 2048\r\n"));
+  EXPECT_EQ(both.read_all().status, 431) << "it is the head that has no room";
   Client none(serving.server.port());
   none.send(post(0));
   EXPECT_EQ(none.read_all().status, 403);
@@ -271,6 +275,38 @@ TEST(HttpServer, behind_a_poll_that_failed_it_rests_a_tenth_of_a_second_says_so_
   EXPECT_NE(log.text().find("error http: poll: Invalid argument"), std::string::npos) << log.text();
 }
 
+TEST(HttpServer, its_rest_behind_a_poll_that_failed_is_a_tenth_of_a_second_from_when_it_failed) {
+  RestingClock clock;
+  HttpServer server(Serving::plan(), only(http_serving::spindle()), clock);
+  std::thread thread([&] { server.run(); });
+  Client asks(server.port());
+  asks.ask("/routes");
+  EXPECT_EQ(asks.read_all().status, 200);
+  Client wakes(0);
+  {
+    const NoPoll none;
+    wakes.connect(server.port());  // the next poll fails, or the one behind it
+    clock.wait_until_it_rests();
+  }
+  clock.wake();
+  EXPECT_EQ(clock.rest_ns, ns_per_s / 10);
+  server.stop();
+  thread.join();
+}
+
+TEST(HttpServer, a_signal_ends_nothing_and_is_no_error) {
+  const Interruption quiet;
+  const Logged log;
+  {
+    Serving serving;
+    for (int n = 0; n < 20; ++n) {
+      Interruption::of(serving.thread);
+      ASSERT_EQ(serving.get("/routes").status, 200);
+    }
+  }
+  EXPECT_EQ(log.text(), "");
+}
+
 TEST(HttpServer, a_deadline_is_kept_though_nothing_else_happens) {
   Serving serving;
   Client first(serving.server.port());
@@ -287,6 +323,27 @@ TEST(HttpServer, a_deadline_is_kept_though_nothing_else_happens) {
   EXPECT_TRUE(later.hears_nothing());
   serving.clock.pass(1);
   EXPECT_TRUE(later.is_ended());
+}
+
+bool sleeps(const Serving& serving) {
+  long asked = -1;
+  for (int n = 0; n < 20 && asked != serving.clock.asked; ++n) {
+    asked = serving.clock.asked;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return asked == serving.clock.asked;
+}
+
+TEST(HttpServer, it_sleeps_beside_who_says_nothing_and_who_says_more_than_it_reads) {
+  Serving serving(only(with_much_to_read()));
+  const Client silent(serving.server.port());
+  EXPECT_TRUE(serving.has_clients(1));
+  EXPECT_TRUE(sleeps(serving));
+  Client stuck(serving.server.port(), INADDR_LOOPBACK, little_room);
+  stuck.ask("/api/v1/scene");
+  serving.look();
+  stuck.send("more");
+  EXPECT_TRUE(sleeps(serving));
 }
 
 /// Some time after the last client has gone, that is.

@@ -38,6 +38,7 @@ TEST(OrderRequest, words_are_the_numbers_that_a_plc_writes) {
     const OrderRequest request = read_order(each.body, outputs);
     EXPECT_EQ(request.order.kind, each.kind) << each.body;
     EXPECT_EQ(request.order.code, each.code) << each.body;
+    EXPECT_EQ(request.order.id, 0) << "whoever passes it on gives it a number";
   }
   EXPECT_EQ(read_order(R"({"command":"tare","value":"take"})", outputs).said, "tare take");
 }
@@ -85,6 +86,42 @@ TEST(OrderRequest, a_trial_has_a_value_or_ends_or_goes_on) {
   EXPECT_EQ(begins.said, "trial -10 um");
   EXPECT_EQ(read_order(R"({"command":"trial","value":"end"})", outputs).order.code, trial_ends);
   EXPECT_EQ(read_order(R"({"command":"trial","value":"go_on"})", outputs).order.code, trial_goes_on);
+}
+
+TEST(OrderRequest, numbers_may_be_at_their_limits_and_not_beyond) {
+  const auto length = [](const std::string& um, const std::string& sd_um) {
+    return R"({"command":"length","um":)" + um + R"(,"sd_um":)" + sd_um + "}";
+  };
+  for (const char* um : {"-10000", "10000"}) EXPECT_EQ(refusal(length(um, "1")), "accepted") << um;
+  for (const char* um : {"-10000.1", "10000.1"}) EXPECT_NE(refusal(length(um, "1")), "accepted") << um;
+  for (const char* sd_um : {"0.01", "1000"}) EXPECT_EQ(refusal(length("1", sd_um)), "accepted") << sd_um;
+  for (const char* sd_um : {"0.0099", "1000.1"}) EXPECT_NE(refusal(length("1", sd_um)), "accepted") << sd_um;
+  const auto trial = [](const std::string& um) { return R"({"command":"trial","um":)" + um + "}"; };
+  for (const char* um : {"-50", "50", "0"}) EXPECT_EQ(refusal(trial(um)), "accepted") << um;
+  for (const char* um : {"-50.1", "50.1"}) EXPECT_NE(refusal(trial(um)), "accepted") << um;
+}
+
+std::string login_refusal(const std::string& body) {
+  try {
+    read_login(body);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(LoginRequest, has_a_name_and_a_password_of_up_to_128_bytes_and_nothing_else) {
+  const auto login = [](const std::string& user, std::size_t bytes, const std::string& more = "") {
+    return R"({"user":")" + user + R"(","password":")" + std::string(bytes, 'x') + "\"" + more + "}";
+  };
+  const LoginRequest read = read_login(login("anna", 3));
+  EXPECT_EQ(read.user, "anna");
+  EXPECT_EQ(read.password, "xxx");
+  EXPECT_EQ(login_refusal(login("anna", 128)), "accepted");
+  EXPECT_EQ(login_refusal(login("anna", 129)), "password: must have at most 128 bytes");
+  EXPECT_EQ(login_refusal(login("an na", 8)), "user: must be 1 to 32 letters, digits, '_', '-' or '.'");
+  EXPECT_EQ(login_refusal(login("anna", 8, R"(,"x":1)")), "there is no key \"x\" here");
+  EXPECT_EQ(login_refusal(R"({"user":"anna"})"), "password: must be a text");
 }
 
 }  // namespace show_order_request_test

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/firmware/support/logged.hpp"
+
 namespace spindle_twin::firmware {
 namespace show_page_commands_test {
 
@@ -94,8 +96,20 @@ TEST_F(PageOrders, tries_are_limited_whether_right_or_wrong) {
   const Page late = log_in("correct horse");
   EXPECT_EQ(late.status, 429);
   EXPECT_EQ(late.body, "{\"error\":\"too many logins: try again in 12 s\"}\n");
-  clock_.now += 12 * ns_per_s;
+  clock_.now += 12 * ns_per_s - 1;
+  EXPECT_EQ(log_in("correct horse").body, "{\"error\":\"too many logins: try again in 1 s\"}\n");
+  clock_.now += 1;
   EXPECT_EQ(log_in("correct horse").status, 200);
+}
+
+TEST_F(PageOrders, each_order_keeps_the_session_for_another_quarter_of_an_hour) {
+  const std::string cookie = cookie_of(log_in("correct horse"));
+  for (int n = 0; n < 5; ++n) {
+    clock_.now += 14 * 60 * ns_per_s;
+    EXPECT_EQ(order(tare_, cookie).status, 202) << n;
+  }
+  clock_.now += 15 * 60 * ns_per_s;
+  EXPECT_EQ(order(tare_, cookie).status, 401);
 }
 
 TEST_F(PageOrders, a_session_ends_by_logout_and_by_idleness_while_looking_on_does_not_keep_it) {
@@ -177,6 +191,58 @@ TEST_F(PageOrders, a_logout_ends_the_trial_of_its_session_and_of_no_other) {
   ASSERT_EQ(given_.size(), 2U);
   EXPECT_EQ(given_[1].kind, OrderKind::trial);
   EXPECT_EQ(given_[1].code, trial_ends);
+  EXPECT_EQ(given_[1].id, 0) << "nobody has ordered it";
+}
+
+TEST_F(PageOrders, numbers_of_orders_go_from_60001_to_65534_and_begin_anew) {
+  const Logged log;
+  const std::string cookie = cookie_of(log_in("correct horse"));
+  for (int id = 60001; id <= 65534; ++id) {
+    EXPECT_EQ(order(tare_, cookie).status, 202);
+    ASSERT_EQ(given_.back().id, id);
+  }
+  order(tare_, cookie);
+  EXPECT_EQ(given_.back().id, 60001);
+}
+
+TEST_F(PageOrders, a_session_is_known_by_its_cookie_wherever_it_stands_among_others) {
+  const std::string cookie = cookie_of(log_in("correct horse"));
+  for (const std::string& cookies : {cookie, cookie + ";x=1", "x=1;" + cookie, "x=1; y=2; " + cookie + "; z=3"}) {
+    EXPECT_EQ(order(tare_, cookies).status, 202) << cookies;
+  }
+  for (const std::string& cookies : {"x" + cookie, "x=" + cookie, cookie + "0", cookie.substr(1)}) {
+    EXPECT_EQ(order(tare_, cookies).status, 401) << cookies;
+  }
+}
+
+TEST_F(PageOrders, who_orders_what_from_where_is_said_in_the_log) {
+  const Logged log;
+  const std::string cookie = cookie_of(log_in("correct horse"));
+  log_in("guess", "bert");
+  made(commands_->command(post(tare_, cookie), {"left", outputs_, give_}));
+  has_room_ = false;
+  order(tare_, cookie);
+  made(commands_->log_out(post("", cookie)));
+  EXPECT_EQ(log.text(),
+            "warning http: anna logged in from 127.0.0.1\n"
+            "warning http: login as bert from 127.0.0.1 refused\n"
+            "warning http: left: anna at 127.0.0.1: tare take, order 60001\n"
+            "warning http: anna at 127.0.0.1: tare take: not taken, the queue of orders is full\n"
+            "warning http: anna logged out from 127.0.0.1\n");
+}
+
+TEST_F(PageOrders, of_two_trials_of_one_session_each_spindle_has_its_own_end) {
+  const std::string cookie = cookie_of(log_in("correct horse"));
+  const std::string begin = R"({"command":"trial","um":1})", end = R"({"command":"trial","value":"end"})";
+  for (const char* spindle : {"left", "right"}) {
+    EXPECT_EQ(made(commands_->command(post(begin, cookie), {spindle, outputs_, give_})).status, 202);
+  }
+  EXPECT_EQ(made(commands_->command(post(end, cookie), {"left", outputs_, give_})).status, 202);
+  const std::string go_on = R"({"command":"trial","value":"go_on"})";
+  EXPECT_EQ(made(commands_->command(post(go_on, cookie), {"left", outputs_, give_})).status, 409);
+  EXPECT_EQ(made(commands_->command(post(go_on, cookie), {"right", outputs_, give_})).status, 200);
+  has_room_ = false;
+  EXPECT_EQ(made(commands_->command(post(go_on, cookie), {"right", outputs_, give_})).status, 503);
 }
 
 }  // namespace show_page_commands_test

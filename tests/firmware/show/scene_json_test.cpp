@@ -59,6 +59,7 @@ TEST(SceneJson, of_a_network_without_outlines_is_whole_too) {
 TEST(SceneJson, says_which_network_and_how_the_compensation_is_configured) {
   CompensationPlan plan;
   plan.sign = -1.0;
+  plan.step_m = 0.25e-6;
   const rom::Network network = tests::small_network();
   nlohmann::json scene = nlohmann::json::parse(scene_json(network, {"", false, "abc", plan}));
   EXPECT_EQ(scene["network"]["sha256"], "abc");
@@ -67,6 +68,7 @@ TEST(SceneJson, says_which_network_and_how_the_compensation_is_configured) {
   EXPECT_EQ(scene["compensation"]["sign"], -1);
   EXPECT_TRUE(scene["compensation"]["limit_um"].is_null());
   EXPECT_DOUBLE_EQ(scene["compensation"]["slew_um_per_s"], 0.5);
+  EXPECT_DOUBLE_EQ(scene["compensation"]["step_um"], 0.25);
   plan.limit_m = 5e-6;
   scene = nlohmann::json::parse(scene_json(network, {"", false, "", plan}));
   EXPECT_DOUBLE_EQ(scene["compensation"]["limit_um"], 5.0);

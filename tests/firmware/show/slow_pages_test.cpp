@@ -71,9 +71,25 @@ TEST(SlowPages, there_is_room_for_so_many_and_again_when_one_was_taken) {
   Gate gate;
   SlowPages pages;
   for (std::size_t n = 0; n < SlowPages::most_at_once; ++n) EXPECT_TRUE(pages.ask(gate.work()));
+  gate.wait_until_begun(1);
   EXPECT_FALSE(pages.ask(gate.work()));
   gate.open.store(true);
   next_made(pages);
+  EXPECT_TRUE(pages.ask(gate.work()));
+}
+
+TEST(SlowPages, what_is_made_and_not_taken_has_its_room_too) {
+  Gate gate;
+  gate.open.store(true);
+  SlowPages pages;
+  const int most = static_cast<int>(SlowPages::most_at_once);
+  for (int n = 1; n < most; ++n) EXPECT_TRUE(pages.ask(gate.work()));
+  gate.wait_until_begun(most - 1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));  // handed over, most likely
+  EXPECT_TRUE(pages.ask(gate.work())) << "there is room for one more";
+  gate.wait_until_begun(most);
+  EXPECT_FALSE(pages.ask(gate.work()));
+  EXPECT_FALSE(pages.take().empty());
   EXPECT_TRUE(pages.ask(gate.work()));
 }
 

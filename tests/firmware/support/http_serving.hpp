@@ -104,6 +104,8 @@ class Client {
     socket_ = Descriptor();
   }
   void close() { socket_ = Descriptor(); }
+  /// Still reads.
+  void end_sending() { ::shutdown(socket_.get(), SHUT_WR); }
 
  private:
   static sockaddr_in address(std::uint32_t host, int port) {

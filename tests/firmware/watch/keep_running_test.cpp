@@ -40,6 +40,19 @@ TEST(KeepRunning, work_that_goes_on_throwing_ends_with_the_stop) {
   EXPECT_EQ(begun, 3);
 }
 
+TEST(KeepRunning, work_begins_again_behind_a_pause_too) {
+  const Logged log;
+  const std::atomic<bool> stop{false};
+  int begun = 0;
+  keep_running(
+      "history", stop,
+      [&] {
+        if (++begun < 3) throw std::runtime_error("no such page");
+      },
+      std::chrono::milliseconds(25));
+  EXPECT_EQ(begun, 3);
+}
+
 TEST(KeepRunning, a_stop_does_not_wait_for_the_pause) {
   std::atomic<bool> stop{false};
   std::atomic<int> begun{0};

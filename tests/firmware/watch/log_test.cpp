@@ -3,11 +3,13 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <thread>
@@ -84,7 +86,75 @@ TEST(Log, writes_what_is_said_at_its_level) {
   const std::string text = pipe.read_all();
   EXPECT_NE(text.find(" info one 1\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("not this"), std::string::npos);
+  EXPECT_EQ(text.find("dropped"), std::string::npos);
   EXPECT_EQ(dropped.load(), 0U);
+}
+
+TEST(Log, a_line_of_any_length_comes_whole) {
+  const KeepLogger keep;
+  Pipe pipe;
+  std::atomic<std::uint64_t> dropped{0};
+  for (const std::size_t bytes : {4000U, 4096U, 5000U, 20000U}) {
+    {
+      const Log log("info", pipe.ends[1], dropped);
+      spdlog::info("{}!", std::string(bytes, 'x'));
+      spdlog::info("next");
+    }
+    EXPECT_NE(pipe.read_all().find(" info " + std::string(bytes, 'x') + "!\n"), std::string::npos) << bytes;
+  }
+}
+
+/// Of a pipe that nobody has read: one line is being written, so many wait, and how many do not is said between them.
+TEST(Log, so_many_lines_wait_as_there_is_room_for_and_what_was_dropped_is_said_in_its_place) {
+  for (const std::uint64_t too_many : {std::uint64_t{1}, std::uint64_t{3}}) {
+    const KeepLogger keep;
+    Pipe pipe;
+    fcntl(pipe.ends[1], F_SETFL, O_NONBLOCK);
+    while (write(pipe.ends[1], "", 1) == 1) {
+    }
+    fcntl(pipe.ends[1], F_SETFL, 0);
+    std::atomic<std::uint64_t> dropped{0};
+    int said = 0;
+    std::string text;
+    {
+      const Log log("info", pipe.ends[1], dropped, 2);
+      for (; dropped < too_many && said < 20; ++said) {
+        spdlog::info("line");
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      text += pipe.read_all();
+    }
+    text += pipe.read_all();
+    EXPECT_EQ(dropped.load(), too_many);
+    EXPECT_LE(said, 3 + static_cast<int>(too_many)) << "one in the making and two that wait";
+    EXPECT_NE(text.find("(" + std::to_string(too_many) + " lines of the log were dropped here)\n"), std::string::npos);
+  }
+}
+
+TEST(Log, lines_for_the_journal_carry_their_severity_and_no_time) {
+  const KeepLogger keep;
+  Pipe pipe;
+  struct stat status {};
+  ASSERT_EQ(fstat(pipe.ends[1], &status), 0);
+  std::atomic<std::uint64_t> dropped{0};
+  for (const bool journal : {true, false}) {
+    const std::string stream = std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino + (journal ? 0 : 1));
+    ::setenv("JOURNAL_STREAM", stream.c_str(), 1);
+    {
+      const Log log("debug", pipe.ends[1], dropped);
+      spdlog::debug("a");
+      spdlog::info("b");
+      spdlog::warn("c");
+      spdlog::error("d");
+    }
+    ::unsetenv("JOURNAL_STREAM");
+    const std::string text = pipe.read_all();
+    if (journal) {
+      EXPECT_EQ(text, "<7>a\n<6>b\n<4>c\n<3>d\n");
+    } else {
+      EXPECT_EQ(text.find('<'), std::string::npos) << text;
+    }
+  }
 }
 
 TEST(Log, nobody_waits_for_a_reader_and_what_is_dropped_is_counted) {
@@ -112,8 +182,13 @@ TEST(Log, a_reader_that_has_gone_ends_nothing) {
   {
     const Log log("info", pipe.ends[1], dropped);
     spdlog::info("to nobody");
-    for (int i = 0; i < 1000 && dropped.load() == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_EQ(dropped.load(), 1U);
+    for (std::uint64_t lines = 1; lines <= 3; ++lines) {
+      for (int i = 0; i < 1000 && dropped.load() < lines; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      EXPECT_EQ(dropped.load(), lines);
+      if (lines < 3) spdlog::info("to nobody");
+    }
   }
   std::signal(SIGPIPE, before);
 }

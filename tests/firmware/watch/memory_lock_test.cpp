@@ -30,6 +30,12 @@ TEST(MemoryLock, without_a_limit_what_was_touched_stays_in_memory) {
   munlockall();
 }
 
+TEST(MemoryLock, what_may_be_locked_is_what_the_system_says) {
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_MEMLOCK, &limit), 0);
+  EXPECT_EQ(lockable_bytes(), limit.rlim_cur);
+}
+
 TEST(MemoryLock, under_a_limit_nothing_is_locked) {
   EXPECT_FALSE(lock_memory(8U << 20U));
   EXPECT_EQ(locked_kB(), 0);

@@ -1,10 +1,17 @@
 #include "firmware/watch/service_manager.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <string>
 #include <vector>
+
+#include "firmware/serve/descriptor.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace spindle_twin::firmware {
 namespace watch_service_manager_test {
@@ -129,6 +136,71 @@ TEST_F(ServiceManagerTest, one_spindle_that_stands_is_not_covered_up_by_another)
   ++other.cycles;
   manager.look();
   EXPECT_EQ(count("WATCHDOG=1"), 2);
+}
+
+TEST_F(ServiceManagerTest, one_spindle_that_waits_is_said_of_all_and_keeps_nobody_from_being_ready) {
+  for (const bool first_waits : {true, false}) {
+    Pulse first, second;
+    told_.clear();
+    ServiceManager manager({&first, &second}, 1.0, 0.0, [this](const std::string& state) { told_.push_back(state); });
+    (first_waits ? first : second).waits = true;
+    (first_waits ? second : first).predicts = true;
+    ++first.cycles, ++second.cycles;
+    manager.look();
+    ASSERT_EQ(told_.size(), 1U);
+    EXPECT_EQ(told_[0], "READY=1\nSTATUS=no good reading to start from, see the registers");
+  }
+}
+
+/// As systemd starts a program: with a socket, and where it wants one a watchdog.
+class ServiceManagerOfProcess : public ServiceManagerTest {
+ protected:
+  ServiceManagerOfProcess() : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
+    sockaddr_un here{};
+    here.sun_family = AF_UNIX;
+    const std::string path = folder_.file("notify");
+    path.copy(static_cast<char*>(here.sun_path), sizeof here.sun_path - 1);
+    EXPECT_EQ(::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&here), sizeof here), 0);
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  }
+  ~ServiceManagerOfProcess() override {
+    ::unsetenv("NOTIFY_SOCKET");
+    ::unsetenv("WATCHDOG_USEC");
+  }
+  /// All that was said, one text behind the other.
+  std::string heard() {
+    std::string text;
+    std::array<char, 1000> part{};
+    for (ssize_t got = 0; (got = recv(socket_.get(), part.data(), part.size(), 0)) > 0;) {
+      text.append(part.data(), static_cast<std::size_t>(got)) += '|';
+    }
+    return text;
+  }
+
+  tests::TemporaryFolder folder_;
+  Descriptor socket_;
+};
+
+TEST_F(ServiceManagerOfProcess, hears_what_the_watchdog_asks_for_in_seconds_each_time_anew) {
+  ::setenv("WATCHDOG_USEC", "200000", 1);
+  for (int n = 0; n < 2; ++n) {
+    const ServiceManager slow({&pulse_}, 1.0);
+    EXPECT_DOUBLE_EQ(slow.look_s(), 0.05);
+    EXPECT_EQ(heard(), "WATCHDOG_USEC=3000000|") << "three cycles";
+  }
+  ServiceManager quick({&pulse_}, 0.01);
+  cycle(true);
+  quick.look();
+  EXPECT_EQ(heard(), "READY=1\nSTATUS=predicts|WATCHDOG=1|");
+}
+
+TEST_F(ServiceManagerOfProcess, without_a_watchdog_none_is_fed) {
+  ServiceManager manager({&pulse_}, 0.01);
+  cycle(true);
+  manager.look();
+  cycle(true);
+  manager.look();
+  EXPECT_EQ(heard(), "READY=1\nSTATUS=predicts|");
 }
 
 }  // namespace watch_service_manager_test

@@ -28,6 +28,13 @@ TEST(ChannelLaw, equals_the_exponential_of_a_channel_with_a_uniform_wall) {
               1e-12 * flow_W_per_K);
 }
 
+TEST(ChannelLaw, a_flow_of_one_is_a_flow_as_any_other) {
+  for (const double flow_W_per_K : {0.5, 1.0, 2.0}) {
+    EXPECT_NEAR(channel_W_per_m2K(4.0, 0.25, flow_W_per_K) * 0.25, flow_W_per_K * (1.0 - std::exp(-1.0 / flow_W_per_K)),
+                1e-15);
+  }
+}
+
 TEST(ChannelLaw, acts_on_segments_only_and_knows_no_direction) {
   Boundaries boundaries;
   Conductance film;

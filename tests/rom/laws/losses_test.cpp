@@ -86,6 +86,15 @@ TEST(Windage, flags_say_what_is_outside) {
   EXPECT_TRUE(gap_windage_W(LawMode::standard, {0.04, 0.03, 0.15}, 6000.0, room_K).flags & shape_out_of_range);
 }
 
+TEST(Windage, a_rough_rotor_rubs_by_its_factor_more_and_its_ends_as_before) {
+  WindageShape shape{0.04, 0.0005, 0.15};
+  const double smooth_W = gap_windage_W(LawMode::standard, shape, 6000.0, room_K).value;
+  const double ends_W = end_windage_W(LawMode::standard, shape, 6000.0, room_K).value;
+  shape.roughness = 2.5;
+  expect_close(gap_windage_W(LawMode::standard, shape, 6000.0, room_K).value, 2.5 * smooth_W, "gap", 1e-12);
+  EXPECT_EQ(end_windage_W(LawMode::standard, shape, 6000.0, room_K).value, ends_W);
+}
+
 TEST(Copper, reference_values) {
   for (const ReferenceRow& row : reference_rows("copper")) {
     CopperLoss copper;
@@ -169,6 +178,14 @@ TEST(Iron, reference_values) {
     expect_close(iron_loss_W(LawMode::standard, iron, f, B).value,
                  row["eddy"] * row["skin_factor"] + row["hysteresis_standard"] + row["excess"], "sum");
   }
+}
+
+TEST(Iron, loss_is_that_of_a_kilogram_times_mass_and_build_factor) {
+  IronLoss iron = reference_iron();
+  const double one_W = iron_loss_W(LawMode::standard, iron, 200.0, 1.1).value;
+  iron.mass_kg = 4.0;
+  iron.build_factor = 1.6;
+  expect_close(iron_loss_W(LawMode::standard, iron, 200.0, 1.1).value, 6.4 * one_W, "4 kg, 1.6", 1e-12);
 }
 
 TEST(Iron, a_motor_without_flux_loses_nothing_at_any_speed_and_says_so_with_finite_slopes) {
