@@ -46,6 +46,7 @@ struct Suspected {
 TEST(UnexplainedHeat, following_makes_the_heats_as_wide_as_open_ones_and_leaves_all_else) {
   const rom::Network network = plates();
   Suspected suspected(network, 0.0);
+  EXPECT_EQ(suspected.second.evidence(), 0.0);
   suspected.run_until(600.0);
   const EstimatorCorrection& estimator = suspected.pair.estimator;
   suspected.second.follow(estimator);

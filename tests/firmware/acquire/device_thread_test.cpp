@@ -37,8 +37,11 @@ struct ScriptedPlan final : DriverPlan {
 class SleepClock final : public Clock {
  public:
   std::int64_t now_ns() const override { return time_ns; }
-  void sleep_until_ns(std::int64_t until_ns) override { time_ns = until_ns; }
-  std::int64_t time_ns = 1'000'000'000;
+  void sleep_until_ns(std::int64_t until_ns) override {
+    longest_ns = std::max(longest_ns, until_ns - time_ns);
+    time_ns = until_ns;
+  }
+  std::int64_t time_ns = 1'000'000'000, longest_ns = 0;
 };
 
 class DeviceThreadTest : public testing::Test {
@@ -70,6 +73,17 @@ TEST_F(DeviceThreadTest, steps_follow_the_period_and_losses_the_back_off_which_a
     return {};
   });
   EXPECT_EQ(at_ms, (std::vector<std::int64_t>{0, 500, 1000, 1100, 1300, 1700, 2200, 2300}));
+}
+
+TEST_F(DeviceThreadTest, it_looks_for_a_stop_ten_times_a_second_and_sleeps_no_longer_than_the_period) {
+  const auto answers = [](std::size_t, DeviceReadings&) -> Step { return {}; };
+  plan_.poll_s = 30.0;
+  EXPECT_EQ(run(2, answers), (std::vector<std::int64_t>{0, 30'000}));
+  EXPECT_EQ(clock_.longest_ns, 100'000'000);
+  clock_ = SleepClock();
+  stop_ = false;
+  plan_.poll_s = 0.03;
+  EXPECT_EQ(run(3, answers), (std::vector<std::int64_t>{0, 30, 60}));
 }
 
 TEST_F(DeviceThreadTest, a_step_that_takes_too_long_is_followed_at_once_and_none_is_made_up_for) {
