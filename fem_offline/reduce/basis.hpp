@@ -37,10 +37,10 @@ struct RichModel {
 
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
 
-/// One column each, in the rich basis.
+/// In the rich basis.
 struct RichSnapshots {
-  Eigen::MatrixXd fields;  ///< rises along histories with jumps of the operating state
-  Eigen::MatrixXd duals;   ///< solutions for the output rows
+  Eigen::MatrixXd fields;        ///< rises along histories with jumps of the operating state, a column each
+  Eigen::MatrixXd dual_moments;  ///< XXᵀ of the solutions X for the output rows, which would be the larger matrix
 };
 
 /// Of the rich model at options.rich_sets random parameter sets.

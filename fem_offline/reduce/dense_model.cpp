@@ -4,6 +4,25 @@
 #include <utility>
 
 namespace spindle_twin::fem_offline {
+
+PackedSymmetric::PackedSymmetric(const Eigen::MatrixXd& matrix)
+    : size_(matrix.rows()), values_(size_ * (size_ + 1) / 2) {
+  Eigen::Index first = 0;
+  for (Eigen::Index c = 0; c < size_; ++c) {
+    values_.segment(first, size_ - c) = matrix.col(c).tail(size_ - c);
+    first += size_ - c;
+  }
+}
+
+Eigen::MatrixXd PackedSymmetric::whole() const {
+  Eigen::MatrixXd matrix(size_, size_);
+  for (Eigen::Index c = 0; c < size_; ++c) {
+    matrix.col(c).tail(size_ - c) = column(c);
+    matrix.row(c).tail(size_ - c) = column(c).transpose();
+  }
+  return matrix;
+}
+
 namespace {
 
 /// What the liquid carries from segment to segment: H = S Γ U, W = S A⁻¹, drive −= S Γ U T_inlet.
@@ -32,7 +51,7 @@ void add_gained(const DenseModel& model, const std::vector<std::pair<std::size_t
   for (Eigen::Index c = 0; c < size; ++c) {
     auto column = conduction.col(c).tail(size - c);
     for (const auto& [j, gain_W_per_m2K] : gained_W_per_m2K) {
-      column += gain_W_per_m2K * model.conductance_terms[j].col(c).tail(size - c);
+      column += gain_W_per_m2K * model.conductance_terms[j].column(c);
     }
   }
 }

@@ -11,12 +11,28 @@
 
 namespace spindle_twin::fem_offline {
 
+/// Lower triangle of a symmetric n x n matrix, column behind column: half its memory. Of the terms of a rich model
+/// there are a hundred.
+class PackedSymmetric {
+ public:
+  PackedSymmetric() = default;
+  /// Reads the lower triangle.
+  explicit PackedSymmetric(const Eigen::MatrixXd& matrix);
+  /// Rows c to n − 1 of column c.
+  auto column(Eigen::Index c) const { return values_.segment(c * size_ - c * (c - 1) / 2, size_ - c); }
+  Eigen::MatrixXd whole() const;
+
+ private:
+  Eigen::Index size_ = 0;
+  Eigen::VectorXd values_;
+};
+
 /// The FE model tested with a Galerkin basis V of n columns; all matrices dense, n x n unless said otherwise:
 ///   C dT/dt = −(K₀ + Σⱼ gⱼ Kⱼ) T + Σⱼ gⱼ (Kⱼ 1) T_env(j) + B q
 struct DenseModel {
   Eigen::MatrixXd capacity;
   Eigen::MatrixXd conduction;
-  std::vector<Eigen::MatrixXd> conductance_terms;
+  std::vector<PackedSymmetric> conductance_terms;
   Eigen::MatrixXd walls_m2;             ///< n x conductances: Kⱼ 1, zero for exchange between bodies
   Eigen::MatrixXd source_distribution;  ///< n x sources
   Eigen::VectorXd uniform;              ///< n; the field that is 1 everywhere

@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
@@ -82,7 +84,8 @@ void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions
   }
 }
 
-/// XᵀX by tiles, in double; every tile is one product, so the bits do not depend on the number of threads.
+/// Lower triangle of XᵀX by tiles, in double, and nothing above but in the diagonal's tiles; every tile is one product,
+/// so the bits do not depend on the number of threads. The whole of it would be what takes most memory of a build.
 template <typename Columns>
 Eigen::MatrixXd gram_matrix(const Columns& columns, int threads) {
   constexpr Eigen::Index tile = 256;
@@ -101,7 +104,7 @@ Eigen::MatrixXd gram_matrix(const Columns& columns, int threads) {
       gram.block(r, c, own.cols(), other.cols()) = transposed_product(own, other);
     }
   });
-  return gram.selfadjointView<Eigen::Lower>();
+  return gram;
 }
 
 /// Columns times the inverse of the Cholesky factor of their own Gram matrix; a second pass mends what the squared
@@ -124,7 +127,8 @@ void orthonormalise(Eigen::MatrixXd& columns, int threads) {
 }
 
 /// Indices of at most `most` columns, each the farthest from the span of those before it: Cholesky with complete
-/// pivoting of their Gram matrix. Eigen's LDLT pivots on the diagonal it was given, not on what is left of it.
+/// pivoting of their Gram matrix, of which the lower triangle is read. Eigen's LDLT pivots on the diagonal it was
+/// given, not on what is left of it.
 std::vector<int> most_independent(Eigen::MatrixXd gram, Eigen::Index most) {
   const int size = static_cast<int>(gram.rows());
   std::vector<int> pivots(static_cast<std::size_t>(size));
@@ -208,6 +212,7 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   const Eigen::MatrixXd bodies = body_columns(model, options.nodes);
   Eigen::MatrixXf snapshots = full_snapshots(model, loads, bodies, options, workers, progress);
   workers.clear();
+  malloc_trim(0);  // the factors' memory, before the Gram matrix takes its own
 
   const Eigen::Index of_bodies =
       options.rich_states_per_body * (static_cast<int>(model.parts.size() + model.air_names.size()));

@@ -110,7 +110,8 @@ Eigen::VectorXd largest_part_errors_K(const RichModel& rich, const Eigen::Matrix
 
 Eigen::MatrixXd network_basis(const RichModel& rich, const RichSnapshots& snapshots, int threads) {
   const Eigen::Index fixed = rich.bodies, count = rich.points.rows(), others = count - fixed;
-  const Eigen::MatrixXd fields = moments_of(snapshots.fields, threads), duals = moments_of(snapshots.duals, threads);
+  const Eigen::MatrixXd fields = moments_of(snapshots.fields, threads);
+  const Eigen::MatrixXd duals = 0.5 * (snapshots.dual_moments + snapshots.dual_moments.transpose());
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
   Modes modes;
   for (int round = 0;; ++round) {

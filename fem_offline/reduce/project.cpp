@@ -58,7 +58,7 @@ void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, 
   for_each_index(static_cast<int>(rich.dense.conductance_terms.size()), threads, [&](int index, int) {
     const std::size_t j = static_cast<std::size_t>(index);
     const bool exchange = model.boundaries.conductances[j].environment < 0;
-    Eigen::MatrixXd term = orthonormal(rich.dense.conductance_terms[j]);
+    Eigen::MatrixXd term = orthonormal(rich.dense.conductance_terms[j].whole());
     if (exchange) {
       term.row(0).setZero();
       term.col(0).setZero();

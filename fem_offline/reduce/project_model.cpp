@@ -33,9 +33,11 @@ RichModel project_model(const AffineModel& model, const Loads& loads, const Eige
     image.noalias() = compact * rows;
     Eigen::MatrixXd small = transposed_product(rows, image);
     small = (0.5 * (small + small.transpose())).eval();
-    (index == 0   ? rich.dense.capacity
-     : index == 1 ? rich.dense.conduction
-                  : rich.dense.conductance_terms[static_cast<std::size_t>(index - 2)]) = small;
+    if (index >= 2) {
+      rich.dense.conductance_terms[static_cast<std::size_t>(index - 2)] = PackedSymmetric(small);
+    } else {
+      (index == 0 ? rich.dense.capacity : rich.dense.conduction) = small;
+    }
   });
   rich.dense.walls_m2 = Eigen::MatrixXd::Zero(basis.cols(), terms);
   for (std::size_t j = 0; j < loads.film_m2.size(); ++j) {

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
@@ -25,9 +27,17 @@ constexpr double dual_shift_low_per_s = 2e-4;
 constexpr double dual_shift_high_per_s = 3.0;
 constexpr double dual_steady_share = 0.4;
 
+/// Sets whose dual solutions are multiplied at once, and sums of such products that are kept until they are added up.
+constexpr int sets_at_once = 5;
+constexpr int sums_at_once = 4;
+
+struct Snapshots {
+  Eigen::MatrixXd fields, duals;  ///< a column each
+};
+
 /// Snapshots of one parameter set.
-RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
-                        const ReduceOptions& options, std::uint32_t set) {
+Snapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
+                    const ReduceOptions& options, std::uint32_t set) {
   const DenseModel& model = rich.dense;
   RandomStream random(options.seed, StreamPurpose::rich_snapshots, set);
   const bool corner = random.uniform(0.0, 1.0) < rich_corner_share;
@@ -42,7 +52,7 @@ RichSnapshots solve_set(const RichModel& rich, const rom::Boundaries& boundaries
     hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
   };
 
-  RichSnapshots snapshots;
+  Snapshots snapshots;
   snapshots.fields.resize(model.capacity.rows(), fields_per_set);
   Eigen::VectorXd rise_K;
   jump(Coolant::flows);
@@ -83,13 +93,28 @@ RichSnapshots rich_snapshots(const RichModel& rich, const rom::Boundaries& bound
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   RichSnapshots all;
   all.fields.resize(states, options.rich_sets * fields_per_set);
-  all.duals.resize(states, options.rich_sets * duals_per_set);
-  for_each_index(options.rich_sets, options.threads, [&](int set, int worker) {
-    const RichSnapshots own = solve_set(rich, boundaries, segments, options, static_cast<std::uint32_t>(set));
-    all.fields.middleCols(set * fields_per_set, fields_per_set) = own.fields;
-    all.duals.middleCols(set * duals_per_set, duals_per_set) = own.duals;
-    if (worker == 0 && progress) progress("network snapshots", static_cast<double>(set + 1) / options.rich_sets);
-  });
+  all.dual_moments.setZero(states, states);
+  // Sums of products are added up in the order of the sets, whatever the number of threads.
+  constexpr int sets_per_round = sets_at_once * sums_at_once;
+  for (int first = 0; first < options.rich_sets; first += sets_per_round) {
+    const int sets = std::min(sets_per_round, options.rich_sets - first);
+    std::array<Eigen::MatrixXd, sums_at_once> sums;
+    for_each_index((sets + sets_at_once - 1) / sets_at_once, options.threads, [&](int sum, int) {
+      const int begin = sum * sets_at_once, end = std::min(begin + sets_at_once, sets);
+      Eigen::MatrixXd duals(states, (end - begin) * duals_per_set);
+      for (int i = begin; i < end; ++i) {
+        const int set = first + i;
+        const Snapshots own = solve_set(rich, boundaries, segments, options, static_cast<std::uint32_t>(set));
+        all.fields.middleCols(set * fields_per_set, fields_per_set) = own.fields;
+        duals.middleCols((i - begin) * duals_per_set, duals_per_set) = own.duals;
+      }
+      sums[static_cast<std::size_t>(sum)] = product(duals, Eigen::MatrixXd(duals.transpose()));
+    });
+    for (const Eigen::MatrixXd& sum : sums) {
+      if (sum.size() > 0) all.dual_moments += sum;
+    }
+    if (progress) progress("network snapshots", static_cast<double>(first + sets) / options.rich_sets);
+  }
   return all;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <malloc.h>
+
 #include <chrono>
 #include <ctime>
 #include <string>
@@ -8,13 +10,15 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Adds stage after stage to a report, each with the time since the one before.
+/// Adds stage after stage to a report, each with the time since the one before, and gives back what memory a stage has
+/// freed: the next one holds other large matrices.
 class StageClock {
  public:
   /// `report` may be nullptr, for a caller that wants none.
   explicit StageClock(ReduceReport* report, const Progress& progress = {}) : report_(report), progress_(progress) {}
 
   void finish(const std::string& stage) {
+    malloc_trim(0);
     const auto now = Clock::now();
     const double processor_s = used_s();
     if (report_) {

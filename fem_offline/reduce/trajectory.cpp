@@ -93,6 +93,9 @@ Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs) {
 
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s, const CholeskyFactor* analysed) {
   FeStepper stepper(model, FeScheme::order_4, analysed);
+  // Behind a jump steps only grow, and no state comes back.
+  constexpr std::size_t latest_factors = 2;
+  stepper.keep_factors(latest_factors);
   stepper.set_uniform_temperature(drive.initial_temperature_K);
   Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
   const FeSteps steps = fe_steps(model.capacity_J_per_K.rows(), fe_step_s);

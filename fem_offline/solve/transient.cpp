@@ -56,9 +56,6 @@ constexpr int most_halvings = 12;
 constexpr double environment_jump_K = 0.5;
 constexpr double conductance_jump_share = 0.05;
 
-// About 10 MB each; two operating states with all their step lengths.
-constexpr std::size_t most_factors = 16;
-
 bool jumped(const Eigen::VectorXd& before, const Eigen::VectorXd& now) {
   return ((now - before).array().abs() > conductance_jump_share * before.array().abs().max(now.array().abs())).any();
 }
@@ -97,6 +94,7 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
   double controlled_step_s = first_controlled_step_s;
   Eigen::VectorXd temperatures_K;
   std::list<KeptFactor> factors;  // the most recent first
+  std::size_t most_factors = 16;
   Tableau tableau;
   std::vector<Eigen::VectorXd> slopes_K_per_s;
   Eigen::VectorXd load_W, residual_W, stage_K;
@@ -129,7 +127,7 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
     CholeskyFactor made = pattern ? CholeskyFactor(*pattern, matrix) : CholeskyFactor(matrix);
     factors.push_front({step_s, held.conductance_W_per_m2K, held.coolant_W_per_K,
                         CoupledFactor(std::move(made), coupling, tableau.gamma * step_s)});
-    if (factors.size() > most_factors) factors.pop_back();
+    while (factors.size() > most_factors) factors.pop_back();
     return factors.front().factor;
   }
 
@@ -169,6 +167,8 @@ FeStepper::FeStepper(const AffineModel& model, FeScheme scheme, const CholeskyFa
 FeStepper::~FeStepper() = default;
 FeStepper::FeStepper(FeStepper&&) noexcept = default;
 FeStepper& FeStepper::operator=(FeStepper&&) noexcept = default;
+
+void FeStepper::keep_factors(std::size_t most) { impl_->most_factors = std::max<std::size_t>(most, 1); }
 
 void FeStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
   impl_->temperatures_K = temperatures_K;

@@ -110,6 +110,22 @@ TEST(FeStepper, insulated_body_gains_exactly_the_heat) {
   EXPECT_NEAR(gained_J, 3000.0, 1e-8);
 }
 
+TEST(FeStepper, how_many_factors_it_keeps_changes_no_bit) {
+  const AffineModel model = two_lumps();
+  std::vector<Eigen::VectorXd> after_K;
+  for (const std::size_t kept : {16U, 2U, 1U, 0U}) {
+    FeStepper stepper(model, FeScheme::order_4);
+    stepper.keep_factors(kept);
+    stepper.set_uniform_temperature(290.0);
+    for (int round = 0; round < 3; ++round) {
+      stepper.advance(40.0, 10.0, values_of(5.0, 3.0, 30.0, 290.0));
+      stepper.advance(25.0, 10.0, values_of(50.0, 3.0, 0.0, 290.0));
+    }
+    after_K.push_back(stepper.temperatures_K());
+  }
+  for (const Eigen::VectorXd& temperatures_K : after_K) EXPECT_EQ(temperatures_K, after_K.front());
+}
+
 TEST(FeStepper, uniform_field_without_heat_stays) {
   const AffineModel model = two_lumps();
   FeStepper stepper(model);
