@@ -85,7 +85,7 @@ void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions
 }
 
 /// Lower triangle of XᵀX by tiles, in double, and nothing above but in the diagonal's tiles; every tile is one product,
-/// so the bits do not depend on the number of threads. The whole of it would be what takes most memory of a build.
+/// so the bits do not depend on the number of threads. To mirror it would take a second matrix of its size.
 template <typename Columns>
 Eigen::MatrixXd gram_matrix(const Columns& columns, int threads) {
   constexpr Eigen::Index tile = 256;

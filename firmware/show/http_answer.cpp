@@ -58,7 +58,7 @@ class MemoryStream final : public httplib::Stream {
   std::size_t at_ = 0;
 };
 
-/// Names of computers differ in their letters' case only for who reads them.
+/// A computer's name is the same in capital and in small letters (RFC 4343).
 std::string in_small_letters(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
   return name;
