@@ -173,13 +173,49 @@ function(spindle_twin_tests_in_one_process name)
   set_tests_properties(${name} PROPERTIES LABELS ${name} TIMEOUT 1800 FAIL_REGULAR_EXPRESSION "Running 0 tests")
 endfunction()
 
-# spindle_twin_tests(NAME FOLDER [IN_ONE_PROCESS] [LINK lib...] [TOGETHER suite...]): one GoogleTest program of all C++ files
-# below FOLDER; its ctest label is NAME. Every test is a process of its own, but the tests of a suite named TOGETHER share
-# one, and with it what the suite prepares. IN_ONE_PROCESS: all do, because the program starts slowly (with deal.II it
-# links some 200 libraries, 0.4 s).
+# spindle_twin_keep_tests(TARGET PATTERN): leaves those tests in a program of which a line, or a line of what they include
+# of ours, matches. For the programs of tests/run, where what is left out runs in another build.
+function(spindle_twin_keep_tests target pattern)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(NOT source MATCHES "_test\\.cpp$")
+      continue()
+    endif()
+    file(STRINGS ${source} matching REGEX "${pattern}" LIMIT_COUNT 1)
+    file(STRINGS ${source} includes REGEX "^#include \"(tests|firmware)/")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE "^#include \"(.*)\".*$" "${PROJECT_SOURCE_DIR}/\\1" header "${include}")
+      if(NOT matching AND EXISTS ${header})
+        file(STRINGS ${header} matching REGEX "${pattern}" LIMIT_COUNT 1)
+      endif()
+    endforeach()
+    if(NOT matching)
+      list(REMOVE_ITEM sources ${source})
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES SOURCES "${sources}")
+endfunction()
+
+# What begins a test of a suite that tests/long_tests names, for spindle_twin_keep_tests.
+function(spindle_twin_suites_of_long_tests pattern)
+  spindle_twin_long_tests(names)
+  string(REPLACE ":" ";" suites "${names}")
+  list(TRANSFORM suites REPLACE "^(.*/)?([A-Za-z0-9]+)\\..*$" "\\2")
+  list(REMOVE_DUPLICATES suites)
+  list(JOIN suites "|" suites)
+  set(${pattern} "^TEST(_F|_P)?\\((${suites})," PARENT_SCOPE)
+endfunction()
+
+# spindle_twin_tests(NAME FOLDER [IN_ONE_PROCESS] [EXCEPT subfolder...] [LINK lib...] [TOGETHER suite...]): one GoogleTest
+# program of all C++ files below FOLDER, but for subfolders that have their own; its ctest label is NAME. Every test is a
+# process of its own, but the tests of a suite named TOGETHER share one, and with it what the suite prepares.
+# IN_ONE_PROCESS: all do, because the program starts slowly (with deal.II it links some 200 libraries, 0.4 s).
 function(spindle_twin_tests name folder)
-  cmake_parse_arguments(TESTS "IN_ONE_PROCESS" "" "LINK;TOGETHER" ${ARGN})
+  cmake_parse_arguments(TESTS "IN_ONE_PROCESS" "" "LINK;TOGETHER;EXCEPT" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  foreach(subfolder IN LISTS TESTS_EXCEPT)
+    list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${subfolder}/")
+  endforeach()
   if(sources)
     add_executable(${name} ${sources})
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)

@@ -16,8 +16,8 @@ SCRATCH = ROOT / "build-mutation"
 SOURCE = SCRATCH / "source"  # as the tree was when the run began: later edits do not reach it
 TREE, BUILD = SCRATCH / "tree", SCRATCH / "build"  # with faults in it
 RESULTS = SCRATCH / "results"
-NOTICED_BY = {"rom": ["test_rom", "test_correction", "test_firmware", "test_replay"],
-              "correction": ["test_correction", "test_firmware", "test_replay"],
+OF_CORRECTION = ["test_correction", "test_calibrate", "test_plan_test", "test_firmware", "test_replay"]
+NOTICED_BY = {"rom": ["test_rom", *OF_CORRECTION], "correction": OF_CORRECTION,
               "firmware": ["test_firmware", "test_replay"]}
 # At last the whole daemon, where its own sources are at fault: tests of ctest, and the programs that they run.
 WHOLE_DAEMON = {"firmware": "^(daemon|compensation|service|device_fault|daemon_fault|http|stream|spindles|plant|history|deploy|tls|viewers|network_file)_system$"}
