@@ -25,7 +25,7 @@ Eigen::MatrixXd warm_up(const AffineModel& model) {
     drive.intervals.push_back({std::max(1.0, at_s), boundaries.operating, Eigen::VectorXd(), at_s});
     at_s += drive.intervals.back().duration_s;
   }
-  Eigen::MatrixXd outputs = run_fe_model(model, drive, longest_warm_up_interval_s).outputs;
+  Eigen::MatrixXd outputs = run_fe_model_by_steps(model, drive, longest_warm_up_interval_s).outputs;
   outputs.conservativeResize(Eigen::NoChange, outputs.cols() + 1);
   outputs.rightCols(1) = steady_outputs(model);
   return outputs;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
+#include "fem_offline/reduce/krylov_stepper.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/integrate/cvode_stepper.hpp"
@@ -11,27 +13,16 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// FE steps of a case: the first one behind a jump, and none longer than the last.
-struct FeSteps {
-  double first_s = 0.5;
-  double last_s = 32.0;
-};
-
-/// For an error in time well below that of the network (README.md has the command that shows it). A small model takes
-/// steps a quarter as long, which cost it less than the network's own integration: one whose coolant may stand rises by
-/// hundreds of kelvin, and then the usual ones leave half of a tolerance.
-FeSteps fe_steps(Eigen::Index unknowns, double longest_s) {
-  constexpr Eigen::Index small_model = 3000;
-  const double share = unknowns < small_model ? 0.25 : 1.0;
-  const FeSteps usual;
-  return {share * usual.first_s, std::min(share * usual.last_s, longest_s)};
-}
+/// Of the FE solution between the whole and a smaller space in time, below a hundredth of what part maxima may err by.
+constexpr double tolerance_in_time_K = 5e-4;
+/// The first FE step behind a jump, where steps are asked for.
+constexpr double first_fe_step_s = 0.5;
 
 /// Short behind a jump, where the balls and the air follow within seconds; by powers of four, as FeStepper's.
-double fe_step_for_s(const HeldInterval& interval, const FeSteps& steps) {
-  double step_s = steps.first_s;
+double fe_step_for_s(const HeldInterval& interval, double longest_s) {
+  double step_s = first_fe_step_s;
   while (4.0 * step_s <= interval.since_jump_s) step_s *= 4.0;
-  return std::min(step_s, steps.last_s);
+  return std::min(step_s, longest_s);
 }
 
 /// Inputs of every interval in turn.
@@ -91,16 +82,37 @@ Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs) {
   return column;
 }
 
-FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s, const CholeskyFactor* analysed) {
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed) {
+  KrylovStepper stepper(model, analysed, tolerance_in_time_K);
+  stepper.set_temperatures(Eigen::VectorXd::Constant(model.capacity_J_per_K.rows(), drive.initial_temperature_K));
+  Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
+  std::vector<StretchPart> stretch;
+  Eigen::Index first = 0;
+  const auto run = [&] {
+    stepper.advance(stretch, [&](std::size_t part, const Eigen::VectorXd& temperatures_K) {
+      outputs.col(first + static_cast<Eigen::Index>(part)) = fe_outputs(model, temperatures_K);
+    });
+    first += static_cast<Eigen::Index>(stretch.size());
+    stretch.clear();
+  };
+  follow(model.boundaries, drive, [&](Eigen::Index, const HeldInterval& interval, const rom::BoundaryValues& values) {
+    if (!stretch.empty() && !of_one_stretch(stretch.front().values, values)) run();
+    stretch.push_back({interval.duration_s, values});
+  });
+  if (!stretch.empty()) run();
+  return {std::move(drive), std::move(outputs)};
+}
+
+FeTrajectory run_fe_model_by_steps(const AffineModel& model, DriveCase drive, double fe_step_s,
+                                   const CholeskyFactor* analysed) {
   FeStepper stepper(model, FeScheme::order_4, analysed);
   // Behind a jump steps only grow, and no state comes back.
   constexpr std::size_t latest_factors = 2;
   stepper.keep_factors(latest_factors);
   stepper.set_uniform_temperature(drive.initial_temperature_K);
   Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
-  const FeSteps steps = fe_steps(model.capacity_J_per_K.rows(), fe_step_s);
   follow(model.boundaries, drive, [&](Eigen::Index i, const HeldInterval& interval, const rom::BoundaryValues& values) {
-    stepper.advance(interval.duration_s, fe_step_for_s(interval, steps), values);
+    stepper.advance(interval.duration_s, fe_step_for_s(interval, fe_step_s), values);
     outputs.col(i) = fe_outputs(model, stepper.temperatures_K());
   });
   return {std::move(drive), std::move(outputs)};

@@ -42,10 +42,13 @@ struct FeTrajectory {
   Eigen::MatrixXd outputs;  ///< one column per interval
 };
 
-/// `fe_step_s`: longest time step; after a jump they are shorter anyway, and in a model of fewer than 3000 unknowns a
-/// quarter as long, at most 8 s. `analysed`: as FeStepper has it, several threads may share it.
-FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, double fe_step_s,
-                          const CholeskyFactor* analysed = nullptr);
+/// exact in time to 5e-4 K anywhere in the field (KrylovStepper). `analysed`: of a matrix of this model, whose analysis
+/// serves here; several threads may share it.
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed);
+/// The same by steps in time of order 4, no longer than `fe_step_s`; after a jump they are shorter, from 0.5 s on.
+/// `analysed`: as FeStepper has it, several threads may share it.
+FeTrajectory run_fe_model_by_steps(const AffineModel& model, DriveCase drive, double fe_step_s,
+                                   const CholeskyFactor* analysed = nullptr);
 
 /// Largest |network − FE model| of every output over the run; the network runs with the runtime's own integrator. Its
 /// maxima are over its candidate points. std::runtime_error if the integrator fails.

@@ -15,7 +15,7 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 void check_options(const VerifyOptions& options) {
-  if (options.cases < 1 || options.threads < 1 || !(options.fe_step_s > 0.0)) {
+  if (options.cases < 1 || options.threads < 1 || !(options.fe_step_s.value_or(1.0) > 0.0)) {
     throw std::invalid_argument("cases and threads must be at least 1, fe_step_s above 0");
   }
 }
@@ -34,9 +34,9 @@ void check_same_model(const rom::Network& network, const AffineModel& model) {
 
 FeTrajectory run_fe_case(const AffineModel& model, const CholeskyFactor& analysed, const VerifyOptions& options,
                          int index) {
-  return run_fe_model(model,
-                      random_case(model.boundaries, options.seed, static_cast<std::uint32_t>(index), options.drive),
-                      options.fe_step_s, &analysed);
+  DriveCase drive = random_case(model.boundaries, options.seed, static_cast<std::uint32_t>(index), options.drive);
+  return options.fe_step_s ? run_fe_model_by_steps(model, std::move(drive), *options.fe_step_s, &analysed)
+                           : run_fe_model(model, std::move(drive), analysed);
 }
 
 double largest_error(const Eigen::VectorXd& values) { return values.size() > 0 ? values.maxCoeff() : 0.0; }

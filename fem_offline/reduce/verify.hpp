@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "fem_offline/model/affine_model.hpp"
@@ -15,9 +16,9 @@ struct VerifyOptions {
   std::uint32_t cases = 20;
   std::uint64_t seed = 1;
   int threads = 2;
-  /// Longest time step of the FE solution, of order 4; after a jump its steps are shorter anyway. README.md names the
-  /// command that shows what it contributes.
-  double fe_step_s = 32.0;
+  /// None: the FE solution is exact in time (run_fe_model). Else its longest step: README.md names the command that
+  /// compares the two.
+  std::optional<double> fe_step_s = {};
   CaseOptions drive;
 };
 

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "fem_offline/reduce/analysed_system.hpp"
 #include "fem_offline/reduce/dense_model.hpp"
 #include "fem_offline/reduce/drive_case.hpp"
+#include "fem_offline/reduce/krylov_stepper.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/reduce/trajectory.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
@@ -29,9 +31,10 @@ constexpr double uniform_start_share = 0.25;
 constexpr double rest_share = 0.15;
 constexpr double standing_share = 1.0 / 6.0;
 constexpr double backward_share = 1.0 / 6.0;
-/// Steps in time of the FE model behind the jump, as a share of the time since.
-constexpr double coarse_share = 0.5, fine_share = 0.125;
+/// Outputs are compared so long after the jump, and at each doubling of that time.
 constexpr double first_s = 0.5;
+/// Of the FE solution in time: what is looked for is many times as large.
+constexpr double tolerance_in_time_K = 5e-4;
 
 /// Coordinates of a jump, each 0 to 1: factors, how far every ambient has drifted in both states, start, then of both
 /// states speed, load, surroundings, flows.
@@ -104,10 +107,11 @@ class JumpComparison {
         model_(model),
         dense_(dense_model_of(network)),
         segments_(rom::coolant_segments(network.boundaries)),
-        operator_(std::make_shared<const rom::NetworkOperator>(network)) {}
+        operator_(std::make_shared<const rom::NetworkOperator>(network)),
+        matrices_(model) {}
 
   /// Largest |network - FE model| of every output at the start and behind the jump, SI.
-  Eigen::VectorXd errors(const JumpCase& jump, double share_of_time_since_jump) const {
+  Eigen::VectorXd errors(const JumpCase& jump) const {
     const rom::Boundaries& boundaries = network_.boundaries;
     rom::BoundaryValues values = rom::make_boundary_values(boundaries);
     const auto hold = [&](const rom::OperatingState& state) {
@@ -115,27 +119,27 @@ class JumpComparison {
       values.laws.follow = false;  // as in trajectory.cpp: the basis is what is judged
     };
     hold(jump.before);
-    FeStepper fe(model_, FeScheme::order_4);
+    KrylovStepper fe(model_, matrices_.analysed, tolerance_in_time_K);
     rom::CvodeStepper stepper(operator_);
     if (jump.uniform_start_K) {
-      fe.set_uniform_temperature(*jump.uniform_start_K);
+      fe.set_temperatures(Eigen::VectorXd::Constant(model_.capacity_J_per_K.rows(), *jump.uniform_start_K));
       stepper.set_temperatures(Eigen::VectorXd::Constant(dense_.capacity.rows(), *jump.uniform_start_K));
     } else {
       fe.set_temperatures(solve_steady(model_, values));
       stepper.set_temperatures(steady_K(values));
     }
     rom::NetworkOutputs now = rom::make_network_outputs(network_);
-    Eigen::VectorXd worst = difference(stepper, fe, now);
+    Eigen::VectorXd worst = difference(stepper, fe.temperatures_K(), now);
     hold(jump.after);
-    for (double at_s = 0.0; at_s < worst_search_s;) {
-      const double next_s = std::max(first_s, 2.0 * at_s);
-      fe.advance(next_s - at_s, share_of_time_since_jump * std::max(at_s, first_s), values);
-      if (stepper.advance(next_s - at_s, values) != rom::StepStatus::ok) {
+    std::vector<StretchPart> parts = {{first_s, values}};
+    double at_s = first_s;
+    while (at_s < worst_search_s) parts.push_back({std::exchange(at_s, 2.0 * at_s), values});
+    fe.advance(parts, [&](std::size_t part, const Eigen::VectorXd& temperatures_K) {
+      if (stepper.advance(parts[part].duration_s, values) != rom::StepStatus::ok) {
         throw std::runtime_error("the network's integrator failed");
       }
-      worst = worst.cwiseMax(difference(stepper, fe, now));
-      at_s = next_s;
-    }
+      worst = worst.cwiseMax(difference(stepper, temperatures_K, now));
+    });
     return worst;
   }
 
@@ -146,9 +150,10 @@ class JumpComparison {
     return ShiftedModel(dense_, held, 0.0).solve(held.drive);
   }
 
-  Eigen::VectorXd difference(const rom::CvodeStepper& stepper, const FeStepper& fe, rom::NetworkOutputs& now) const {
+  Eigen::VectorXd difference(const rom::CvodeStepper& stepper, const Eigen::VectorXd& fe_K,
+                             rom::NetworkOutputs& now) const {
     rom::evaluate_outputs(network_, stepper.temperatures_K(), now);
-    return (network_outputs(now) - fe_outputs(model_, fe.temperatures_K())).cwiseAbs();
+    return (network_outputs(now) - fe_outputs(model_, fe_K)).cwiseAbs();
   }
 
   const rom::Network& network_;
@@ -156,6 +161,7 @@ class JumpComparison {
   DenseModel dense_;
   rom::CoolantSegments segments_;
   std::shared_ptr<const rom::NetworkOperator> operator_;
+  AnalysedSystem matrices_;
 };
 
 /// An error of one kind and the row of the output that has it.
@@ -235,7 +241,7 @@ WorstFound search_worst(const rom::Network& network, const AffineModel& model, c
       tried.place = generation < drawn_generations
                         ? drawn(options, space.size(), index)
                         : changed(options, worst[static_cast<std::size_t>(child % kinds)].place, index);
-      tried.largest = largest_of_kinds(comparison.errors(space.at(tried.place), coarse_share), layout);
+      tried.largest = largest_of_kinds(comparison.errors(space.at(tried.place)), layout);
     });
     for (const Tried& tried : children) keep_worse(tried, worst);
     if (progress) progress("search for the worst", static_cast<double>(generation + 1) / generations);
@@ -244,18 +250,17 @@ WorstFound search_worst(const rom::Network& network, const AffineModel& model, c
   WorstFound found;
   found.cases = generations * children_per_generation;
   const std::array<WorstFound::Kind*, kinds> results = {&found.key_points, &found.nose, &found.part_maxima};
-  for_each_index(kinds, options.threads, [&](int index, int) {
-    const auto kind = static_cast<std::size_t>(index);
+  for (std::size_t kind = 0; kind < kinds; ++kind) {
+    if (worst[kind].place.size() == 0) continue;  // there is no output of this kind
     WorstFound::Kind& result = *results[kind];
-    if (worst[kind].place.size() == 0) return;  // there is no output of this kind
     result.jump = space.at(worst[kind].place);
-    const LargestOfKind largest = largest_of_kinds(comparison.errors(result.jump, fine_share), layout)[kind];
+    const LargestOfKind& largest = worst[kind].largest[kind];
     result.error = largest.error * (kind == 1 ? rom::um_per_m : 1.0);
     const auto row = static_cast<std::size_t>(largest.row);
     result.output = kind == 0   ? network.key_points[row].name
                     : kind == 1 ? network.deformations[row].name
                                 : network.parts[row].name;
-  });
+  }
   return found;
 }
 

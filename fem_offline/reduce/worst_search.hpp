@@ -43,9 +43,8 @@ struct WorstFound {
 /// Looks for the jumps of the box (factors, speeds, loads, starts, surroundings as far from the operating state as
 /// drive cycles take them, flows) behind which `network` errs most against `model`, which it was built from. A quarter
 /// of the jumps are drawn, half of those at corners; the others change a few coordinates of the worst so far, of each
-/// kind of error in turn, and are kept where they are worse. The last is tried again with fine steps in time. A
-/// function of seed and options but for `threads`. std::invalid_argument for options out of range, std::runtime_error
-/// where an integrator fails.
+/// kind of error in turn, and are kept where they are worse. A function of seed and options but for `threads`.
+/// std::invalid_argument for options out of range, std::runtime_error where an integrator fails.
 WorstFound search_worst(const rom::Network& network, const AffineModel& model, const WorstSearchOptions& options,
                         const Progress& progress = {});
 

@@ -1,0 +1,282 @@
+#include "fem_offline/reduce/krylov_stepper.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "fem_offline/reduce/dense_blas.hpp"
+#include "fem_offline/solve/coolant_coupling.hpp"
+#include "fem_offline/solve/fe_solver.hpp"
+#include "fem_offline/solve/thermal_system.hpp"
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+/// (C + pole A)⁻¹ C: from the seconds in which balls and air follow a jump to the minutes of the housing.
+constexpr std::array poles_s = {0.5, 8.0, 128.0};
+constexpr int first_judged_round = 4;  ///< none has been enough before
+constexpr int most_rounds = 16;        ///< then steps in time are the surer way; 6 to 9 are usual
+constexpr double in_span = 1e-10;      ///< what is left of a vector that the space had already
+
+/// Loads of a stretch: that of its first part, and how those of the others differ from it.
+struct StretchLoads {
+  Eigen::MatrixXd columns_W;  ///< first less what leaves at the start; then directions of surroundings that move
+  Eigen::MatrixXd shares;     ///< of each part (column) in these
+};
+
+/// Directions in which surroundings move along a stretch: orthonormal columns. [1]
+Eigen::MatrixXd directions_of(std::span<const StretchPart> parts) {
+  const Eigen::VectorXd& first = parts.front().values.environment_K;
+  Eigen::MatrixXd found(first.size(), 0);
+  for (const StretchPart& part : parts) {
+    Eigen::VectorXd moved = part.values.environment_K - first;
+    const double size = moved.norm();
+    moved -= found * (found.transpose() * moved);
+    if (!(moved.norm() > in_span * std::max(size, 1.0))) continue;
+    found.conservativeResize(Eigen::NoChange, found.cols() + 1);
+    found.rightCols(1) = moved.normalized();
+  }
+  return found;
+}
+
+/// A = S diag(rates) S⁻¹.
+struct DecayModes {
+  Eigen::VectorXcd rates_per_s;
+  Eigen::MatrixXcd shapes;
+  bool symmetric;  ///< then S⁻¹ = Sᵀ
+
+  Eigen::MatrixXcd to_modes(const Eigen::MatrixXd& columns) const {
+    if (symmetric) return shapes.transpose() * columns;
+    return shapes.partialPivLu().solve(columns.cast<std::complex<double>>());
+  }
+};
+
+DecayModes decay_modes_of(const Eigen::MatrixXd& matrix, bool symmetric) {
+  if (symmetric) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+    return {solver.eigenvalues().cast<std::complex<double>>(), solver.eigenvectors().cast<std::complex<double>>(),
+            true};
+  }
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors(), false};
+}
+
+/// (eˣ − 1) / x
+std::complex<double> mean_of_exponential(std::complex<double> x) {
+  constexpr double small = 1e-6;
+  return std::abs(x) < small ? 1.0 + 0.5 * x : (std::exp(x) - 1.0) / x;
+}
+
+}  // namespace
+
+bool of_one_stretch(const rom::BoundaryValues& one, const rom::BoundaryValues& other) {
+  return one.conductance_W_per_m2K == other.conductance_W_per_m2K && one.heat_W == other.heat_W &&
+         one.coolant_W_per_K == other.coolant_W_per_K;
+}
+
+struct KrylovStepper::Impl {
+  Impl(const AffineModel& of, const CholeskyFactor& shared, double tolerance)
+      : model(of), analysed(shared), tolerance_K(tolerance), system(of), coupling(of) {}
+
+  const AffineModel& model;
+  const CholeskyFactor& analysed;
+  double tolerance_K;
+  ThermalSystem system;
+  CoolantCoupling coupling;
+  Eigen::VectorXd temperatures_K;
+  Eigen::MatrixXd space, stored, conducted;  ///< V with Vᵀ C V = 1, C V and A V
+  Eigen::MatrixXd projected;                 ///< Vᵀ A V
+
+  Eigen::VectorXd load_W(const rom::BoundaryValues& values) {
+    coupling.hold(values);
+    Eigen::VectorXd load = system.load_W(values, 0.0);
+    coupling.add_load(0.0, load);
+    return load;
+  }
+
+  Eigen::MatrixXd conduct(const Eigen::MatrixXd& fields) const {
+    Eigen::MatrixXd heat_W = system.conduction_lower().selfadjointView<Eigen::Lower>() * fields;
+    if (coupling.empty()) return heat_W;
+    for (Eigen::Index i = 0; i < fields.cols(); ++i) {
+      Eigen::VectorXd carried_W = Eigen::VectorXd::Zero(fields.rows());
+      coupling.add_heat(fields.col(i), carried_W);
+      heat_W.col(i) -= carried_W;
+    }
+    return heat_W;
+  }
+
+  Eigen::MatrixXd store(const Eigen::MatrixXd& fields) const {
+    return system.capacity_lower().selfadjointView<Eigen::Lower>() * fields;
+  }
+
+  StretchLoads loads_of(std::span<const StretchPart> parts) {
+    const Eigen::MatrixXd directions = directions_of(parts);
+    StretchLoads loads;
+    rom::BoundaryValues values = parts.front().values;
+    const Eigen::VectorXd first_W = load_W(values);
+    loads.columns_W.resize(first_W.size(), 1 + directions.cols());
+    for (Eigen::Index i = 0; i < directions.cols(); ++i) {
+      values.environment_K = parts.front().values.environment_K + directions.col(i);
+      loads.columns_W.col(1 + i) = load_W(values) - first_W;
+    }
+    coupling.hold(parts.front().values);
+    loads.columns_W.col(0) = first_W - conduct(temperatures_K);
+    loads.shares.resize(1 + directions.cols(), static_cast<Eigen::Index>(parts.size()));
+    loads.shares.row(0).setOnes();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      loads.shares.col(static_cast<Eigen::Index>(i)).tail(directions.cols()) =
+          directions.transpose() * (parts[i].values.environment_K - parts.front().values.environment_K);
+    }
+    return loads;
+  }
+
+  /// Solutions with every pole in turn, each of C times what the one before gave; `right`: for the first pole. The last
+  /// ones stand in the last columns.
+  Eigen::MatrixXd next_block(std::vector<CoupledFactor>& factors, Eigen::MatrixXd right) const {
+    const Eigen::Index count = right.cols();
+    Eigen::MatrixXd block(right.rows(), static_cast<Eigen::Index>(factors.size()) * count);
+    Eigen::VectorXd found;
+    for (std::size_t pole = 0; pole < factors.size(); ++pole) {
+      const Eigen::Index first = static_cast<Eigen::Index>(pole) * count;
+      if (pole > 0) right = store(block.middleCols(first - count, count));
+      for (Eigen::Index i = 0; i < count; ++i) {
+        factors[pole].solve(right.col(i), coupling, found);
+        block.col(first + i) = found;
+      }
+    }
+    return block;
+  }
+
+  /// C-orthonormal against the space and each other (Gram-Schmidt, twice), C times the block with it; columns that are
+  /// in the span become zero.
+  void orthonormalise(Eigen::MatrixXd& block, Eigen::MatrixXd& stored_block) const {
+    for (Eigen::Index j = 0; j < block.cols(); ++j) {
+      const double norm = std::sqrt(block.col(j).dot(stored_block.col(j)));
+      if (norm > 0.0) block.col(j) /= norm, stored_block.col(j) /= norm;
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+      if (space.cols() > 0) {
+        const Eigen::MatrixXd shares = transposed_product(space, stored_block);
+        block -= product(space, shares);
+        stored_block -= product(stored, shares);
+      }
+      for (Eigen::Index j = 0; j < block.cols(); ++j) {
+        for (Eigen::Index i = 0; i < j; ++i) {
+          const double share = block.col(i).dot(stored_block.col(j));
+          block.col(j) -= share * block.col(i);
+          stored_block.col(j) -= share * stored_block.col(i);
+        }
+        const double left = std::sqrt(std::max(block.col(j).dot(stored_block.col(j)), 0.0));
+        const double scale = left > in_span ? 1.0 / left : 0.0;
+        block.col(j) *= scale, stored_block.col(j) *= scale;
+      }
+    }
+  }
+
+  void enlarge(const Eigen::MatrixXd& block, const Eigen::MatrixXd& stored_block) {
+    const Eigen::Index before = space.cols(), more = block.cols();
+    for (Eigen::MatrixXd* columns : {&space, &stored, &conducted}) {
+      columns->conservativeResize(block.rows(), before + more);
+    }
+    space.rightCols(more) = block;
+    stored.rightCols(more) = stored_block;
+    conducted.rightCols(more) = conduct(block);
+    projected.conservativeResize(before + more, before + more);
+    projected.rightCols(more) = transposed_product(space, conducted.rightCols(more));
+    if (coupling.empty()) {
+      projected.bottomLeftCorner(more, before) = projected.topRightCorner(before, more).transpose();
+    } else {
+      projected.bottomLeftCorner(more, before) = transposed_product(block, conducted.leftCols(before));
+    }
+  }
+
+  std::vector<CoupledFactor> factors() const {
+    std::vector<CoupledFactor> made;
+    for (const double pole_s : poles_s) {
+      made.emplace_back(CholeskyFactor(analysed, system.combined_lower(pole_s)), coupling, pole_s);
+    }
+    return made;
+  }
+
+  /// The solution in the space at the end of every part, exact in time: by the modes of the projected matrix.
+  Eigen::MatrixXd solution(std::span<const StretchPart> parts, const StretchLoads& loads) const {
+    const DecayModes modes = decay_modes_of(projected, coupling.empty());
+    const Eigen::MatrixXcd driven = modes.to_modes(transposed_product(space, loads.columns_W) * loads.shares);
+    Eigen::MatrixXcd amplitudes(driven.rows(), driven.cols());
+    Eigen::VectorXcd amplitude = Eigen::VectorXcd::Zero(driven.rows());
+    for (Eigen::Index i = 0; i < driven.cols(); ++i) {
+      const double duration_s = parts[static_cast<std::size_t>(i)].duration_s;
+      for (Eigen::Index k = 0; k < driven.rows(); ++k) {
+        const std::complex<double> decay = -duration_s * modes.rates_per_s[k];
+        amplitude[k] = std::exp(decay) * amplitude[k] + duration_s * mean_of_exponential(decay) * driven(k, i);
+      }
+      amplitudes.col(i) = amplitude;
+    }
+    return (modes.shapes * amplitudes).real();
+  }
+
+  /// Largest difference that the last columns of the space have made, at the ends of some parts. [K]
+  double change_K(const Eigen::MatrixXd& before, const Eigen::MatrixXd& now) const {
+    const Eigen::Index last = now.cols() - 1;
+    Eigen::MatrixXd changes(now.rows(), 4);
+    Eigen::Index column = 0;
+    for (const Eigen::Index part : {Eigen::Index{0}, std::min<Eigen::Index>(2, last), last / 2, last}) {
+      changes.col(column) = now.col(part);
+      changes.col(column++).head(before.rows()) -= before.col(part);
+    }
+    return product(space, changes).cwiseAbs().maxCoeff();
+  }
+
+  /// The change of every unknown's temperature until the end of every part; nothing where the space has grown too
+  /// large.
+  std::optional<Eigen::MatrixXd> changes_K(std::span<const StretchPart> parts) {
+    system.set_conductances(parts.front().values.conductance_W_per_m2K);
+    const StretchLoads loads = loads_of(parts);
+    space.resize(temperatures_K.size(), 0), stored = conducted = space, projected.resize(0, 0);
+    std::vector<CoupledFactor> of_poles = factors();
+    Eigen::MatrixXd right = loads.columns_W, before;
+    for (int round = 1; round <= most_rounds; ++round) {
+      Eigen::MatrixXd block = next_block(of_poles, right), stored_block = store(block);
+      orthonormalise(block, stored_block);
+      enlarge(block, stored_block);
+      right = stored_block.rightCols(right.cols()).eval();
+      if (round < first_judged_round - 1) continue;
+      const Eigen::MatrixXd now = solution(parts, loads);
+      if (round >= first_judged_round && change_K(before, now) <= tolerance_K) return product(space, now);
+      before = now;
+    }
+    return {};
+  }
+};
+
+KrylovStepper::KrylovStepper(const AffineModel& model, const CholeskyFactor& analysed, double tolerance_K)
+    : impl_(std::make_unique<Impl>(model, analysed, tolerance_K)) {}
+KrylovStepper::~KrylovStepper() = default;
+
+void KrylovStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) { impl_->temperatures_K = temperatures_K; }
+const Eigen::VectorXd& KrylovStepper::temperatures_K() const { return impl_->temperatures_K; }
+
+void KrylovStepper::advance(std::span<const StretchPart> parts,
+                            const std::function<void(std::size_t, const Eigen::VectorXd&)>& visit) {
+  const Eigen::VectorXd start_K = impl_->temperatures_K;
+  if (const std::optional<Eigen::MatrixXd> changes_K = impl_->changes_K(parts)) {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      impl_->temperatures_K = start_K + changes_K->col(static_cast<Eigen::Index>(i));
+      visit(i, impl_->temperatures_K);
+    }
+    return;
+  }
+  FeStepper stepper(impl_->model, FeScheme::order_4, &impl_->analysed);
+  stepper.set_temperatures(start_K);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    stepper.advance_within(parts[i].duration_s, impl_->tolerance_K, parts[i].values);
+    impl_->temperatures_K = stepper.temperatures_K();
+    visit(i, impl_->temperatures_K);
+  }
+}
+
+}  // namespace spindle_twin::fem_offline
