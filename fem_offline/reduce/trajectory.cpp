@@ -15,8 +15,14 @@ namespace {
 
 /// Of the FE solution between the whole and a smaller space in time, below a hundredth of what part maxima may err by.
 constexpr double tolerance_in_time_K = 5e-4;
-/// The first FE step behind a jump, where steps are asked for.
-constexpr double first_fe_step_s = 0.5;
+/// Three factors of a stretch pay from so many parts on: where a film follows a surrounding that drifts, or contacts
+/// and films drift themselves, every part is a stretch of its own. A small model, whose network costs more, affords
+/// them.
+constexpr std::size_t least_projected_parts = 4;
+constexpr Eigen::Index small_model = 3000;
+/// FE steps elsewhere: the first behind a jump, and the longest.
+constexpr double first_fe_step_s = 0.5, usual_fe_step_s = 32.0;
+constexpr std::size_t latest_factors = 2;  // behind a jump steps only grow, and no state comes back
 
 /// Short behind a jump, where the balls and the air follow within seconds; by powers of four, as FeStepper's.
 double fe_step_for_s(const HeldInterval& interval, double longest_s) {
@@ -83,16 +89,30 @@ Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs) {
 }
 
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed) {
-  KrylovStepper stepper(model, analysed, tolerance_in_time_K);
-  stepper.set_temperatures(Eigen::VectorXd::Constant(model.capacity_J_per_K.rows(), drive.initial_temperature_K));
+  KrylovStepper by_projection(model, analysed, tolerance_in_time_K);
+  FeStepper by_steps(model, FeScheme::order_4, &analysed);
+  by_steps.keep_factors(latest_factors);
+  by_steps.set_uniform_temperature(drive.initial_temperature_K);
+  bool of_steps = true;  // who has the field
   Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));
   std::vector<StretchPart> stretch;
-  Eigen::Index first = 0;
+  Eigen::Index next = 0;
   const auto run = [&] {
-    stepper.advance(stretch, [&](std::size_t part, const Eigen::VectorXd& temperatures_K) {
-      outputs.col(first + static_cast<Eigen::Index>(part)) = fe_outputs(model, temperatures_K);
-    });
-    first += static_cast<Eigen::Index>(stretch.size());
+    const bool projects = stretch.size() >= least_projected_parts || model.capacity_J_per_K.rows() < small_model;
+    if (projects && of_steps) by_projection.set_temperatures(by_steps.temperatures_K());
+    if (!projects && !of_steps) by_steps.set_temperatures(by_projection.temperatures_K());
+    of_steps = !projects;
+    if (projects) {
+      by_projection.advance(stretch, [&](std::size_t, const Eigen::VectorXd& temperatures_K) {
+        outputs.col(next++) = fe_outputs(model, temperatures_K);
+      });
+    } else {
+      for (const StretchPart& part : stretch) {
+        const HeldInterval& interval = drive.intervals[static_cast<std::size_t>(next)];
+        by_steps.advance(part.duration_s, fe_step_for_s(interval, usual_fe_step_s), part.values);
+        outputs.col(next++) = fe_outputs(model, by_steps.temperatures_K());
+      }
+    }
     stretch.clear();
   };
   follow(model.boundaries, drive, [&](Eigen::Index, const HeldInterval& interval, const rom::BoundaryValues& values) {
@@ -106,8 +126,6 @@ FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const Chole
 FeTrajectory run_fe_model_by_steps(const AffineModel& model, DriveCase drive, double fe_step_s,
                                    const CholeskyFactor* analysed) {
   FeStepper stepper(model, FeScheme::order_4, analysed);
-  // Behind a jump steps only grow, and no state comes back.
-  constexpr std::size_t latest_factors = 2;
   stepper.keep_factors(latest_factors);
   stepper.set_uniform_temperature(drive.initial_temperature_K);
   Eigen::MatrixXd outputs(output_layout(model).total(), static_cast<Eigen::Index>(drive.intervals.size()));

@@ -42,8 +42,9 @@ struct FeTrajectory {
   Eigen::MatrixXd outputs;  ///< one column per interval
 };
 
-/// exact in time to 5e-4 K anywhere in the field (KrylovStepper). `analysed`: of a matrix of this model, whose analysis
-/// serves here; several threads may share it.
+/// Exact in time to 5e-4 K anywhere in the field (KrylovStepper), where conductances, heats and flows are held over
+/// four intervals at least and in models of fewer than 3000 unknowns; elsewhere by steps as below, of 32 s at most.
+/// `analysed`: of a matrix of this model, whose analysis serves here; several threads may share it.
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed);
 /// The same by steps in time of order 4, no longer than `fe_step_s`; after a jump they are shorter, from 0.5 s on.
 /// `analysed`: as FeStepper has it, several threads may share it.

@@ -168,20 +168,41 @@ TEST(KrylovStepper, what_changes_conductances_heats_or_flows_ends_a_stretch_and_
   EXPECT_FALSE(of_one_stretch(first, flowing(5.0, 30.0, 300.0, 101.0)));
 }
 
-TEST(FeTrajectory, of_a_drive_cycle_is_that_of_short_steps) {
-  const AffineModel model = make_grid_model();
+/// Largest difference in any temperature from steps of 0.1 s, in the first intervals of a random case. [K]
+double difference_from_short_steps_K(const AffineModel& model, bool drift, std::size_t intervals) {
   const AnalysedSystem matrices(model);
-  for (const bool drift : {false, true}) {
-    CaseOptions options;
-    options.drift = drift;
-    DriveCase drive = random_case(model.boundaries, 20261127, 5, options);
-    drive.intervals.resize(std::min<std::size_t>(drive.intervals.size(), 20));
-    const Eigen::MatrixXd exact = run_fe_model(model, drive, matrices.analysed).outputs;
-    const Eigen::MatrixXd steps = run_fe_model_by_steps(model, drive, 0.1, &matrices.analysed).outputs;
-    const Eigen::Index temperatures = output_layout(model).deformations_at();
-    EXPECT_LT((exact - steps).topRows(temperatures).cwiseAbs().maxCoeff(), 1e-3) << (drift ? "drift" : "no drift");
-    ASSERT_EQ(exact.cols(), static_cast<Eigen::Index>(drive.intervals.size()));
+  CaseOptions options;
+  options.drift = drift;
+  DriveCase drive = random_case(model.boundaries, 20261127, 5, options);
+  drive.intervals.resize(std::min(drive.intervals.size(), intervals));
+  const Eigen::MatrixXd exact = run_fe_model(model, drive, matrices.analysed).outputs;
+  const Eigen::MatrixXd steps = run_fe_model_by_steps(model, drive, 0.1, &matrices.analysed).outputs;
+  return (exact - steps).topRows(output_layout(model).deformations_at()).cwiseAbs().maxCoeff();
+}
+
+TEST(FeTrajectory, of_a_drive_cycle_is_that_of_short_steps) {
+  EXPECT_LT(difference_from_short_steps_K(make_grid_model(), false, 20), 1e-3);
+  EXPECT_LT(difference_from_short_steps_K(make_grid_model(), true, 12), 1e-3);
+}
+
+TEST(FeTrajectory, goes_from_steps_to_projection_and_back_where_a_large_model_begins_to_drift) {
+  const FeModel fe = build_fe_model(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/reference.toml");
+  const AffineModel& model = fe.affine();
+  ASSERT_GE(model.capacity_J_per_K.rows(), 3000);
+  const AnalysedSystem matrices(model);
+  DriveCase drive = random_case(model.boundaries, 20261127, 7, {});
+  drive.intervals.resize(16);
+  // The first seven intervals, and those from the twelfth on, each with films of their own.
+  for (std::size_t i = 0; i < drive.intervals.size(); ++i) {
+    if (i >= 7 && i < 12) continue;
+    drive.intervals[i].conductance_factors = (1.0 + 1e-3 * static_cast<double>(i)) * drive.factors.conductance;
   }
+  const Eigen::MatrixXd found = run_fe_model(model, drive, matrices.analysed).outputs;
+  const Eigen::MatrixXd steps = run_fe_model_by_steps(model, drive, 1.0, &matrices.analysed).outputs;
+  const Eigen::Index temperatures = output_layout(model).deformations_at();
+  EXPECT_LT((found - steps).topRows(temperatures).cwiseAbs().maxCoeff(), 5e-3);
+  const Eigen::VectorXd change = (found.rightCols(1) - found.leftCols(1)).cwiseAbs();
+  EXPECT_GT(change.head(temperatures).maxCoeff(), 0.5) << "nothing happens in this case";
 }
 
 }  // namespace reduce_krylov_stepper_test
