@@ -162,7 +162,7 @@ void add_verify(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--fe-step", arguments->options.fe_step_s,
-                   "FE solution by steps in time, the longest in s; without it by projection, exact to 0.5 mK")
+                   "FE solution by steps in time, the longest in s; without it by projection where that pays")
       ->check(finite_range(0.01, 128.0, "0.01 to 128 s"));
   command->add_flag("--drift", arguments->options.drive.drift,
                     "contacts and films move during the run, by up to a factor of two in ten minutes");
