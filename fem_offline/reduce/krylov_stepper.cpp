@@ -196,6 +196,7 @@ struct KrylovStepper::Impl {
 
   std::vector<CoupledFactor> factors() const {
     std::vector<CoupledFactor> made;
+    made.reserve(poles_s.size());
     for (const double pole_s : poles_s) {
       made.emplace_back(CholeskyFactor(analysed, system.combined_lower(pole_s)), coupling, pole_s);
     }
