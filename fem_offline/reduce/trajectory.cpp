@@ -13,8 +13,6 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// Of the FE solution between the whole and a smaller space in time, below a hundredth of what part maxima may err by.
-constexpr double tolerance_in_time_K = 5e-4;
 /// Three factors of a stretch pay from so many parts on: where a film follows a surrounding that drifts, or contacts
 /// and films drift themselves, every part is a stretch of its own. A small model, whose network costs more, affords
 /// them.

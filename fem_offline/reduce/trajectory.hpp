@@ -42,7 +42,7 @@ struct FeTrajectory {
   Eigen::MatrixXd outputs;  ///< one column per interval
 };
 
-/// Exact in time to 5e-4 K anywhere in the field (KrylovStepper), where conductances, heats and flows are held over
+/// By KrylovStepper with tolerance_in_time_K where conductances, heats and flows are held over
 /// four intervals at least and in models of fewer than 3000 unknowns; elsewhere by steps as below, of 32 s at most.
 /// `analysed`: of a matrix of this model, whose analysis serves here; several threads may share it.
 FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed);

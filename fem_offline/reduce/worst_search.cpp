@@ -33,8 +33,6 @@ constexpr double standing_share = 1.0 / 6.0;
 constexpr double backward_share = 1.0 / 6.0;
 /// Outputs are compared so long after the jump, and at each doubling of that time.
 constexpr double first_s = 0.5;
-/// Of the FE solution in time: what is looked for is many times as large.
-constexpr double tolerance_in_time_K = 5e-4;
 
 /// Coordinates of a jump, each 0 to 1: factors, how far every ambient has drifted in both states, start, then of both
 /// states speed, load, surroundings, flows.
