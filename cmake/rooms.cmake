@@ -34,7 +34,12 @@ endif()
 # CMAKE_UNITY_BUILD: several sources of a folder in one go, for who builds once. A class whose parts stand in the unnamed
 # namespace of its source is right, but the compiler takes that source for a header then.
 if(CMAKE_UNITY_BUILD)
-  set(spindle_twin_sources_in_one_go 24)  # of rooms and tests: what many of them instantiate is then compiled once
+  # Of rooms and tests: what many of them instantiate is then compiled once. A release is also built on small machines: its
+  # largest source would take 2.4 GB; those of the sanitizers' builds take 1.8.
+  set(spindle_twin_sources_in_one_go 24)
+  if(SPINDLE_TWIN_SANITIZE)
+    set(spindle_twin_sources_in_one_go 64)
+  endif()
   target_compile_options(spindle_twin_flags INTERFACE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
 endif()
 
@@ -221,6 +226,11 @@ function(spindle_twin_tests name folder)
     target_link_libraries(${name} PRIVATE ${TESTS_LINK} spindle_twin_flags GTest::gtest GTest::gtest_main)
     target_compile_definitions(${name} PRIVATE SPINDLE_TWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     target_compile_options(${name} PRIVATE ${spindle_twin_light_of_tests})
+    if(SPINDLE_TWIN_SANITIZE MATCHES "address")
+      # Rooms are watched for the use of a variable after its scope. In tests, with the temporaries of every comparison,
+      # that takes a fifth of the compiler's time and two fifths of the code.
+      target_compile_options(${name} PRIVATE -fno-sanitize-address-use-after-scope)
+    endif()
     set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE "${spindle_twin_sources_in_one_go}")
     spindle_twin_precompile(${name} tests)
     if(SPINDLE_TWIN_SANITIZE MATCHES "address")

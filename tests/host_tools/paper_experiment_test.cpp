@@ -25,7 +25,7 @@ namespace spindle_twin::host_tools {
 namespace paper_experiment_test {
 
 constexpr int duration_s = 1800;
-constexpr int joint_sets = 8;
+constexpr int joint_sets = 4;
 constexpr int settled_s = 300;
 
 struct Truth {
