@@ -17,11 +17,13 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// Same entries in a matrix with rows and columns for the air volumes, which come last.
-SparseMatrix enlarged(const SparseMatrix& matrix, int unknowns) {
-  SparseMatrix result = matrix;
-  result.conservativeResize(unknowns, unknowns);
-  return result;
+/// The same matrix with rows and columns for the air volumes, which come last. Eigen's sparse matrices swap, where they
+/// would copy if moved.
+SparseMatrix enlarged(SparseMatrix& given, int unknowns) {
+  SparseMatrix matrix;
+  matrix.swap(given);
+  matrix.conservativeResize(unknowns, unknowns);
+  return matrix;
 }
 
 Eigen::VectorXd enlarged(const Eigen::VectorXd& row, int unknowns) {
@@ -112,7 +114,7 @@ struct FeModel::Impl {
     fill_surroundings(spindle, affine.boundaries);
     const auto unknowns = static_cast<int>(affine.places.size());
 
-    const VolumeTerms volume = volume_terms<2>(discretisation, spindle);
+    VolumeTerms volume = volume_terms<2>(discretisation, spindle);
     affine.capacity_J_per_K = enlarged(volume.capacity_J_per_K, unknowns);
     affine.conduction_W_per_K = enlarged(volume.conduction_W_per_K, unknowns);
     for (std::size_t i = 0; i < spindle.surroundings.size(); ++i) {
@@ -136,12 +138,17 @@ struct FeModel::Impl {
       affine.imposed_rises_K = imposed_rises_K(*spindle.imposed_temperature, affine.places);
     }
     if (!asks_for_mechanics(spindle)) return;
-    const ElasticTerms elastic = elastic_terms<2>(discretisation, spindle);
     const std::vector<DofPlace> fe_places(affine.places.begin(), affine.places.begin() + fe_unknowns);
-    solver.emplace(bond_and_support(spindle, section, rules, fe_places, elastic));
+    ElasticTerms elastic = elastic_terms<2>(discretisation, spindle);
+    const std::vector<ContactForces> forces = contact_forces(spindle, section, rules, fe_places, elastic);
+    const ElasticBody body = bond_and_support(spindle, section, rules, fe_places, elastic);
+    for (SparseMatrix* own : {&elastic.stiffness_N_per_m, &elastic.thermal_load_N_per_K}) {
+      SparseMatrix().swap(*own);  // before the factor, the largest of all
+    }
+    solver.emplace(body);
     affine.deformations = deformation_rows(spindle, section, rules, discretisation, *solver);
     for (FeDeformation& output : affine.deformations) output.row_m_per_K = enlarged(output.row_m_per_K, unknowns);
-    affine.contact_pressures = contact_pressure_rows(spindle, section, rules, fe_places, elastic, *solver);
+    affine.contact_pressures = contact_pressure_rows(spindle, rules, forces, *solver);
     for (FeContactPressure& output : affine.contact_pressures) {
       output.row_Pa_per_K = enlarged(output.row_Pa_per_K, unknowns);
     }

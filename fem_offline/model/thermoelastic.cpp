@@ -107,6 +107,40 @@ std::set<int> support(const Spindle& spindle, const std::vector<SupportPlaces>& 
   return zero;
 }
 
+/// Sums over joined unknowns, lower triangle, `count` of them; what is held at zero is left out.
+SparseMatrix joined_stiffness(const SparseMatrix& stiffness_N_per_m, const Triplets& springs,
+                              const std::vector<int>& reduced, int count) {
+  Triplets entries;
+  entries.reserve(static_cast<std::size_t>(stiffness_N_per_m.nonZeros()) / 2 + springs.size());
+  const auto add = [&](int row, int column, double value) {
+    const int i = reduced[row], j = reduced[column];
+    if (j >= 0 && i >= j) entries.emplace_back(i, j, value);
+  };
+  for (int column = 0; column < stiffness_N_per_m.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(stiffness_N_per_m, column); it; ++it) {
+      add(static_cast<int>(it.row()), column, it.value());
+    }
+  }
+  for (const auto& spring : springs) add(spring.row(), spring.col(), spring.value());
+  SparseMatrix joined(count, count);
+  joined.setFromTriplets(entries.begin(), entries.end());
+  return joined;
+}
+
+SparseMatrix joined_load(const SparseMatrix& thermal_load_N_per_K, const std::vector<int>& reduced, int count) {
+  Triplets entries;
+  entries.reserve(static_cast<std::size_t>(thermal_load_N_per_K.nonZeros()));
+  for (int column = 0; column < thermal_load_N_per_K.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(thermal_load_N_per_K, column); it; ++it) {
+      const int i = reduced[it.row()];
+      if (i >= 0) entries.emplace_back(i, column, it.value());
+    }
+  }
+  SparseMatrix joined(count, thermal_load_N_per_K.cols());
+  joined.setFromTriplets(entries.begin(), entries.end());
+  return joined;
+}
+
 }  // namespace
 
 ElasticBody bond_and_support(const Spindle& spindle, const Section& section, const SurfaceRules& rules,
@@ -129,29 +163,8 @@ ElasticBody bond_and_support(const Spindle& spindle, const Section& section, con
     body.reduced[unknown] = body.reduced[groups.leader(unknown)];
   }
 
-  Triplets entries, load_entries;
-  const auto add = [&](int row, int column, double value) {
-    const int i = body.reduced[row], j = body.reduced[column];
-    if (j >= 0 && i >= j) entries.emplace_back(i, j, value);
-  };
-  const SparseMatrix& stiffness = terms.stiffness_N_per_m;
-  for (int column = 0; column < stiffness.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator it(stiffness, column); it; ++it) {
-      add(static_cast<int>(it.row()), column, it.value());
-    }
-  }
-  for (const auto& spring : springs) add(spring.row(), spring.col(), spring.value());
-  const SparseMatrix& load = terms.thermal_load_N_per_K;
-  for (int column = 0; column < load.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator it(load, column); it; ++it) {
-      const int i = body.reduced[it.row()];
-      if (i >= 0) load_entries.emplace_back(i, column, it.value());
-    }
-  }
-  body.stiffness_N_per_m.resize(count, count);
-  body.stiffness_N_per_m.setFromTriplets(entries.begin(), entries.end());
-  body.thermal_load_N_per_K.resize(count, load.cols());
-  body.thermal_load_N_per_K.setFromTriplets(load_entries.begin(), load_entries.end());
+  body.stiffness_N_per_m = joined_stiffness(terms.stiffness_N_per_m, springs, body.reduced, count);
+  body.thermal_load_N_per_K = joined_load(terms.thermal_load_N_per_K, body.reduced, count);
   return body;
 }
 

@@ -50,13 +50,24 @@ class ElasticSolver {
 std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Section& section, const SurfaceRules& rules,
                                             const Discretisation<2>& discretisation, const ElasticSolver& solver);
 
-/// Mean pressure of contacts, from the forces that the joint carries: with v the outward unit normal on the nodes of
-/// the contact and 0 elsewhere, the part's internal forces give ∫ n·σ·n dA = vᵀ(K_part u − G_part (T − T_ref)), so
+/// What the mean pressure of one contact takes from the parts' own terms, which need not outlive the bonded body then.
+struct ContactForces {
+  Eigen::VectorXd stiffness_N_per_m;  ///< K_part v, 2·places long
+  Eigen::VectorXd load_N_per_K;       ///< G_partᵀ v, places long
+};
+
+/// Of each contact pressure that the description asks for; v: the outward unit normal on the nodes of the contact, half
+/// of it on each side, and 0 elsewhere.
+std::vector<ContactForces> contact_forces(const Spindle& spindle, const Section& section, const SurfaceRules& rules,
+                                          const std::vector<DofPlace>& places, const ElasticTerms& terms);
+
+/// Mean pressure of contacts, from the forces that the joint carries: the part's internal forces give
+/// ∫ n·σ·n dA = vᵀ(K_part u − G_part (T − T_ref)), so
 ///   p = p_assembly + row · (T − T_ref),  row = −(Gᵀ K⁻¹ K_part − G_partᵀ) v / A,
 /// taken as the mean of both sides. One adjoint solve each. At a corner where a contact meets another one, half an
 /// element of the neighbour's shear counts in; pressures are positive, a negative sum means that the joint would open.
-std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, const Section& section,
-                                                     const SurfaceRules& rules, const std::vector<DofPlace>& places,
-                                                     const ElasticTerms& terms, const ElasticSolver& solver);
+std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, const SurfaceRules& rules,
+                                                     const std::vector<ContactForces>& forces,
+                                                     const ElasticSolver& solver);
 
 }  // namespace spindle_twin::fem_offline

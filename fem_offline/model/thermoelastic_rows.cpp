@@ -151,23 +151,31 @@ std::vector<FeDeformation> deformation_rows(const Spindle& spindle, const Sectio
   return rows;
 }
 
-std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, const Section& section,
-                                                     const SurfaceRules& rules, const std::vector<DofPlace>& places,
-                                                     const ElasticTerms& terms, const ElasticSolver& solver) {
+std::vector<ContactForces> contact_forces(const Spindle& spindle, const Section& section, const SurfaceRules& rules,
+                                          const std::vector<DofPlace>& places, const ElasticTerms& terms) {
+  std::vector<ContactForces> forces;
+  for (const ContactPressureOutput& output : spindle.contact_pressures) {
+    const Eigen::VectorXd normals = normals_of(section, rules, places, output.contact);
+    forces.push_back({terms.stiffness_N_per_m * normals, terms.thermal_load_N_per_K.transpose() * normals});
+  }
+  return forces;
+}
+
+std::vector<FeContactPressure> contact_pressure_rows(const Spindle& spindle, const SurfaceRules& rules,
+                                                     const std::vector<ContactForces>& forces,
+                                                     const ElasticSolver& solver) {
   const ElasticBody& body = solver.body();
   std::vector<FeContactPressure> rows;
   // One after the other: on the finest meshes all at once would be the largest matrices of a build.
   for (const ContactPressureOutput& output : spindle.contact_pressures) {
-    const Eigen::VectorXd normals = normals_of(section, rules, places, output.contact);
-    const Eigen::VectorXd forces = terms.stiffness_N_per_m * normals;
+    const ContactForces& of_contact = forces[rows.size()];
     Eigen::VectorXd reduced = Eigen::VectorXd::Zero(body.stiffness_N_per_m.rows());
     for (std::size_t i = 0; i < body.reduced.size(); ++i) {
-      if (body.reduced[i] >= 0) reduced[body.reduced[i]] += forces[static_cast<Eigen::Index>(i)];
+      if (body.reduced[i] >= 0) reduced[body.reduced[i]] += of_contact.stiffness_N_per_m[static_cast<Eigen::Index>(i)];
     }
     const Eigen::VectorXd adjoint = solver.solve(reduced);
     const Eigen::VectorXd row =
-        (terms.thermal_load_N_per_K.transpose() * normals - body.thermal_load_N_per_K.transpose() * adjoint) /
-        area_of(rules, output.contact);
+        (of_contact.load_N_per_K - body.thermal_load_N_per_K.transpose() * adjoint) / area_of(rules, output.contact);
     rows.push_back({output.name, assembly_pressure_Pa(spindle, spindle.contacts[output.contact]), row});
   }
   return rows;

@@ -1,17 +1,59 @@
 #include "fem_offline/model/volume_terms.hpp"
 
 #include <deal.II/base/quadrature_lib.h>
+#include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+
+#include <algorithm>
 
 namespace spindle_twin::fem_offline {
 namespace {
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
+/// A matrix that is filled cell by cell. Its entries are known before: blocks of components of every two functions that
+/// share a cell. Lists of what each cell adds would take several times its memory.
+class CellMatrix {
+ public:
+  /// Component c of function i is row row_components·i + c, and likewise the columns.
+  CellMatrix(const dealii::DynamicSparsityPattern& sharing, int row_components, int column_components) {
+    const auto functions = static_cast<int>(sharing.n_rows());
+    matrix_.resize(row_components * functions, column_components * functions);
+    std::vector<int> starts = {0}, rows;
+    rows.reserve(sharing.n_nonzero_elements() * static_cast<std::size_t>(row_components * column_components));
+    for (int j = 0; j < functions; ++j) {
+      for (int c = 0; c < column_components; ++c) {
+        for (auto i = sharing.begin(static_cast<unsigned>(j)); i != sharing.end(static_cast<unsigned>(j)); ++i) {
+          for (int r = 0; r < row_components; ++r) rows.push_back(row_components * static_cast<int>(i->column()) + r);
+        }
+        starts.push_back(static_cast<int>(rows.size()));
+      }
+    }
+    matrix_.resizeNonZeros(static_cast<Eigen::Index>(rows.size()));
+    std::copy(starts.begin(), starts.end(), matrix_.outerIndexPtr());
+    std::copy(rows.begin(), rows.end(), matrix_.innerIndexPtr());
+    matrix_.coeffs().setZero();
+  }
+  void add(int row, int column, double value) {
+    const int* begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column];
+    const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
+    matrix_.valuePtr()[std::lower_bound(begin, end, row) - matrix_.innerIndexPtr()] += value;
+  }
+  SparseMatrix take() {
+    SparseMatrix taken;
+    taken.swap(matrix_);
+    return taken;
+  }
 
-SparseMatrix assembled(Eigen::Index rows, Eigen::Index columns, const Triplets& triplets) {
-  SparseMatrix matrix(rows, columns);
-  matrix.setFromTriplets(triplets.begin(), triplets.end());
-  return matrix;
+ private:
+  SparseMatrix matrix_;
+};
+
+/// Pairs of functions that share a cell.
+template <int dim>
+dealii::DynamicSparsityPattern functions_that_share_cells(const Discretisation<dim>& discretisation) {
+  dealii::DynamicSparsityPattern sharing(discretisation.dof_handler.n_dofs());
+  dealii::DoFTools::make_sparsity_pattern(discretisation.dof_handler, sharing);
+  return sharing;
 }
 
 /// Normal strains first, then shears; the hoop strain is normal number 2 of a body of revolution, 0 in plane strain.
@@ -69,9 +111,8 @@ VolumeTerms volume_terms(const Discretisation<dim>& discretisation, const Spindl
   Eigen::MatrixXd shape(points, columns), gradient(dim * points, columns);
   Eigen::VectorXd weight_m3(points), gradient_weight(dim * points);
   Eigen::MatrixXd weighted_shape(points, columns), weighted_gradient(dim * points, columns);
-  Triplets capacity, conduction;
-  capacity.reserve(static_cast<std::size_t>(columns * columns) * discretisation.triangulation.n_active_cells());
-  conduction.reserve(capacity.capacity());
+  const dealii::DynamicSparsityPattern sharing = functions_that_share_cells(discretisation);
+  CellMatrix capacity(sharing, 1, 1), conduction(sharing, 1, 1);
   for (const auto& cell : discretisation.dof_handler.active_cell_iterators()) {
     values.reinit(cell);
     cell->get_dof_indices(dofs);
@@ -97,23 +138,23 @@ VolumeTerms volume_terms(const Discretisation<dim>& discretisation, const Spindl
       for (unsigned j = 0; j <= i; ++j) {
         const double c_ij = heat_capacity_J_per_m3K * weighted_shape.col(i).dot(shape.col(j));
         const double k_ij = weighted_gradient.col(i).dot(gradient.col(j));
-        capacity.emplace_back(dofs[i], dofs[j], c_ij);
-        conduction.emplace_back(dofs[i], dofs[j], k_ij);
+        const auto row = static_cast<int>(dofs[i]), column = static_cast<int>(dofs[j]);
+        capacity.add(row, column, c_ij);
+        conduction.add(row, column, k_ij);
         if (i == j) continue;
-        capacity.emplace_back(dofs[j], dofs[i], c_ij);
-        conduction.emplace_back(dofs[j], dofs[i], k_ij);
+        capacity.add(column, row, c_ij);
+        conduction.add(column, row, k_ij);
       }
     }
   }
-  terms.capacity_J_per_K = assembled(n, n, capacity);
-  terms.conduction_W_per_K = assembled(n, n, conduction);
+  terms.capacity_J_per_K = capacity.take();
+  terms.conduction_W_per_K = conduction.take();
   return terms;
 }
 
 template <int dim>
 ElasticTerms elastic_terms(const Discretisation<dim>& discretisation, const Spindle& spindle) {
   const auto& element = discretisation.element;
-  const auto n = static_cast<Eigen::Index>(discretisation.dof_handler.n_dofs());
   const unsigned per_cell = element.n_dofs_per_cell();
   dealii::FEValues<dim> values(
       discretisation.mapping, element, dealii::QGauss<dim>(element.degree + 2),
@@ -128,10 +169,8 @@ ElasticTerms elastic_terms(const Discretisation<dim>& discretisation, const Spin
   Eigen::MatrixXd strain_at(strain_count * points, unknowns), stress_at(strain_count * points, unknowns);
   Eigen::MatrixXd pressure_at(points, unknowns), shape_at(points, static_cast<Eigen::Index>(per_cell));
   Eigen::MatrixXd cell_stiffness(unknowns, unknowns), cell_load(unknowns, static_cast<Eigen::Index>(per_cell));
-  Triplets stiffness, thermal_load;
-  const std::size_t cells = discretisation.triangulation.n_active_cells();
-  stiffness.reserve(static_cast<std::size_t>(cell_stiffness.size()) * cells);
-  thermal_load.reserve(static_cast<std::size_t>(cell_load.size()) * cells);
+  const dealii::DynamicSparsityPattern sharing = functions_that_share_cells(discretisation);
+  CellMatrix stiffness(sharing, dim, dim), thermal_load(sharing, dim, 1);
   for (const auto& cell : discretisation.dof_handler.active_cell_iterators()) {
     values.reinit(cell);
     cell->get_dof_indices(dofs);
@@ -142,22 +181,22 @@ ElasticTerms elastic_terms(const Discretisation<dim>& discretisation, const Spin
           values.JxW(q) * revolution_factor<dim>(discretisation.geometry, values.quadrature_point(q));
       fill_strains<dim>(values, q, discretisation.geometry, strains);
       for (unsigned i = 0; i < per_cell; ++i) shape_at(q, i) = values.shape_value(i, q);
-      auto stress = stress_at.middleRows<strain_count>(static_cast<Eigen::Index>(strain_count * q));
+      auto stress = stress_at.middleRows<strain_count>(strain_count * static_cast<Eigen::Index>(q));
       stress.noalias() = weight_m3 * stress_per_strain * strains;
-      strain_at.middleRows<strain_count>(static_cast<Eigen::Index>(strain_count * q)) = strains;
+      strain_at.middleRows<strain_count>(strain_count * static_cast<Eigen::Index>(q)) = strains;
       pressure_at.row(q).noalias() = material.expansion_per_K * isotropic_strain.transpose() * stress;
     }
     cell_stiffness.noalias() = strain_at.transpose() * stress_at;
     cell_load.noalias() = pressure_at.transpose() * shape_at;
     const auto global = [&](int local) { return dim * static_cast<int>(dofs[local / dim]) + local % dim; };
     for (int i = 0; i < unknowns; ++i) {
-      for (int j = 0; j < unknowns; ++j) stiffness.emplace_back(global(i), global(j), cell_stiffness(i, j));
+      for (int j = 0; j < unknowns; ++j) stiffness.add(global(i), global(j), cell_stiffness(i, j));
       for (unsigned j = 0; j < per_cell; ++j) {
-        thermal_load.emplace_back(global(i), static_cast<int>(dofs[j]), cell_load(i, j));
+        thermal_load.add(global(i), static_cast<int>(dofs[j]), cell_load(i, j));
       }
     }
   }
-  return {assembled(dim * n, dim * n, stiffness), assembled(dim * n, n, thermal_load)};
+  return {stiffness.take(), thermal_load.take()};
 }
 
 template VolumeTerms volume_terms<2>(const Discretisation<2>&, const Spindle&);

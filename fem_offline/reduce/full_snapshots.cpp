@@ -13,13 +13,10 @@
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/full_histories.hpp"
+#include "fem_offline/reduce/most_independent.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
 #include "fem_offline/sparse/cholesky.hpp"
-
-/// LAPACK: Cholesky factor with complete pivoting of a positive semidefinite matrix.
-extern "C" void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* pivots, int* rank,
-                        const double* tolerance, double* work, int* info, std::size_t uplo_length);
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -84,24 +81,19 @@ void scale_outputs(Worker& worker, const AffineModel& model, const ReduceOptions
   }
 }
 
-/// Lower triangle of XᵀX by tiles, in double, and nothing above but in the diagonal's tiles; every tile is one product,
-/// so the bits do not depend on the number of threads. To mirror it would take a second matrix of its size.
-template <typename Columns>
-Eigen::MatrixXd gram_matrix(const Columns& columns, int threads) {
+/// Lower triangle of XᵀX by tiles, and nothing above but in the diagonal's tiles; every tile is one product, so the
+/// bits do not depend on the number of threads.
+Eigen::MatrixXd gram_matrix(const Eigen::MatrixXd& columns, int threads) {
   constexpr Eigen::Index tile = 256;
   const Eigen::Index count = columns.cols();
   const int tiles = static_cast<int>((count + tile - 1) / tile);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(count, count);
-  const auto tile_at = [&](Eigen::Index first) -> Eigen::MatrixXd {
-    return columns.middleCols(first, std::min(tile, count - first)).template cast<double>();
-  };
   for_each_index(tiles, threads, [&](int index, int) {
     const int row = tiles - 1 - index;  // the longest first
-    const Eigen::MatrixXd own = tile_at(row * tile);
+    const Eigen::Index r = row * tile, height = std::min(tile, count - r);
     for (int column = 0; column <= row; ++column) {
-      const Eigen::Index r = row * tile, c = column * tile;
-      const Eigen::MatrixXd other = tile_at(c);
-      gram.block(r, c, own.cols(), other.cols()) = transposed_product(own, other);
+      const Eigen::Index c = column * tile, width = std::min(tile, count - c);
+      gram.block(r, c, height, width) = transposed_product(columns.middleCols(r, height), columns.middleCols(c, width));
     }
   });
   return gram;
@@ -124,22 +116,6 @@ void orthonormalise(Eigen::MatrixXd& columns, int threads) {
       columns.middleRows(first, height) = part;
     });
   }
-}
-
-/// Indices of at most `most` columns, each the farthest from the span of those before it: Cholesky with complete
-/// pivoting of their Gram matrix, of which the lower triangle is read. Eigen's LDLT pivots on the diagonal it was
-/// given, not on what is left of it.
-std::vector<int> most_independent(Eigen::MatrixXd gram, Eigen::Index most) {
-  const int size = static_cast<int>(gram.rows());
-  std::vector<int> pivots(static_cast<std::size_t>(size));
-  std::vector<double> work(2 * static_cast<std::size_t>(size));
-  double stop_below = 1e-15 * gram.diagonal().maxCoeff();
-  int rank = 0, info = 0;
-  dpstrf_("L", &size, gram.data(), &size, pivots.data(), &rank, &stop_below, work.data(), &info, 1);
-  if (info < 0 || rank < 1) throw std::runtime_error("the FE snapshots span nothing");
-  pivots.resize(static_cast<std::size_t>(std::min<Eigen::Index>(rank, most)));
-  for (int& pivot : pivots) --pivot;
-  return pivots;
 }
 
 /// Orthonormal columns that, with the constant vector, span the functions that are 1 on one part or air volume and 0
@@ -212,12 +188,12 @@ RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const Redu
   const Eigen::MatrixXd bodies = body_columns(model, options.nodes);
   Eigen::MatrixXf snapshots = full_snapshots(model, loads, bodies, options, workers, progress);
   workers.clear();
-  malloc_trim(0);  // the factors' memory, before the Gram matrix takes its own
+  malloc_trim(0);  // the factors' memory
 
   const Eigen::Index of_bodies =
       options.rich_states_per_body * (static_cast<int>(model.parts.size() + model.air_names.size()));
   const Eigen::Index most = std::min(std::max<Eigen::Index>(options.rich_states, of_bodies), unknowns);
-  const std::vector<int> chosen = most_independent(gram_matrix(snapshots, options.threads), most - 1 - bodies.cols());
+  const std::vector<int> chosen = most_independent(snapshots, most - 1 - bodies.cols(), options.threads);
   const Eigen::Index count = static_cast<Eigen::Index>(chosen.size());
 
   RichBasis basis;
