@@ -160,7 +160,7 @@ ElasticTerms elastic_terms(const Discretisation<dim>& discretisation, const Spin
       discretisation.mapping, element, dealii::QGauss<dim>(element.degree + 2),
       dealii::update_values | dealii::update_gradients | dealii::update_JxW_values | dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> dofs(per_cell);
-  const auto unknowns = static_cast<Eigen::Index>(dim * per_cell);
+  const auto unknowns = dim * static_cast<Eigen::Index>(per_cell);
   const auto points = static_cast<Eigen::Index>(values.n_quadrature_points);
   Strains strains(strain_count, unknowns);
   Eigen::Matrix<double, strain_count, 1> isotropic_strain;
