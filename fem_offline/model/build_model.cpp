@@ -17,11 +17,9 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// The same matrix with rows and columns for the air volumes, which come last. Eigen's sparse matrices swap, where they
-/// would copy if moved.
+/// What `given` holds, in a matrix with rows and columns for the air volumes, which come last.
 SparseMatrix enlarged(SparseMatrix& given, int unknowns) {
-  SparseMatrix matrix;
-  matrix.swap(given);
+  SparseMatrix matrix = taken(given);
   matrix.conservativeResize(unknowns, unknowns);
   return matrix;
 }
@@ -141,11 +139,10 @@ struct FeModel::Impl {
     const std::vector<DofPlace> fe_places(affine.places.begin(), affine.places.begin() + fe_unknowns);
     ElasticTerms elastic = elastic_terms<2>(discretisation, spindle);
     const std::vector<ContactForces> forces = contact_forces(spindle, section, rules, fe_places, elastic);
-    const ElasticBody body = bond_and_support(spindle, section, rules, fe_places, elastic);
-    for (SparseMatrix* own : {&elastic.stiffness_N_per_m, &elastic.thermal_load_N_per_K}) {
-      SparseMatrix().swap(*own);  // before the factor, the largest of all
-    }
-    solver.emplace(body);
+    ElasticBody body = bond_and_support(spindle, section, rules, fe_places, elastic);
+    taken(elastic.stiffness_N_per_m);  // given up before the factor, the largest of all, is made
+    taken(elastic.thermal_load_N_per_K);
+    solver.emplace(std::move(body));
     affine.deformations = deformation_rows(spindle, section, rules, discretisation, *solver);
     for (FeDeformation& output : affine.deformations) output.row_m_per_K = enlarged(output.row_m_per_K, unknowns);
     affine.contact_pressures = contact_pressure_rows(spindle, rules, forces, *solver);

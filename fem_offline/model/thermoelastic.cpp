@@ -153,19 +153,17 @@ ElasticBody bond_and_support(const Spindle& spindle, const Section& section, con
   bond(spindle, rules, places, tie_factor, groups, springs);
   const std::set<int> zero = support(spindle, held, places, groups, springs);
 
-  ElasticBody body;
-  body.reduced.assign(2 * places.size(), -1);
+  std::vector<int> reduced(2 * places.size(), -1);
   int count = 0;
-  for (int unknown = 0; unknown < static_cast<int>(body.reduced.size()); ++unknown) {
-    if (groups.leader(unknown) == unknown && !zero.contains(unknown)) body.reduced[unknown] = count++;
+  for (int unknown = 0; unknown < static_cast<int>(reduced.size()); ++unknown) {
+    if (groups.leader(unknown) == unknown && !zero.contains(unknown)) reduced[unknown] = count++;
   }
-  for (int unknown = 0; unknown < static_cast<int>(body.reduced.size()); ++unknown) {
-    body.reduced[unknown] = body.reduced[groups.leader(unknown)];
+  for (int unknown = 0; unknown < static_cast<int>(reduced.size()); ++unknown) {
+    reduced[unknown] = reduced[groups.leader(unknown)];
   }
 
-  body.stiffness_N_per_m = joined_stiffness(terms.stiffness_N_per_m, springs, body.reduced, count);
-  body.thermal_load_N_per_K = joined_load(terms.thermal_load_N_per_K, body.reduced, count);
-  return body;
+  return {joined_stiffness(terms.stiffness_N_per_m, springs, reduced, count),
+          joined_load(terms.thermal_load_N_per_K, reduced, count), reduced};
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -29,7 +29,8 @@ ElasticBody bond_and_support(const Spindle& spindle, const Section& section, con
 /// An elastic body with its CHOLMOD factor. One thread at a time.
 class ElasticSolver {
  public:
-  explicit ElasticSolver(ElasticBody body);
+  /// Takes the matrices over.
+  explicit ElasticSolver(ElasticBody&& body);
   ~ElasticSolver();
   ElasticSolver(ElasticSolver&&) noexcept;
   ElasticSolver& operator=(ElasticSolver&&) noexcept;

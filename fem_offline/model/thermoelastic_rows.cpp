@@ -8,12 +8,14 @@
 namespace spindle_twin::fem_offline {
 
 struct ElasticSolver::Impl {
-  explicit Impl(ElasticBody given) : body(std::move(given)), factor(body.stiffness_N_per_m, Solutions::few) {}
+  explicit Impl(ElasticBody&& given)
+      : body{taken(given.stiffness_N_per_m), taken(given.thermal_load_N_per_K), std::move(given.reduced)},
+        factor(body.stiffness_N_per_m, Solutions::few) {}
   ElasticBody body;
   CholeskyFactor factor;
 };
 
-ElasticSolver::ElasticSolver(ElasticBody body) : impl_(std::make_unique<Impl>(std::move(body))) {}
+ElasticSolver::ElasticSolver(ElasticBody&& body) : impl_(std::make_unique<Impl>(std::move(body))) {}
 
 ElasticSolver::~ElasticSolver() = default;
 ElasticSolver::ElasticSolver(ElasticSolver&&) noexcept = default;

@@ -38,11 +38,7 @@ class CellMatrix {
     const int* end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + 1];
     matrix_.valuePtr()[std::lower_bound(begin, end, row) - matrix_.innerIndexPtr()] += value;
   }
-  SparseMatrix take() {
-    SparseMatrix taken;
-    taken.swap(matrix_);
-    return taken;
-  }
+  SparseMatrix take() { return taken(matrix_); }
 
  private:
   SparseMatrix matrix_;

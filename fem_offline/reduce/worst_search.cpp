@@ -27,7 +27,7 @@ constexpr int kinds = 3;
 constexpr int children_per_generation = 12;  // whatever the number of threads, so that results do not hang on it
 constexpr double drawn_share = 0.25;
 constexpr double corner_share = 0.5;
-constexpr double uniform_starts = 0.25;
+constexpr double uniform_jump_share = 0.25;
 constexpr double rest_share = 0.15;
 constexpr double standing_share = 1.0 / 6.0;
 constexpr double backward_share = 1.0 / 6.0;
@@ -50,9 +50,9 @@ class JumpSpace {
       jump.factors.conductance[j] = range.min * std::pow(range.max / range.min, place[j]);
     }
     const Eigen::VectorXd drifts = place.segment(factors(), environments());
-    if (const double start = place[factors() + environments()]; start < uniform_starts) {
+    if (const double start = place[factors() + environments()]; start < uniform_jump_share) {
       const double datum_K = boundaries_.reference_temperature_K;
-      jump.uniform_start_K = datum_K + drive_spread_K * (2.0 * start / uniform_starts - 1.0);
+      jump.uniform_start_K = datum_K + drive_spread_K * (2.0 * start / uniform_jump_share - 1.0);
     }
     jump.before = state(place.segment(size() - 2 * state_size(), state_size()), drifts, Coolant::flows);
     jump.after = state(place.tail(state_size()), drifts, Coolant::flows_or_stands);

@@ -44,8 +44,7 @@ TEST(MostIndependent, each_is_the_farthest_from_the_span_of_those_before_it) {
 }
 
 TEST(MostIndependent, are_no_more_than_the_columns_have_directions) {
-  // Nine directions; what single precision adds to them lies below a ten-millionth of the longest and is one of its
-  // own.
+  // Rounding to single precision leaves a little beside the nine directions.
   const Eigen::MatrixXf columns = random_columns(80, 300, 9, 6);
   const std::vector<int> chosen = most_independent(columns, 9, 1);
   ASSERT_EQ(chosen.size(), 9U);
