@@ -44,13 +44,15 @@ Drawn draw(int sensor, std::mt19937_64& random) {
   return drawn;
 }
 
-/// All faults but drifts; before them the run in which the sensor is only withdrawn.
-void add_sudden(const Drawn& drawn, std::vector<Fault>& faults) {
+/// All faults but drifts; before them the run in which the sensor is only withdrawn. Short: an open sensor stands for
+/// the other electrical faults, which are found in the same sample.
+void add_sudden(const Drawn& drawn, bool is_short, std::vector<Fault>& faults) {
   Fault fault = drawn.fault;
   fault.kind = FaultKind::withdrawn;
   faults.push_back(fault);
   for (const FaultKind kind : all_faults) {
     if (kind == FaultKind::drift) continue;
+    if (is_short && (kind == FaultKind::shorted || kind == FaultKind::out_of_range)) continue;
     if (kind == FaultKind::swapped) {
       fault.kind = FaultKind::withdrawn_pair;
       fault.until_s = 1e18;
@@ -84,7 +86,7 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
   for (int sensor = 0; sensor < sensors; ++sensor) {
     const Drawn drawn = draw(sensor, random);
     if (options.is_short && sensor != static_cast<int>(seed % sensors)) continue;
-    if (!options.drifts_only) add_sudden(drawn, faults);
+    if (!options.drifts_only) add_sudden(drawn, options.is_short, faults);
     if (drifts) add_drifts(drawn, options.is_short, faults);
   }
   return faults;
