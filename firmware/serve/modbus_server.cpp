@@ -61,14 +61,14 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vecto
       listener_(plan.plain ? listen_on(plan.address, plan.port) : -1),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       adopting_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      modbus_(modbus_new_tcp(nullptr, 0)) {
+      modbus_(modbus_new_tcp(nullptr, 0), modbus_free) {
   if (modbus_ == nullptr || wake_.get() < 0 || adopting_.get() < 0) throw std::bad_alloc();
   // libmodbus sleeps for the response timeout before some of its exceptions; a whole frame is there, so the byte
   // timeout has nothing to wait for either.
-  modbus_set_response_timeout(modbus_, 0, 1);
-  modbus_set_byte_timeout(modbus_, 0, 0);
-  modbus_set_indication_timeout(modbus_, 0, 1000);
-  modbus_set_error_recovery(modbus_, MODBUS_ERROR_RECOVERY_NONE);
+  modbus_set_response_timeout(modbus_.get(), 0, 1);
+  modbus_set_byte_timeout(modbus_.get(), 0, 0);
+  modbus_set_indication_timeout(modbus_.get(), 0, 1000);
+  modbus_set_error_recovery(modbus_.get(), MODBUS_ERROR_RECOVERY_NONE);
   connections_.reserve(static_cast<std::size_t>(plan.connections));
   spindles_.reserve(spindles.size());
   for (const SpindlePorts& ports : spindles) {
@@ -76,8 +76,6 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vecto
     units_ |= ports.units;
   }
 }
-
-ModbusServer::~ModbusServer() { modbus_free(modbus_); }
 
 int ModbusServer::port() const { return listener_.get() < 0 ? 0 : port_of(listener_.get()); }
 
@@ -309,22 +307,22 @@ void ModbusServer::answer(Connection& connection, const Gate& gate, std::span<co
   } else {
     // libmodbus adds 0x80 to the function, which would turn one that has the bit already into another's answer.
     taken[mbap_bytes] &= 0x7FU;
-    modbus_set_socket(modbus_, fd);
-    connection.open = modbus_reply_exception(modbus_, taken.data(), gate.exception) > 0;
+    modbus_set_socket(modbus_.get(), fd);
+    connection.open = modbus_reply_exception(modbus_.get(), taken.data(), gate.exception) > 0;
   }
 }
 
 bool ModbusServer::hand_over(Connection& connection, const Gate& gate, std::uint8_t unit) {
-  modbus_set_socket(modbus_, connection.socket.get());
+  modbus_set_socket(modbus_.get(), connection.socket.get());
   std::array<std::uint8_t, MODBUS_TCP_MAX_ADU_LENGTH> query{};
-  const int length = modbus_receive(modbus_, query.data());
+  const int length = modbus_receive(modbus_.get(), query.data());
   if (length <= 0) return false;
   SpindleRegisters& spindle = spindle_of(unit);
   if (!spindle.has_room_for(gate.write)) {
     note_request(connection);
-    return modbus_reply_exception(modbus_, query.data(), MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY) > 0;
+    return modbus_reply_exception(modbus_.get(), query.data(), MODBUS_EXCEPTION_SLAVE_OR_SERVER_BUSY) > 0;
   }
-  const int sent = modbus_reply(modbus_, query.data(), length, spindle.renew());
+  const int sent = modbus_reply(modbus_.get(), query.data(), length, spindle.renew());
   constexpr int exception_bytes = 9;
   const bool wrote = gate.write.count > 0 && sent > exception_bytes;
   note_request(connection, wrote && spindle.take(gate.write) ? &spindle : nullptr);

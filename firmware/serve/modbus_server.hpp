@@ -30,7 +30,6 @@ class ModbusServer {
   /// Listens. No two spindles may have a unit in common. Throws rom::InputError naming address and port if listening is
   /// not possible.
   ModbusServer(const ServePlan& plan, Clock& clock, const std::vector<SpindlePorts>& spindles);
-  ~ModbusServer();
   ModbusServer(const ModbusServer&) = delete;
   ModbusServer& operator=(const ModbusServer&) = delete;
 
@@ -99,7 +98,7 @@ class ModbusServer {
   std::vector<Asked> asked_;
   std::uint64_t asked_last_ = 0;
   std::vector<Connection> connections_;
-  modbus_t* modbus_ = nullptr;
+  std::unique_ptr<modbus_t, void (*)(modbus_t*)> modbus_;
   std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then
   LogLimit strangers_, refusals_, troubles_;
 };
