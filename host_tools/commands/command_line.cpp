@@ -1,5 +1,8 @@
 #include "host_tools/commands/command_line.hpp"
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <cstdio>
 #include <exception>
 #include <string>

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <functional>
+
+namespace CLI {
+class App;
+}
 
 /// What both programs of the host tool share: `spindle-twin`, which starts at once, and `spindle-twin-fem`, which loads
 /// the FE libraries.

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 /// One function per command: it adds its subcommand with options to `app` and sets a callback that runs it.
 /// A command prints results on stdout, progress and errors on stderr, and throws rom::InputError for bad input.

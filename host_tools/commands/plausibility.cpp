@@ -1,5 +1,8 @@
 #include "host_tools/commands/plausibility.hpp"
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <cstdio>
 
 namespace spindle_twin::host_tools {

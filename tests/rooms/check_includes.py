@@ -49,7 +49,7 @@ NEEDED = {
     "string": (standard("string", "to_string", "stod", "stoi", "stol", "stoul", "stoull", "getline"), ()),
     "utility": (standard("pair", "make_pair", "exchange", "in_place", "declval"), ("map",)),
     "vector": (standard("vector"), ()),
-    "CLI/App.hpp": (r"\bCLI::", ("CLI/Error.hpp",)),
+    "CLI/App.hpp": (r"\bCLI::(?!App&)|\bapp\.\w", ("CLI/Error.hpp",)),  # for a parameter, a declaration will do
     "nlohmann/json.hpp": (r"\bnlohmann::", ("nlohmann/json_fwd.hpp",)),
 }
 # cmake/eigen_kernels.hpp includes all of Eigen/Dense; each of its modules by what is used of it.

@@ -19,6 +19,7 @@ WORK = pathlib.Path(FOLDER.name)
 COARSE = WORK / "coarse.toml"  # the reference spindle on elements of twice the size: a quarter of the work
 COARSE.write_text(REFERENCE.read_text().replace("element_size_mm = 4", "element_size_mm = 8"))
 HOUR = "time_s,speed_rpm,load,coolant_degC\n0,6000,1,27\n600,12000,0.5,25\n900,12000,0.5,25\n"
+MINUTE = "time_s,speed_rpm,load,coolant_degC\n0,6000,1,27\n60,6600,0.95,26.8\n"  # the first of it
 
 
 def run(*arguments, seconds=600, **options):

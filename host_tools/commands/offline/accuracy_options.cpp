@@ -1,6 +1,9 @@
 #include "host_tools/commands/offline/accuracy_options.hpp"
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
 #include <CLI/Error.hpp>
+#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <string>
 
 #include "fem_offline/reduce/choose_size.hpp"

@@ -1,5 +1,8 @@
 #include <malloc.h>
 
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host_tools/inspection/inspection.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
@@ -11,8 +12,6 @@ namespace spindle_twin::host_tools {
 using fem_offline::AffineModel;
 
 namespace {
-
-constexpr double megapascal_per_pascal = 1e-6;
 
 nlohmann::json as_json(const fem_offline::Stress& stress) {
   return {{"rr", megapascal_per_pascal * stress.rr_Pa},

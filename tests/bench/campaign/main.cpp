@@ -5,6 +5,7 @@
 
 #include "tests/bench/campaign/campaign.hpp"
 #include "tests/bench/campaign/models.hpp"
+#include "tests/bench/campaign/options.hpp"
 #include "tests/bench/campaign/results.hpp"
 
 namespace spindle_twin::bench {
@@ -96,19 +97,18 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
-  CLI::App app{"twin_campaign: virtual spindles against their twins"};
+  CommandLine line("twin_campaign: virtual spindles against their twins");
   options.runs = 48;
-  add_options(app, options, "of 2 h, for each of A and B",
+  add_options(line, options, "of 2 h, for each of A and B",
               "one run for each of A and B with coarse models, for a quick look");
-  app.add_option("--speed-exponent", options.speed_exponent, "deviation of the true heats' exponents of speed")
-      ->check(CLI::Range(0.0, 0.5))
-      ->capture_default_str();
-  app.add_option("--walk", options.walk, "times the default random walk of the ln factors")->capture_default_str();
-  app.add_option("--floor-K", options.floor_K, "model error at a sensor")->capture_default_str();
-  app.add_flag(
+  line.add("--speed-exponent", options.speed_exponent, "deviation of the true heats' exponents of speed",
+           Allowed{0.0, 0.5});
+  line.add("--walk", options.walk, "times the default random walk of the ln factors");
+  line.add("--floor-K", options.floor_K, "model error at a sensor");
+  line.add_flag(
       "--conditions", options.conditions,
       "instead: lagging sensors, standstill, wrong speed laws, updates every second and a day, up to 4 runs each");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = line.parse(argc, argv)) return *code;
   settle(options);
   return run(options) == 0 ? 0 : 1;
 }

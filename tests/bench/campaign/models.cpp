@@ -1,7 +1,5 @@
 #include "tests/bench/campaign/models.hpp"
 
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <filesystem>
 
@@ -71,19 +69,6 @@ rom::Network twin_network(const TwinOptions& options) {
   rom::Network network = fem_offline::reduce_model(model_of(options.element_size_mm, options.change).affine(), reduce);
   if (!path.empty()) rom::write_network(network, path);
   return network;
-}
-
-void add_options(CLI::App& app, CampaignOptions& options, const char* what_a_run_is, const char* what_short_is) {
-  app.add_option("--runs", options.runs, what_a_run_is)->check(CLI::Range(1, 10000))->capture_default_str();
-  app.add_option("--nodes", options.twin.nodes, "of the twin")->check(CLI::Range(20, 400))->capture_default_str();
-  app.add_option("--threads", options.twin.threads)->check(CLI::Range(1, 256))->capture_default_str();
-  app.add_option("--seed", options.seed)->capture_default_str();
-  app.add_option("--twin-mm", options.twin.element_size_mm, "element size of the twin's FE model")
-      ->capture_default_str();
-  app.add_option("--truth-mm", options.truth_mm, "element size of the truth's FE model")->capture_default_str();
-  app.add_option("--cache", options.twin.cache,
-                 "folder that keeps network and truths, so that a stopped campaign goes on");
-  app.add_flag("--short", options.is_short, what_short_is);
 }
 
 void settle(CampaignOptions& options) {

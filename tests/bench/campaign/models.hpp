@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/App.hpp>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -41,8 +40,6 @@ struct CampaignOptions {
   TwinOptions twin;
   bool is_short = false;
 };
-
-void add_options(CLI::App& app, CampaignOptions& options, const char* what_a_run_is, const char* what_short_is);
 
 /// After parsing: coarse models and a single run where it is to be short.
 void settle(CampaignOptions& options);

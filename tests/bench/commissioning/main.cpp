@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/bench/campaign/models.hpp"
+#include "tests/bench/campaign/options.hpp"
 #include "tests/bench/commissioning/commission.hpp"
 #include "tests/bench/commissioning/hidden_pairs.hpp"
 #include "tests/bench/commissioning/limits.hpp"
@@ -155,17 +156,17 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
-  CLI::App app{"commissioning_campaign: virtual spindles that get one test with a probe"};
+  CommandLine line("commissioning_campaign: virtual spindles that get one test with a probe");
   options.runs = 6;
-  add_options(app, options, "machines, for each of A and B", "one machine of A with coarse models");
-  app.add_option("--test-s", options.plan.test_s, "length of the test")->capture_default_str();
-  app.add_option("--service-s", options.plan.service_s, "length of a day of service")->capture_default_str();
-  app.add_flag("--touch-offs", options.plan.touch_offs, "a touch-off each half hour instead of the probe");
-  app.add_flag("--hidden-pairs", options.hidden_pairs,
-               "only the two spindles of the twin campaign in which a contact and a heat hide each other");
-  app.add_flag("--wrong-models", options.wrong_models,
-               "machines of A, six sensors, whose structure the twin's FE model has wrong");
-  CLI11_PARSE(app, argc, argv);
+  add_options(line, options, "machines, for each of A and B", "one machine of A with coarse models");
+  line.add("--test-s", options.plan.test_s, "length of the test");
+  line.add("--service-s", options.plan.service_s, "length of a day of service");
+  line.add_flag("--touch-offs", options.plan.touch_offs, "a touch-off each half hour instead of the probe");
+  line.add_flag("--hidden-pairs", options.hidden_pairs,
+                "only the two spindles of the twin campaign in which a contact and a heat hide each other");
+  line.add_flag("--wrong-models", options.wrong_models,
+                "machines of A, six sensors, whose structure the twin's FE model has wrong");
+  if (const auto code = line.parse(argc, argv)) return *code;
   settle(options);
   if (options.is_short) options.plan.test_s = options.plan.service_s = 3600.0;
   return run(options) == 0 ? 0 : 1;

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "tests/bench/campaign/models.hpp"
+#include "tests/bench/campaign/options.hpp"
 #include "tests/bench/campaign/results.hpp"
 #include "tests/bench/faults/tables.hpp"
 
@@ -149,24 +150,21 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
-  CLI::App app{"fault_campaign: virtual spindles whose sensors fail"};
+  CommandLine line("fault_campaign: virtual spindles whose sensors fail");
   options.runs = 8;
-  add_options(app, options, "virtual spindles, each with every fault on every sensor",
+  add_options(line, options, "virtual spindles, each with every fault on every sensor",
               "one spindle, one sensor, coarse models: a quick look");
-  app.get_option("--runs")->check(CLI::Range(1, 96));  // beyond that A would take the seeds of B
-  app.add_option("--drift-runs", options.drift_runs, "how many of them also with drifts")->capture_default_str();
-  CLI::Option* healthy_only =
-      app.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
-  app.add_flag("--drifts-only", options.drifts_only, "no other faults, on the first --drift-runs spindles")
-      ->excludes(healthy_only)
-      ->excludes(app.get_option("--short"));
-  app.add_flag("--swapped-from-start", options.swapped_from_start,
-               "instead, every two sensors that differ are exchanged from the start");
-  app.add_option("--cycle-s", options.cycle_s, "period of the daemon")
-      ->check(CLI::Range(0.1, 10.0))
-      ->capture_default_str();
-  app.add_flag("--verbose", options.verbose, "a line per run");
-  CLI11_PARSE(app, argc, argv);
+  line.limit("--runs", {1, 96});  // beyond that A would take the seeds of B
+  line.add("--drift-runs", options.drift_runs, "how many of them also with drifts");
+  line.add_flag("--healthy-only", options.healthy_only, "no faults: false alarms, and what watching costs");
+  line.add_flag("--drifts-only", options.drifts_only, "no other faults, on the first --drift-runs spindles");
+  line.exclude("--drifts-only", "--healthy-only");
+  line.exclude("--drifts-only", "--short");
+  line.add_flag("--swapped-from-start", options.swapped_from_start,
+                "instead, every two sensors that differ are exchanged from the start");
+  line.add("--cycle-s", options.cycle_s, "period of the daemon", Allowed{0.1, 10.0});
+  line.add_flag("--verbose", options.verbose, "a line per run");
+  if (const auto code = line.parse(argc, argv)) return *code;
   settle(options);
   if (options.is_short) {
     options.drift_runs = 1;

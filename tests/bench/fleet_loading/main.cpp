@@ -2,9 +2,6 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -19,6 +16,7 @@
 #include "firmware/plant/edge_node.hpp"
 #include "firmware/serve/fill_image.hpp"
 #include "firmware/watch/clock.hpp"
+#include "tests/bench/command_line/command_line.hpp"
 #include "tests/firmware/support/small_network.hpp"
 
 /// Many spindles that publish, each a daemon's own edge node, queue and connection, in one process. Says at the end, as
@@ -173,15 +171,16 @@ void take_all_descriptors() {
 int main(int argc, char** argv) {
   using namespace spindle_twin::firmware;
   try {
-    CLI::App app{"fleet_nodes: many spindles that publish to one broker"};
+    spindle_twin::bench::CommandLine line("fleet_nodes: many spindles that publish to one broker");
     Load load;
-    app.add_option("--port", load.port, "of the broker")->required();
-    app.add_option("--nodes", load.nodes);
-    app.add_option("--first", load.first, "number of the first node");
-    app.add_option("--period", load.period_s, "s from sample to sample");
-    app.add_option("--seconds", load.seconds, "for which samples are made");
-    app.add_option("--queue", load.queue, "samples that wait at most, of each");
-    CLI11_PARSE(app, argc, argv);
+    line.add("--port", load.port, "of the broker");
+    line.require("--port");
+    line.add("--nodes", load.nodes, "that publish");
+    line.add("--first", load.first, "number of the first node");
+    line.add("--period", load.period_s, "s from sample to sample");
+    line.add("--seconds", load.seconds, "for which samples are made");
+    line.add("--queue", load.queue, "samples that wait at most, of each");
+    if (const auto code = line.parse(argc, argv)) return *code;
     take_all_descriptors();
     spdlog::set_level(spdlog::level::off);  // each node would say what happens to all
     Fleet(load).run();

@@ -1,6 +1,3 @@
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -9,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "tests/bench/command_line/command_line.hpp"
 #include "tests/bench/modbus_loading/clients.hpp"
 
 /// Loads a Modbus server from all sides at once and says, as JSON, what each kind of client got.
@@ -76,16 +74,18 @@ nlohmann::ordered_json load(const Options& options) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Clients of all manners against a Modbus/TCP server on 127.0.0.1.");
+  using bench::Allowed;
+  bench::CommandLine line("Clients of all manners against a Modbus/TCP server on 127.0.0.1.");
   Options options;
-  app.add_option("--port", options.port, "where it listens")->required();
-  app.add_option("--seconds", options.seconds, "at least so long")->check(CLI::PositiveNumber);
-  app.add_option("--readers", options.readers, "connections that read")->check(CLI::Range(1, 200));
-  app.add_option("--reads-per-s", options.reads_per_s, "of all readers together")->check(CLI::PositiveNumber);
-  app.add_option("--slow", options.slow, "slow connections")->check(CLI::Range(1, 200));
-  app.add_option("--malformed", options.malformed, "frames in all")->check(CLI::PositiveNumber);
-  app.add_option("--seed", options.seed, "of the malformed frames");
-  CLI11_PARSE(app, argc, argv);
+  line.add("--port", options.port, "where it listens", Allowed{1, 65535});
+  line.require("--port");
+  line.add("--seconds", options.seconds, "at least so long", Allowed{0.1, 1e6});
+  line.add("--readers", options.readers, "connections that read", Allowed{1, 200});
+  line.add("--reads-per-s", options.reads_per_s, "of all readers together", Allowed{0.1, 1e6});
+  line.add("--slow", options.slow, "slow connections", Allowed{1, 200});
+  line.add("--malformed", options.malformed, "frames in all", Allowed{1, 1e9});
+  line.add("--seed", options.seed, "of the malformed frames");
+  if (const auto code = line.parse(argc, argv)) return *code;
   try {
     std::printf("%s\n", load(options).dump(2).c_str());
   } catch (const std::exception& error) {

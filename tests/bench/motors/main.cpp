@@ -1,12 +1,10 @@
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <mutex>
 
+#include "tests/bench/command_line/command_line.hpp"
 #include "tests/bench/in_parallel.hpp"
 #include "tests/bench/motors/follow.hpp"
 #include "tests/bench/motors/two_nodes.hpp"
@@ -227,21 +225,22 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
-  CLI::App app{"motor_campaign: simulated motors against a hand-written network of two nodes that is 30-50 % wrong"};
-  app.add_option("--runs", options.runs, "motors of 4 h; each is followed with both sensors and with one of them")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the first motor; the next ones count up")->capture_default_str();
-  app.add_option("--threads", options.threads)->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_flag("--short", options.is_short, "four motors, for a quick look");
-  app.add_flag("--verbose", options.verbose, "a line for each motor, sensors in use and place");
-  app.add_option("--correction", options.follow.correction,
-                 "lines for the daemon's table [correction], such as \"floor_K = 0.3\"");
-  app.add_option("--health", options.follow.health, "lines for [health], such as \"enabled = false\"");
-  app.add_option("--trace", options.follow.trace_path,
-                 "writes every cycle to this file, as CSV: truth, predictions, deviations, readings, state, quality; "
-                 "of the first motor, then of issue 11's cases");
-  CLI11_PARSE(app, argc, argv);
+  using spindle_twin::bench::Allowed;
+  spindle_twin::bench::CommandLine line(
+      "motor_campaign: simulated motors against a hand-written network of two nodes that is 30-50 % wrong");
+  line.add("--runs", options.runs, "motors of 4 h; each is followed with both sensors and with one of them",
+           Allowed{1, 10000});
+  line.add("--seed", options.seed, "of the first motor; the next ones count up");
+  line.add("--threads", options.threads, "that work at once", Allowed{1, 64});
+  line.add_flag("--short", options.is_short, "four motors, for a quick look");
+  line.add_flag("--verbose", options.verbose, "a line for each motor, sensors in use and place");
+  line.add("--correction", options.follow.correction,
+           "lines for the daemon's table [correction], such as \"floor_K = 0.3\"");
+  line.add("--health", options.follow.health, "lines for [health], such as \"enabled = false\"");
+  line.add("--trace", options.follow.trace_path,
+           "writes every cycle to this file, as CSV: truth, predictions, deviations, readings, state, quality; "
+           "of the first motor, then of issue 11's cases");
+  if (const auto code = line.parse(argc, argv)) return *code;
   if (options.is_short) options.runs = 4;
   if (!options.follow.trace_path.empty()) {
     options.runs = options.threads = 1;

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "tests/bench/campaign/options.hpp"
 #include "tests/bench/reality/tables.hpp"
 #include "tests/bench/reality/twin.hpp"
 
@@ -126,23 +127,22 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace spindle_twin::bench;
   Options options;
-  CLI::App app{"reality_campaign: the daemon's own cycle on virtual spindles outside its priors"};
+  CommandLine line("reality_campaign: the daemon's own cycle on virtual spindles outside its priors");
   options.runs = 16;
-  add_options(app, options, "of 2 h for each family, nominal twice as many",
+  add_options(line, options, "of 2 h for each family, nominal twice as many",
               "one run of a few families with coarse models, for a quick look");
-  app.add_option("--family", options.families, "only this one; may be given again");
-  app.add_option("--first", options.first, "number of the first spindle")->check(CLI::Range(0, 99999));
-  app.add_option("--cycle-s", options.cycle_s, "period of the daemon, where the family has none of its own")
-      ->check(CLI::Range(0.1, 10.0))
-      ->capture_default_str();
-  app.add_flag("--verbose", options.verbose, "a line per run");
-  app.add_option("--csv", options.csv, "file for the score of each run");
-  app.add_option("--heading", options.heading, "comment for that file");
-  app.add_option("--trace", options.trace, "file for the time series of a single run: one --family, --runs 1");
-  app.add_option("--resume", options.resume, "scores of such a file: what stands there is not run again");
-  app.add_flag("--judge", options.judge_only, "run nothing: tables and limits of the scores of --resume");
-  app.add_option("--present", options.present, "scores of the filter to compare with")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  line.add("--family", options.families, "only this one; may be given again");
+  line.add("--first", options.first, "number of the first spindle", Allowed{0, 99999});
+  line.add("--cycle-s", options.cycle_s, "period of the daemon, where the family has none of its own",
+           Allowed{0.1, 10.0});
+  line.add_flag("--verbose", options.verbose, "a line per run");
+  line.add("--csv", options.csv, "file for the score of each run");
+  line.add("--heading", options.heading, "comment for that file");
+  line.add("--trace", options.trace, "file for the time series of a single run: one --family, --runs 1");
+  line.add("--resume", options.resume, "scores of such a file: what stands there is not run again");
+  line.add_flag("--judge", options.judge_only, "run nothing: tables and limits of the scores of --resume");
+  line.add("--present", options.present, "scores of the filter to compare with");
+  if (const auto code = line.parse(argc, argv)) return *code;
   settle(options);
   if (options.is_short) options.cycle_s = 5.0;
   if (!options.trace.empty() && (options.families.size() != 1 || options.runs != 1)) {

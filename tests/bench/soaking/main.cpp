@@ -1,8 +1,5 @@
 #include <unistd.h>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +12,7 @@
 #include "firmware/serve/pack.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/integrate/exact_stepper.hpp"
+#include "tests/bench/command_line/command_line.hpp"
 #include "tests/firmware/support/daemon_plan.hpp"
 #include "tests/firmware/support/random_machine.hpp"
 #include "tests/rom/heap_calls.hpp"
@@ -211,15 +209,17 @@ int report(const Score& score, const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace spindle_twin::firmware;
+  using spindle_twin::bench::Allowed;
+  using spindle_twin::bench::CommandLine;
   Options options;
-  CLI::App app("Weeks of the daemon's cycle on a clock of its own, with troubles each day");
-  app.add_option("--days", options.days, "simulated")->check(CLI::Range(0.1, 3650.0));
-  app.add_option("--seed", options.seed, "of machine, drive cycle and troubles");
-  app.add_option("--network", options.network, "network file; else a random hand-written one");
-  app.add_flag("--fresh-matrix", options.fresh_matrix,
-               "Newton's matrix is always of the present conductances: heat is conserved in each step");
-  app.add_flag("--short", options.is_short, "two days, for CI");
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line("Weeks of the daemon's cycle on a clock of its own, with troubles each day");
+  line.add("--days", options.days, "simulated", Allowed{0.1, 3650.0});
+  line.add("--seed", options.seed, "of machine, drive cycle and troubles");
+  line.add("--network", options.network, "network file; else a random hand-written one");
+  line.add_flag("--fresh-matrix", options.fresh_matrix,
+                "Newton's matrix is always of the present conductances: heat is conserved in each step");
+  line.add_flag("--short", options.is_short, "two days, for CI");
+  if (const auto code = line.parse(argc, argv)) return *code;
   if (options.is_short) options.days = 2.0;
   return report(soak(options), options);
 }
