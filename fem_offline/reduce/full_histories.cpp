@@ -6,7 +6,7 @@ namespace spindle_twin::fem_offline {
 
 Eigen::MatrixXd full_history(const AffineModel& model, AnalysedSystem& matrices, const History& history) {
   ThermalSystem& system = matrices.system;
-  const CholeskyFactor& analysed = matrices.analysed;
+  const CholeskyAnalysis& analysed = matrices.analysed;
   const double datum_K = model.boundaries.reference_temperature_K;
   CoolantCoupling coupling(model);
   Eigen::VectorXd load_W;

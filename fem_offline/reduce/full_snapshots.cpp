@@ -11,6 +11,7 @@
 
 #include "fem_offline/reduce/analysed_system.hpp"
 #include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/column_store.hpp"
 #include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/full_histories.hpp"
 #include "fem_offline/reduce/most_independent.hpp"
@@ -141,11 +142,10 @@ Eigen::MatrixXd body_columns(const AffineModel& model, int nodes) {
 }
 
 /// Solutions for every load at options.full_sets sets, then the fields of options.full_histories histories, without
-/// what the constant and `bodies` span of them. In single precision, which is enough to choose from and to span with,
-/// and half the memory of the build.
-Eigen::MatrixXf full_snapshots(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& bodies,
-                               const ReduceOptions& options, std::vector<std::unique_ptr<Worker>>& workers,
-                               const Progress& progress) {
+/// what the constant and `bodies` span of them.
+std::unique_ptr<ColumnStore> full_snapshots(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& bodies,
+                                            const ReduceOptions& options, std::vector<Worker>& workers,
+                                            const Progress& progress) {
   const int response_sets = options.full_sets, items = response_sets + options.full_histories;
   std::vector<History> histories;
   histories.reserve(static_cast<std::size_t>(options.full_histories));
@@ -160,17 +160,16 @@ Eigen::MatrixXf full_snapshots(const AffineModel& model, const Loads& loads, con
                                         ? responses
                                         : histories[static_cast<std::size_t>(item - response_sets)].fields()));
   }
-  Eigen::MatrixXf snapshots(model.capacity_J_per_K.rows(), first.back());
+  auto snapshots = std::make_unique<ColumnStore>(model.capacity_J_per_K.rows(), first.back());
   std::atomic<int> finished{0};
   for_each_index(items, options.threads, [&](int item, int index) {
-    auto& worker = workers[static_cast<std::size_t>(index)];
-    if (!worker) worker = std::make_unique<Worker>(model);
+    Worker& worker = workers[static_cast<std::size_t>(index)];
     Eigen::MatrixXd own = item < response_sets
-                              ? worker->responses(model, loads, options, static_cast<std::uint32_t>(item))
-                              : full_history(model, *worker, histories[static_cast<std::size_t>(item - response_sets)]);
+                              ? worker.responses(model, loads, options, static_cast<std::uint32_t>(item))
+                              : full_history(model, worker, histories[static_cast<std::size_t>(item - response_sets)]);
     remove_constant(own);
     for (int pass = 0; pass < 2; ++pass) own -= product(bodies, transposed_product(bodies, own));
-    snapshots.middleCols(first[static_cast<std::size_t>(item)], own.cols()) = own.cast<float>();
+    snapshots->write(first[static_cast<std::size_t>(item)], own);
     const int done = ++finished;
     if (index == 0 && progress) progress("FE snapshots", static_cast<double>(done) / items);
   });
@@ -181,25 +180,25 @@ Eigen::MatrixXf full_snapshots(const AffineModel& model, const Loads& loads, con
 
 RichBasis full_snapshot_basis(const AffineModel& model, Loads& loads, const ReduceOptions& options,
                               const Progress& progress) {
-  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(options.threads));
-  workers.front() = std::make_unique<Worker>(model);
-  scale_outputs(*workers.front(), model, options, loads);
+  const int items = options.full_sets + options.full_histories;
+  std::vector<Worker> workers(static_cast<std::size_t>(std::clamp(options.threads, 1, items)), Worker(model));
+  scale_outputs(workers.front(), model, options, loads);
   const Eigen::Index unknowns = model.capacity_J_per_K.rows();
   const Eigen::MatrixXd bodies = body_columns(model, options.nodes);
-  Eigen::MatrixXf snapshots = full_snapshots(model, loads, bodies, options, workers, progress);
-  workers.clear();
+  auto snapshots = full_snapshots(model, loads, bodies, options, workers, progress);
+  workers = {};
   malloc_trim(0);  // the factors' memory
 
   const Eigen::Index of_bodies =
       options.rich_states_per_body * (static_cast<int>(model.parts.size() + model.air_names.size()));
   const Eigen::Index most = std::min(std::max<Eigen::Index>(options.rich_states, of_bodies), unknowns);
-  const std::vector<int> chosen = most_independent(snapshots, most - 1 - bodies.cols(), options.threads);
+  const std::vector<int> chosen = most_independent(*snapshots, most - 1 - bodies.cols(), options.threads);
   const Eigen::Index count = static_cast<Eigen::Index>(chosen.size());
 
   RichBasis basis;
-  basis.snapshots = static_cast<int>(snapshots.cols());
-  Eigen::MatrixXd kept = snapshots(Eigen::all, chosen).cast<double>();
-  snapshots.resize(0, 0);
+  basis.snapshots = static_cast<int>(snapshots->cols());
+  Eigen::MatrixXd kept = snapshots->chosen(chosen);
+  snapshots.reset();
   kept.colwise().normalize();
   remove_constant(kept);  // what rounding to single precision has brought back
   kept -= product(bodies, transposed_product(bodies, kept));

@@ -1,7 +1,7 @@
 #include "fem_offline/reduce/history_errors.hpp"
 
+#include <algorithm>
 #include <atomic>
-#include <memory>
 #include <utility>
 
 #include "fem_offline/reduce/analysed_system.hpp"
@@ -47,16 +47,15 @@ void follow_history(const DenseModel& model, const rom::Boundaries& boundaries, 
 std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOptions& options, int count,
                                         const Progress& progress) {
   const double datum_K = model.boundaries.reference_temperature_K;
-  std::vector<std::unique_ptr<AnalysedSystem>> workers(static_cast<std::size_t>(options.threads));
+  std::vector<AnalysedSystem> workers(static_cast<std::size_t>(std::clamp(options.threads, 1, std::max(count, 1))),
+                                      AnalysedSystem(model));
   std::vector<FeHistory> histories(static_cast<std::size_t>(count));
   std::atomic<int> finished{0};
   for_each_index(count, options.threads, [&](int index, int worker) {
-    auto& own = workers[static_cast<std::size_t>(worker)];
-    if (!own) own = std::make_unique<AnalysedSystem>(model);
     FeHistory& item = histories[static_cast<std::size_t>(index)];
     item.history =
         random_history(model.boundaries, options, StreamPurpose::size_choice, static_cast<std::uint32_t>(index));
-    const Eigen::MatrixXd fields = full_history(model, *own, item.history);
+    const Eigen::MatrixXd fields = full_history(model, workers[static_cast<std::size_t>(worker)], item.history);
     item.outputs.resize(output_layout(model).total(), fields.cols());
     for (Eigen::Index i = 0; i < fields.cols(); ++i) {
       item.outputs.col(i) = fe_outputs(model, fields.col(i).array() + datum_K);

@@ -79,11 +79,11 @@ bool of_one_stretch(const rom::BoundaryValues& one, const rom::BoundaryValues& o
 }
 
 struct KrylovStepper::Impl {
-  Impl(const AffineModel& of, const CholeskyFactor& shared, double tolerance)
+  Impl(const AffineModel& of, const CholeskyAnalysis& shared, double tolerance)
       : model(of), analysed(shared), tolerance_K(tolerance), system(of), coupling(of) {}
 
   const AffineModel& model;
-  const CholeskyFactor& analysed;
+  const CholeskyAnalysis& analysed;
   double tolerance_K;
   ThermalSystem system;
   CoolantCoupling coupling;
@@ -254,7 +254,7 @@ struct KrylovStepper::Impl {
   }
 };
 
-KrylovStepper::KrylovStepper(const AffineModel& model, const CholeskyFactor& analysed, double tolerance_K)
+KrylovStepper::KrylovStepper(const AffineModel& model, const CholeskyAnalysis& analysed, double tolerance_K)
     : impl_(std::make_unique<Impl>(model, analysed, tolerance_K)) {}
 KrylovStepper::~KrylovStepper() = default;
 

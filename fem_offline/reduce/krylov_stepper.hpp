@@ -32,7 +32,7 @@ bool of_one_stretch(const rom::BoundaryValues& one, const rom::BoundaryValues& o
 class KrylovStepper {
  public:
   /// `analysed`: of a matrix of this model, whose analysis serves here; it must outlive this. `tolerance_K`: above 0.
-  KrylovStepper(const AffineModel& model, const CholeskyFactor& analysed, double tolerance_K);
+  KrylovStepper(const AffineModel& model, const CholeskyAnalysis& analysed, double tolerance_K);
   ~KrylovStepper();
 
   void set_temperatures(const Eigen::VectorXd& temperatures_K);

@@ -2,9 +2,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fem_offline/reduce/most_independent.hpp"
+#include "fem_offline/reduce/parallel.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -22,34 +26,59 @@ double condition_of(const Eigen::MatrixXd& matrix) {
   return std::sqrt(largest / std::max(eigenvalues[0], std::numeric_limits<double>::epsilon() * largest));
 }
 
-}  // namespace
+/// V · (rows of V at the nodes)⁻¹, by blocks of rows.
+Eigen::MatrixXd interpolant_of(const Eigen::MatrixXd& basis, const std::vector<int>& nodes, int threads) {
+  constexpr Eigen::Index rows_per_block = 1024;
+  const Eigen::PartialPivLU<Eigen::MatrixXd> at_nodes(basis(nodes, Eigen::all).transpose());
+  Eigen::MatrixXd interpolant(basis.rows(), basis.cols());
+  const int blocks = static_cast<int>((basis.rows() + rows_per_block - 1) / rows_per_block);
+  for_each_index(blocks, threads, [&](int block, int) {
+    const Eigen::Index first = block * rows_per_block, height = std::min(rows_per_block, basis.rows() - first);
+    const Eigen::MatrixXd solved = at_nodes.solve(Eigen::MatrixXd(basis.middleRows(first, height).transpose()));
+    interpolant.middleRows(first, height) = solved.transpose();
+  });
+  return interpolant;
+}
 
-NodalCoordinates choose_nodes(const Eigen::MatrixXd& orthonormal_basis) {
-  const Eigen::Index count = orthonormal_basis.cols();
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(orthonormal_basis.transpose());
-  const auto& order = pivoted.colsPermutation().indices();
-  NodalCoordinates nodal;
-  nodal.nodes.assign(order.data(), order.data() + count);
-
-  const auto interpolate = [&] {
-    const Eigen::MatrixXd at_nodes = orthonormal_basis(nodal.nodes, Eigen::all);
-    return Eigen::MatrixXd(at_nodes.transpose().partialPivLu().solve(orthonormal_basis.transpose()).transpose());
-  };
-  nodal.interpolant = interpolate();
+/// Swaps nodes until no entry of the interpolant is above largest_entry, nor more than most_swaps times.
+void swap_nodes(Eigen::MatrixXd& interpolant, std::vector<int>& nodes, int threads) {
+  constexpr Eigen::Index columns_swapped_at_once = 16;
+  const Eigen::Index count = interpolant.cols();
+  const int blocks = static_cast<int>((count + columns_swapped_at_once - 1) / columns_swapped_at_once);
+  Eigen::VectorXd largest = interpolant.cwiseAbs().colwise().maxCoeff().transpose();
   for (int swap = 0; swap < most_swaps; ++swap) {
     Eigen::Index row = 0, column = 0;
-    const double largest = nodal.interpolant.cwiseAbs().maxCoeff(&row, &column);
-    if (largest <= largest_entry) break;
+    if (largest.maxCoeff(&column) <= largest_entry) break;
+    interpolant.col(column).cwiseAbs().maxCoeff(&row);
     // Rank-one exchange of node `column` for unknown `row`.
-    const Eigen::VectorXd old_column = nodal.interpolant.col(column);
-    Eigen::RowVectorXd change = nodal.interpolant.row(row);
+    const Eigen::VectorXd old_column = interpolant.col(column);
+    Eigen::RowVectorXd change = interpolant.row(row);
     const double pivot = change[column];
     change[column] -= 1.0;
-    nodal.interpolant.noalias() -= old_column * (change / pivot);
-    nodal.nodes[static_cast<std::size_t>(column)] = static_cast<int>(row);
+    change /= pivot;
+    for_each_index(blocks, threads, [&](int block, int) {
+      const Eigen::Index first = block * columns_swapped_at_once,
+                         end = std::min(first + columns_swapped_at_once, count);
+      for (Eigen::Index i = first; i < end; ++i) {
+        interpolant.col(i) -= change[i] * old_column;
+        largest[i] = interpolant.col(i).cwiseAbs().maxCoeff();
+      }
+    });
+    nodes[static_cast<std::size_t>(column)] = static_cast<int>(row);
   }
+}
+
+}  // namespace
+
+NodalCoordinates choose_nodes(const Eigen::MatrixXd& orthonormal_basis, int threads) {
+  const Eigen::Index count = orthonormal_basis.cols();
+  NodalCoordinates nodal;
+  nodal.nodes = most_independent_rows(orthonormal_basis, count, threads);
+  if (std::ssize(nodal.nodes) < count) throw std::runtime_error("the basis' columns are dependent");
+  nodal.interpolant = interpolant_of(orthonormal_basis, nodal.nodes, threads);
+  swap_nodes(nodal.interpolant, nodal.nodes, threads);
   std::sort(nodal.nodes.begin(), nodal.nodes.end());
-  nodal.interpolant = interpolate();
+  nodal.interpolant = interpolant_of(orthonormal_basis, nodal.nodes, threads);
   nodal.at_nodes = orthonormal_basis(nodal.nodes, Eigen::all);
   nodal.condition = condition_of(nodal.at_nodes);
 

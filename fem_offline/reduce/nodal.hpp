@@ -17,9 +17,11 @@ struct NodalCoordinates {
   double condition = 0.0;       ///< of at_nodes times that of V, which is 1
 };
 
-/// Pivoted QR on Vᵀ takes the first choice; then nodes are swapped while an entry of the interpolant is above 1.2 in
-/// magnitude (maximum volume: Goreinov et al. 2010), which keeps the interpolant from amplifying anywhere.
-NodalCoordinates choose_nodes(const Eigen::MatrixXd& orthonormal_basis);
+/// The first choice are the rows of V that are the most independent (complete pivoting); then nodes are swapped while
+/// an entry of the interpolant is above 1.2 in magnitude (maximum volume: Goreinov et al. 2010), which keeps the
+/// interpolant from amplifying anywhere. The same bits for any number of threads. Throws std::runtime_error where
+/// columns are dependent.
+NodalCoordinates choose_nodes(const Eigen::MatrixXd& orthonormal_basis, int threads);
 
 /// C, K₀, Fⱼ and B of the network. `coordinates` are those of the orthonormal basis in the rich one.
 void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, const AffineModel& model,

@@ -1,7 +1,14 @@
+#include <algorithm>
+
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 
 namespace spindle_twin::fem_offline {
+namespace {
+
+constexpr Eigen::Index columns_at_once = 64;  ///< of what a matrix makes of the basis
+
+}  // namespace
 
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads) {
   RichModel rich;
@@ -19,8 +26,10 @@ RichModel project_model(const AffineModel& model, const Loads& loads, const Eige
       place[static_cast<std::size_t>(column)] = static_cast<int>(touched.size());
       touched.push_back(column);
     }
-    const Eigen::MatrixXd rows = basis(touched, Eigen::all);
-    Eigen::MatrixXd image = Eigen::MatrixXd::Zero(rows.rows(), rows.cols());
+    // A matrix that touches all is projected without a copy of the basis.
+    const bool touches_all = static_cast<Eigen::Index>(touched.size()) == basis.rows();
+    const Eigen::MatrixXd gathered = touches_all ? Eigen::MatrixXd() : Eigen::MatrixXd(basis(touched, Eigen::all));
+    const Eigen::MatrixXd& rows = touches_all ? basis : gathered;
     std::vector<Eigen::Triplet<double>> entries;
     for (int column = 0; column < full.outerSize(); ++column) {
       for (SparseMatrix::InnerIterator item(full, column); item; ++item) {
@@ -30,8 +39,11 @@ RichModel project_model(const AffineModel& model, const Loads& loads, const Eige
     }
     SparseMatrix compact(rows.rows(), rows.rows());
     compact.setFromTriplets(entries.begin(), entries.end());
-    image.noalias() = compact * rows;
-    Eigen::MatrixXd small = transposed_product(rows, image);
+    Eigen::MatrixXd small(rows.cols(), rows.cols());
+    for (Eigen::Index first = 0; first < rows.cols(); first += columns_at_once) {
+      const Eigen::Index count = std::min(columns_at_once, rows.cols() - first);
+      small.middleCols(first, count) = transposed_product(rows, compact * rows.middleCols(first, count));
+    }
     small = (0.5 * (small + small.transpose())).eval();
     if (index >= 2) {
       rich.dense.conductance_terms[static_cast<std::size_t>(index - 2)] = PackedSymmetric(small);

@@ -1,5 +1,7 @@
 #include "fem_offline/reduce/reduce.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -85,7 +87,7 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
   const int threads = impl_->options.threads;
   StageClock clock(report, progress);
   const Eigen::MatrixXd coordinates = impl_->coordinates.leftCols(nodes);
-  const NodalCoordinates nodal = choose_nodes(combine(impl_->full.columns, coordinates, threads));
+  const NodalCoordinates nodal = choose_nodes(combine(impl_->full.columns, coordinates, threads), threads);
   if (report) report->condition = nodal.condition;
   clock.finish("nodes");
 
@@ -102,6 +104,7 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
   add_part_extremes(model, nodal, extremes, network);
   if (known) *known = std::move(extremes);
   clock.finish("part extremes");
+  malloc_trim(0);  // what the choice of nodes took
   return network;
 }
 

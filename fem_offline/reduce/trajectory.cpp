@@ -86,7 +86,7 @@ Eigen::VectorXd network_outputs(const rom::NetworkOutputs& outputs) {
   return column;
 }
 
-FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed) {
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyAnalysis& analysed) {
   KrylovStepper by_projection(model, analysed, tolerance_in_time_K);
   FeStepper by_steps(model, FeScheme::order_4, &analysed);
   by_steps.keep_factors(latest_factors);
@@ -122,7 +122,7 @@ FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const Chole
 }
 
 FeTrajectory run_fe_model_by_steps(const AffineModel& model, DriveCase drive, double fe_step_s,
-                                   const CholeskyFactor* analysed) {
+                                   const CholeskyAnalysis* analysed) {
   FeStepper stepper(model, FeScheme::order_4, analysed);
   stepper.keep_factors(latest_factors);
   stepper.set_uniform_temperature(drive.initial_temperature_K);

@@ -45,11 +45,11 @@ struct FeTrajectory {
 /// By KrylovStepper with tolerance_in_time_K where conductances, heats and flows are held over
 /// four intervals at least and in models of fewer than 3000 unknowns; elsewhere by steps as below, of 32 s at most.
 /// `analysed`: of a matrix of this model, whose analysis serves here; several threads may share it.
-FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyFactor& analysed);
+FeTrajectory run_fe_model(const AffineModel& model, DriveCase drive, const CholeskyAnalysis& analysed);
 /// The same by steps in time of order 4, no longer than `fe_step_s`; after a jump they are shorter, from 0.5 s on.
 /// `analysed`: as FeStepper has it, several threads may share it.
 FeTrajectory run_fe_model_by_steps(const AffineModel& model, DriveCase drive, double fe_step_s,
-                                   const CholeskyFactor* analysed = nullptr);
+                                   const CholeskyAnalysis* analysed = nullptr);
 
 /// Largest |network − FE model| of every output over the run; the network runs with the runtime's own integrator. Its
 /// maxima are over its candidate points. std::runtime_error if the integrator fails.

@@ -32,7 +32,7 @@ void check_same_model(const rom::Network& network, const AffineModel& model) {
   }
 }
 
-FeTrajectory run_fe_case(const AffineModel& model, const CholeskyFactor& analysed, const VerifyOptions& options,
+FeTrajectory run_fe_case(const AffineModel& model, const CholeskyAnalysis& analysed, const VerifyOptions& options,
                          int index) {
   DriveCase drive = random_case(model.boundaries, options.seed, static_cast<std::uint32_t>(index), options.drive);
   return options.fe_step_s ? run_fe_model_by_steps(model, std::move(drive), *options.fe_step_s, &analysed)

@@ -46,7 +46,7 @@ class FeStepper {
   /// Starts at initial_temperatures with the reference temperature elsewhere. `analysed`: of a matrix of this model,
   /// whose analysis serves here too; it must outlive this. null: one of its own.
   explicit FeStepper(const AffineModel& model, FeScheme scheme = FeScheme::order_2,
-                     const CholeskyFactor* analysed = nullptr);
+                     const CholeskyAnalysis* analysed = nullptr);
   ~FeStepper();
   FeStepper(FeStepper&&) noexcept;
   FeStepper& operator=(FeStepper&&) noexcept;

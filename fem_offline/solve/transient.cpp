@@ -79,7 +79,7 @@ Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_
 }
 
 struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
-  Impl(const AffineModel& model, FeScheme scheme, const CholeskyFactor* shared)
+  Impl(const AffineModel& model, FeScheme scheme, const CholeskyAnalysis* shared)
       : system(model),
         analysed(shared),
         coupling(model),
@@ -87,7 +87,7 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
         slopes_K_per_s(static_cast<std::size_t>(tableau.below.rows())) {}
 
   ThermalSystem system;
-  const CholeskyFactor* analysed;
+  const CholeskyAnalysis* analysed;
   CoolantCoupling coupling;
   rom::BoundaryValues held;
   double since_jump_s = 0.0;
@@ -123,8 +123,8 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
       return factors.front().factor;
     }
     const SparseMatrix matrix = system.combined_lower(tableau.gamma * step_s);
-    const CholeskyFactor* pattern = factors.empty() ? analysed : &factors.front().factor.symmetric();
-    CholeskyFactor made = pattern ? CholeskyFactor(*pattern, matrix) : CholeskyFactor(matrix);
+    const CholeskyAnalysis* known = factors.empty() ? analysed : &factors.front().factor.symmetric().analysis();
+    CholeskyFactor made = known ? CholeskyFactor(*known, matrix) : CholeskyFactor(matrix);
     factors.push_front({step_s, held.conductance_W_per_m2K, held.coolant_W_per_K,
                         CoupledFactor(std::move(made), coupling, tableau.gamma * step_s)});
     while (factors.size() > most_factors) factors.pop_back();
@@ -160,7 +160,7 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
   }
 };
 
-FeStepper::FeStepper(const AffineModel& model, FeScheme scheme, const CholeskyFactor* analysed)
+FeStepper::FeStepper(const AffineModel& model, FeScheme scheme, const CholeskyAnalysis* analysed)
     : impl_(std::make_unique<Impl>(model, scheme, analysed)) {
   set_temperatures(initial_temperatures(model, model.boundaries.reference_temperature_K));
 }

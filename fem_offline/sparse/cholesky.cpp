@@ -79,12 +79,13 @@ bool is_positive_definite(const cholmod_factor& factor) {
   return std::all_of(column_starts, column_starts + factor.n, [&](int start) { return entries[start] > 0.0; });
 }
 
-/// Ordering and pattern of the factor, without values.
-struct Analysis {
+}  // namespace
+
+struct CholeskyAnalysis::Impl {
   Common common;
   cholmod_factor* factor = nullptr;
 
-  Analysis(const SparseMatrix& lower, Solutions wanted) : common(Solutions::many) {
+  Impl(const SparseMatrix& lower, Solutions wanted) : common(Solutions::many) {
     cholmod_sparse matrix = view(lower);
     // METIS begins at one seed, but its numbers come from rand(), which two orderings at once would share: then neither
     // would be that of another run.
@@ -97,12 +98,13 @@ struct Analysis {
     factor = cholmod_analyze(&matrix, &common.settings);
     if (!factor) throw std::runtime_error("CHOLMOD could not analyse the matrix: no memory");
   }
-  ~Analysis() { cholmod_free_factor(&factor, &common.settings); }
-  Analysis(const Analysis&) = delete;
-  Analysis& operator=(const Analysis&) = delete;
+  ~Impl() { cholmod_free_factor(&factor, &common.settings); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 };
 
-}  // namespace
+CholeskyAnalysis::CholeskyAnalysis(const SparseMatrix& lower, Solutions wanted)
+    : impl_(std::make_shared<const Impl>(lower, wanted)) {}
 
 bool openblas_serves_threads() {
   static const bool loaded = dlsym(RTLD_DEFAULT, "openblas_get_parallel") != nullptr;
@@ -110,12 +112,12 @@ bool openblas_serves_threads() {
 }
 
 struct CholeskyFactor::Impl {
-  Impl(std::shared_ptr<const Analysis> shared, const SparseMatrix& lower, Solutions wanted)
+  Impl(CholeskyAnalysis shared, const SparseMatrix& lower, Solutions wanted)
       : analysis(std::move(shared)), common(wanted) {
     // CHOLMOD asks for four threads per factor, which wait in loops and on a busy computer cost far more than the
     // work; cases run in parallel instead. The setting holds for the calling thread.
     omp_set_max_active_levels(0);
-    factor = cholmod_copy_factor(analysis->factor, &common.settings);
+    factor = cholmod_copy_factor(analysis.impl_->factor, &common.settings);
     cholmod_sparse matrix = view(lower);
     if (!factor || !cholmod_factorize(&matrix, factor, &common.settings) || !is_positive_definite(*factor)) {
       release();
@@ -134,7 +136,7 @@ struct CholeskyFactor::Impl {
     cholmod_free_factor(&factor, &common.settings);
   }
 
-  std::shared_ptr<const Analysis> analysis;
+  CholeskyAnalysis analysis;
   Common common;
   cholmod_factor* factor = nullptr;
   cholmod_dense* solution = nullptr;
@@ -143,14 +145,16 @@ struct CholeskyFactor::Impl {
 };
 
 CholeskyFactor::CholeskyFactor(const SparseMatrix& lower, Solutions wanted)
-    : impl_(std::make_unique<Impl>(std::make_shared<const Analysis>(lower, wanted), lower, wanted)) {}
+    : impl_(std::make_unique<Impl>(CholeskyAnalysis(lower, wanted), lower, wanted)) {}
 
-CholeskyFactor::CholeskyFactor(const CholeskyFactor& pattern, const SparseMatrix& lower)
-    : impl_(std::make_unique<Impl>(pattern.impl_->analysis, lower, Solutions::many)) {}
+CholeskyFactor::CholeskyFactor(const CholeskyAnalysis& analysis, const SparseMatrix& lower)
+    : impl_(std::make_unique<Impl>(analysis, lower, Solutions::many)) {}
 
 CholeskyFactor::~CholeskyFactor() = default;
 CholeskyFactor::CholeskyFactor(CholeskyFactor&&) noexcept = default;
 CholeskyFactor& CholeskyFactor::operator=(CholeskyFactor&&) noexcept = default;
+
+const CholeskyAnalysis& CholeskyFactor::analysis() const { return impl_->analysis; }
 
 void CholeskyFactor::solve(const double* loads, Eigen::Index columns, double* solutions) {
   if (columns == 0) return;

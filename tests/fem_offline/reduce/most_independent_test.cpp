@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <stdexcept>
+#include <vector>
 
 namespace spindle_twin::fem_offline {
 namespace most_independent_test {
@@ -22,6 +23,13 @@ Eigen::MatrixXf random_columns(Eigen::Index rows, Eigen::Index count, Eigen::Ind
   return columns.cast<float>();
 }
 
+/// Of columns that are stored as the snapshots are.
+std::vector<int> stored_most_independent(const Eigen::MatrixXf& columns, Eigen::Index most, int threads) {
+  ColumnStore store(columns.rows(), columns.cols());
+  store.write(0, columns.cast<double>());
+  return most_independent(store, most, threads);
+}
+
 /// Distance of every column from the span of those chosen.
 Eigen::VectorXd distances(const Eigen::MatrixXf& columns, const std::vector<int>& chosen) {
   const Eigen::MatrixXd all = columns.cast<double>();
@@ -33,7 +41,7 @@ Eigen::VectorXd distances(const Eigen::MatrixXf& columns, const std::vector<int>
 
 TEST(MostIndependent, each_is_the_farthest_from_the_span_of_those_before_it) {
   const Eigen::MatrixXf columns = random_columns(120, 700, 120, 5);
-  const std::vector<int> chosen = most_independent(columns, 60, 1);
+  const std::vector<int> chosen = stored_most_independent(columns, 60, 1);
   ASSERT_EQ(chosen.size(), 60U);
   std::vector<int> before;
   for (const int index : chosen) {
@@ -43,25 +51,32 @@ TEST(MostIndependent, each_is_the_farthest_from_the_span_of_those_before_it) {
   }
 }
 
+TEST(MostIndependent, rows_come_in_the_order_of_pivoted_qr_of_the_transposed_matrix) {
+  const Eigen::MatrixXd columns = random_columns(90, 800, 90, 8).cast<double>();
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted(columns);
+  const auto& order = pivoted.colsPermutation().indices();
+  EXPECT_EQ(most_independent_rows(columns.transpose(), 90, 2), std::vector<int>(order.data(), order.data() + 90));
+}
+
 TEST(MostIndependent, are_no_more_than_the_columns_have_directions) {
   // Rounding to single precision leaves a little beside the nine directions.
   const Eigen::MatrixXf columns = random_columns(80, 300, 9, 6);
-  const std::vector<int> chosen = most_independent(columns, 9, 1);
+  const std::vector<int> chosen = stored_most_independent(columns, 9, 1);
   ASSERT_EQ(chosen.size(), 9U);
   EXPECT_LT(distances(columns, chosen).maxCoeff(), 1e-5 * distances(columns, {}).maxCoeff());
-  EXPECT_EQ(most_independent(columns.leftCols(4), 9, 1).size(), 4U);
+  EXPECT_EQ(stored_most_independent(columns.leftCols(4), 9, 1).size(), 4U);
   Eigen::MatrixXf exact = Eigen::MatrixXf::Zero(20, 40);
   for (Eigen::Index i = 0; i < exact.cols(); ++i) exact(i % 5, i) = static_cast<float>(i + 1);
-  EXPECT_EQ(most_independent(exact, 20, 1).size(), 5U);
+  EXPECT_EQ(stored_most_independent(exact, 20, 1).size(), 5U);
 }
 
 TEST(MostIndependent, are_the_same_on_any_number_of_threads) {
   const Eigen::MatrixXf columns = random_columns(150, 900, 150, 7);
-  EXPECT_EQ(most_independent(columns, 100, 1), most_independent(columns, 100, 3));
+  EXPECT_EQ(stored_most_independent(columns, 100, 1), stored_most_independent(columns, 100, 3));
 }
 
 TEST(MostIndependent, are_refused_where_there_are_none) {
-  EXPECT_THROW(most_independent(Eigen::MatrixXf::Zero(10, 3), 2, 1), std::runtime_error);
+  EXPECT_THROW(stored_most_independent(Eigen::MatrixXf::Zero(10, 3), 2, 1), std::runtime_error);
 }
 
 }  // namespace most_independent_test

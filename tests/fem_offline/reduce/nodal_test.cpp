@@ -20,7 +20,7 @@ Eigen::MatrixXd cosine_basis(int points, int columns) {
 
 TEST(NodalCoordinates, state_is_the_field_at_the_node_for_every_field_of_the_span) {
   const Eigen::MatrixXd basis = cosine_basis(400, 25);
-  const NodalCoordinates nodal = choose_nodes(basis);
+  const NodalCoordinates nodal = choose_nodes(basis, 2);
   const Eigen::VectorXd field = basis * Eigen::VectorXd::LinSpaced(25, -3.0, 8.0);
   const Eigen::VectorXd states = field(nodal.nodes);
   EXPECT_LE((nodal.interpolant * states - field).cwiseAbs().maxCoeff(), 1e-12 * field.cwiseAbs().maxCoeff());
@@ -28,10 +28,17 @@ TEST(NodalCoordinates, state_is_the_field_at_the_node_for_every_field_of_the_spa
 }
 
 TEST(NodalCoordinates, constant_is_exact_and_nothing_is_amplified) {
-  const NodalCoordinates nodal = choose_nodes(cosine_basis(400, 25));
+  const NodalCoordinates nodal = choose_nodes(cosine_basis(400, 25), 1);
   EXPECT_LE((nodal.interpolant.rowwise().sum().array() - 1.0).abs().maxCoeff(), 4e-15);
   EXPECT_LE(nodal.interpolant.cwiseAbs().maxCoeff(), 1.2 + 1e-9);
   EXPECT_LT(nodal.condition, 100.0);
+}
+
+TEST(NodalCoordinates, are_the_same_to_the_bit_on_any_number_of_threads) {
+  const Eigen::MatrixXd basis = cosine_basis(3000, 40);
+  const NodalCoordinates one = choose_nodes(basis, 1), three = choose_nodes(basis, 3);
+  EXPECT_EQ(one.nodes, three.nodes);
+  EXPECT_EQ(one.interpolant, three.interpolant);
 }
 
 }  // namespace reduce_nodal_test

@@ -37,7 +37,7 @@ TEST(CholeskyThreads, several_threads_factorise_at_once_without_a_wrong_answer) 
     std::atomic<int> wrong{0};
     const auto work = [&] {
       try {
-        const CholeskyFactor pattern(lower);
+        const CholeskyAnalysis pattern(lower);
         Eigen::VectorXd solution;
         for (int k = 0; k < factors; ++k) {
           CholeskyFactor factor(pattern, lower);

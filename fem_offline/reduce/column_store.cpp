@@ -1,0 +1,87 @@
+#include "fem_offline/reduce/column_store.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace spindle_twin::fem_offline {
+namespace {
+
+std::string folder() {
+  const char* given = std::getenv("TMPDIR");
+  return given && *given ? given : "/tmp";
+}
+
+[[noreturn]] void fail(const char* what) {
+  const std::string why = std::generic_category().message(errno);
+  throw std::runtime_error(folder() + ": the snapshots' file cannot be " + what + ": " + why +
+                           "; TMPDIR names another folder");
+}
+
+}  // namespace
+
+ColumnStore::ColumnStore(Eigen::Index rows, Eigen::Index cols) : rows_(rows), cols_(cols) {
+  std::string path = folder() + "/spindle-twin-XXXXXX";
+  file_ = mkostemp(path.data(), O_CLOEXEC);
+  if (file_ < 0) fail("made");
+  unlink(path.c_str());
+  if (ftruncate(file_, rows * cols * static_cast<off_t>(sizeof(float))) != 0) {
+    close(file_);
+    fail("made");
+  }
+}
+
+ColumnStore::~ColumnStore() { close(file_); }
+
+void ColumnStore::write(Eigen::Index first, const Eigen::MatrixXd& columns) {
+  const Eigen::MatrixXf rounded = columns.cast<float>();
+  const auto* next = reinterpret_cast<const char*>(rounded.data());
+  auto left = static_cast<std::size_t>(rounded.size()) * sizeof(float);
+  off_t at = first * rows_ * static_cast<off_t>(sizeof(float));
+  while (left > 0) {
+    const ssize_t done = pwrite(file_, next, left, at);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail("written");
+    next += done;
+    at += done;
+    left -= static_cast<std::size_t>(done);
+  }
+}
+
+void ColumnStore::read(Eigen::Index first, Eigen::Index count, Eigen::MatrixXf& columns) const {
+  columns.resize(rows_, count);
+  auto* next = reinterpret_cast<char*>(columns.data());
+  auto left = static_cast<std::size_t>(columns.size()) * sizeof(float);
+  off_t at = first * rows_ * static_cast<off_t>(sizeof(float));
+  while (left > 0) {
+    const ssize_t done = pread(file_, next, left, at);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail("read");
+    next += done;
+    at += done;
+    left -= static_cast<std::size_t>(done);
+  }
+}
+
+Eigen::MatrixXd ColumnStore::block(Eigen::Index first, Eigen::Index count) const {
+  Eigen::MatrixXf columns;
+  read(first, count, columns);
+  return columns.cast<double>();
+}
+
+Eigen::MatrixXd ColumnStore::chosen(const std::vector<int>& indices) const {
+  Eigen::MatrixXd columns(rows_, static_cast<Eigen::Index>(indices.size()));
+  Eigen::MatrixXf one;
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    read(indices[static_cast<std::size_t>(i)], 1, one);
+    columns.col(i) = one.cast<double>();
+  }
+  return columns;
+}
+
+}  // namespace spindle_twin::fem_offline
