@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <type_traits>
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -21,6 +22,23 @@ std::string folder() {
   const std::string why = std::generic_category().message(errno);
   throw std::runtime_error(folder() + ": the snapshots' file cannot be " + what + ": " + why +
                            "; TMPDIR names another folder");
+}
+
+/// Calls move(data, bytes, place in the file) until `count` values from the file's `first_value` on have been moved.
+template <typename Value, typename Move>
+void all_of(Value* values, Eigen::Index count, Eigen::Index first_value, const char* what, const Move& move) {
+  using Byte = std::conditional_t<std::is_const_v<Value>, const char, char>;
+  auto* next = reinterpret_cast<Byte*>(values);
+  auto left = static_cast<std::size_t>(count) * sizeof(Value);
+  auto at = static_cast<off_t>(first_value) * static_cast<off_t>(sizeof(Value));
+  while (left > 0) {
+    const ssize_t done = move(next, left, at);
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) fail(what);
+    next += done;
+    at += done;
+    left -= static_cast<std::size_t>(done);
+  }
 }
 
 }  // namespace
@@ -40,32 +58,14 @@ ColumnStore::~ColumnStore() { close(file_); }
 
 void ColumnStore::write(Eigen::Index first, const Eigen::MatrixXd& columns) {
   const Eigen::MatrixXf rounded = columns.cast<float>();
-  const auto* next = reinterpret_cast<const char*>(rounded.data());
-  auto left = static_cast<std::size_t>(rounded.size()) * sizeof(float);
-  off_t at = first * rows_ * static_cast<off_t>(sizeof(float));
-  while (left > 0) {
-    const ssize_t done = pwrite(file_, next, left, at);
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) fail("written");
-    next += done;
-    at += done;
-    left -= static_cast<std::size_t>(done);
-  }
+  all_of(rounded.data(), rounded.size(), first * rows_, "written",
+         [&](const char* data, std::size_t size, off_t at) { return pwrite(file_, data, size, at); });
 }
 
 void ColumnStore::read(Eigen::Index first, Eigen::Index count, Eigen::MatrixXf& columns) const {
   columns.resize(rows_, count);
-  auto* next = reinterpret_cast<char*>(columns.data());
-  auto left = static_cast<std::size_t>(columns.size()) * sizeof(float);
-  off_t at = first * rows_ * static_cast<off_t>(sizeof(float));
-  while (left > 0) {
-    const ssize_t done = pread(file_, next, left, at);
-    if (done < 0 && errno == EINTR) continue;
-    if (done <= 0) fail("read");
-    next += done;
-    at += done;
-    left -= static_cast<std::size_t>(done);
-  }
+  all_of(columns.data(), columns.size(), first * rows_, "read",
+         [&](char* data, std::size_t size, off_t at) { return pread(file_, data, size, at); });
 }
 
 Eigen::MatrixXd ColumnStore::block(Eigen::Index first, Eigen::Index count) const {

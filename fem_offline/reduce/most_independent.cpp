@@ -110,7 +110,7 @@ std::vector<int> choose(const Columns& columns, Eigen::Index most, int threads) 
     left.segment(first, count) = block_of(columns, first, count).colwise().squaredNorm().transpose();
   }
   const double stop_below = least_left * left.maxCoeff();
-  if (!(stop_below > 0.0)) throw std::runtime_error("the columns span nothing");
+  if (!(stop_below > 0.0)) throw std::runtime_error("all columns to choose from are zero");
   std::vector<int> chosen;
   Eigen::MatrixXd factor(columns.cols(), std::min(most, columns.cols()));
   for (Eigen::Index step = 0; step < factor.cols(); ++step) {
