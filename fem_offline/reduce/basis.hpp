@@ -35,6 +35,11 @@ struct RichModel {
   std::vector<int> part_of_point;  ///< the parts' number for air
 };
 
+/// VᵀKV of a symmetric K that may touch few unknowns; symmetric to the bit.
+Eigen::MatrixXd project_term(const SparseMatrix& term, const Eigen::MatrixXd& basis);
+/// F with FFᵀ = VᵀKV, of the smallest rank that rounding allows; K without negative eigenvalues.
+Eigen::MatrixXd project_term_factor(const SparseMatrix& term, const Eigen::MatrixXd& basis);
+
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
 
 /// In the rich basis.

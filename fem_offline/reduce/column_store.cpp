@@ -20,7 +20,7 @@ std::string folder() {
 
 [[noreturn]] void fail(const char* what) {
   const std::string why = std::generic_category().message(errno);
-  throw std::runtime_error(folder() + ": the snapshots' file cannot be " + what + ": " + why +
+  throw std::runtime_error(folder() + ": the file of columns cannot be " + what + ": " + why +
                            "; TMPDIR names another folder");
 }
 
@@ -43,45 +43,60 @@ void all_of(Value* values, Eigen::Index count, Eigen::Index first_value, const c
 
 }  // namespace
 
-ColumnStore::ColumnStore(Eigen::Index rows, Eigen::Index cols) : rows_(rows), cols_(cols) {
+template <typename Stored>
+ColumnStore<Stored>::ColumnStore(Eigen::Index rows, Eigen::Index cols) : rows_(rows), cols_(cols) {
   std::string path = folder() + "/spindle-twin-XXXXXX";
   file_ = mkostemp(path.data(), O_CLOEXEC);
   if (file_ < 0) fail("made");
   unlink(path.c_str());
-  if (ftruncate(file_, rows * cols * static_cast<off_t>(sizeof(float))) != 0) {
+  if (ftruncate(file_, rows * cols * static_cast<off_t>(sizeof(Stored))) != 0) {
     close(file_);
     fail("made");
   }
 }
 
-ColumnStore::~ColumnStore() { close(file_); }
+template <typename Stored>
+ColumnStore<Stored>::~ColumnStore() {
+  close(file_);
+}
 
-void ColumnStore::write(Eigen::Index first, const Eigen::MatrixXd& columns) {
-  const Eigen::MatrixXf rounded = columns.cast<float>();
+template <typename Stored>
+void ColumnStore<Stored>::write(Eigen::Index first, const Eigen::MatrixXd& columns) {
+  const StoredMatrix rounded = columns.cast<Stored>();
   all_of(rounded.data(), rounded.size(), first * rows_, "written",
          [&](const char* data, std::size_t size, off_t at) { return pwrite(file_, data, size, at); });
 }
 
-void ColumnStore::read(Eigen::Index first, Eigen::Index count, Eigen::MatrixXf& columns) const {
+template <typename Stored>
+void ColumnStore<Stored>::read(Eigen::Index first, Eigen::Index count, StoredMatrix& columns) const {
   columns.resize(rows_, count);
   all_of(columns.data(), columns.size(), first * rows_, "read",
          [&](char* data, std::size_t size, off_t at) { return pread(file_, data, size, at); });
 }
 
-Eigen::MatrixXd ColumnStore::block(Eigen::Index first, Eigen::Index count) const {
-  Eigen::MatrixXf columns;
+template <typename Stored>
+Eigen::MatrixXd ColumnStore<Stored>::block(Eigen::Index first, Eigen::Index count) const {
+  StoredMatrix columns;
   read(first, count, columns);
-  return columns.cast<double>();
+  if constexpr (std::is_same_v<Stored, double>) {
+    return columns;
+  } else {
+    return columns.template cast<double>();
+  }
 }
 
-Eigen::MatrixXd ColumnStore::chosen(const std::vector<int>& indices) const {
+template <typename Stored>
+Eigen::MatrixXd ColumnStore<Stored>::chosen(const std::vector<int>& indices) const {
   Eigen::MatrixXd columns(rows_, static_cast<Eigen::Index>(indices.size()));
-  Eigen::MatrixXf one;
+  StoredMatrix one;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     read(indices[static_cast<std::size_t>(i)], 1, one);
-    columns.col(i) = one.cast<double>();
+    columns.col(i) = one.template cast<double>();
   }
   return columns;
 }
+
+template class ColumnStore<float>;
+template class ColumnStore<double>;
 
 }  // namespace spindle_twin::fem_offline

@@ -143,9 +143,9 @@ Eigen::MatrixXd body_columns(const AffineModel& model, int nodes) {
 
 /// Solutions for every load at options.full_sets sets, then the fields of options.full_histories histories, without
 /// what the constant and `bodies` span of them.
-std::unique_ptr<ColumnStore> full_snapshots(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& bodies,
-                                            const ReduceOptions& options, std::vector<Worker>& workers,
-                                            const Progress& progress) {
+std::unique_ptr<ColumnStore<float>> full_snapshots(const AffineModel& model, const Loads& loads,
+                                                   const Eigen::MatrixXd& bodies, const ReduceOptions& options,
+                                                   std::vector<Worker>& workers, const Progress& progress) {
   const int response_sets = options.full_sets, items = response_sets + options.full_histories;
   std::vector<History> histories;
   histories.reserve(static_cast<std::size_t>(options.full_histories));
@@ -160,7 +160,7 @@ std::unique_ptr<ColumnStore> full_snapshots(const AffineModel& model, const Load
                                         ? responses
                                         : histories[static_cast<std::size_t>(item - response_sets)].fields()));
   }
-  auto snapshots = std::make_unique<ColumnStore>(model.capacity_J_per_K.rows(), first.back());
+  auto snapshots = std::make_unique<ColumnStore<float>>(model.capacity_J_per_K.rows(), first.back());
   std::atomic<int> finished{0};
   for_each_index(items, options.threads, [&](int item, int index) {
     Worker& worker = workers[static_cast<std::size_t>(index)];

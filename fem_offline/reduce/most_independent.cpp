@@ -22,13 +22,13 @@ struct RowsAsColumns {
   Eigen::Index cols() const { return matrix.rows(); }
 };
 
-Eigen::MatrixXd block_of(const ColumnStore& columns, Eigen::Index first, Eigen::Index count) {
+Eigen::MatrixXd block_of(const ColumnStore<float>& columns, Eigen::Index first, Eigen::Index count) {
   return columns.block(first, count);
 }
 Eigen::MatrixXd block_of(const RowsAsColumns& columns, Eigen::Index first, Eigen::Index count) {
   return columns.matrix.middleRows(first, count).transpose();
 }
-Eigen::MatrixXd chosen_of(const ColumnStore& columns, const std::vector<int>& indices) {
+Eigen::MatrixXd chosen_of(const ColumnStore<float>& columns, const std::vector<int>& indices) {
   return columns.chosen(indices);
 }
 Eigen::MatrixXd chosen_of(const RowsAsColumns& columns, const std::vector<int>& indices) {
@@ -130,7 +130,7 @@ std::vector<int> choose(const Columns& columns, Eigen::Index most, int threads) 
 
 }  // namespace
 
-std::vector<int> most_independent(const ColumnStore& columns, Eigen::Index most, int threads) {
+std::vector<int> most_independent(const ColumnStore<float>& columns, Eigen::Index most, int threads) {
   return choose(columns, most, threads);
 }
 

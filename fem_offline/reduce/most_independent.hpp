@@ -11,7 +11,7 @@ namespace spindle_twin::fem_offline {
 /// column is below 3e-8 of the longest: Cholesky with complete pivoting of their Gram matrix, of which only those
 /// columns are made that come near to being chosen. Products are in double and the same for any number of threads.
 /// Throws std::runtime_error where all columns are zero.
-std::vector<int> most_independent(const ColumnStore& columns, Eigen::Index most, int threads);
+std::vector<int> most_independent(const ColumnStore<float>& columns, Eigen::Index most, int threads);
 
 /// The same of the rows of a matrix.
 std::vector<int> most_independent_rows(const Eigen::MatrixXd& matrix, Eigen::Index most, int threads);

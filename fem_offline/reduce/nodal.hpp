@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/reduce.hpp"
 #include "rom/network.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -23,9 +23,9 @@ struct NodalCoordinates {
 /// columns are dependent.
 NodalCoordinates choose_nodes(const Eigen::MatrixXd& orthonormal_basis, int threads);
 
-/// C, K₀, Fⱼ and B of the network. `coordinates` are those of the orthonormal basis in the rich one.
-void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, const AffineModel& model,
-                     const NodalCoordinates& nodal, int threads, rom::Network& network);
+/// C, K₀, Fⱼ and B of the network on an orthonormal basis, whose first `bodies` columns are as those of RichBasis.
+void project_network(const AffineModel& model, const Eigen::MatrixXd& basis, int bodies, const NodalCoordinates& nodal,
+                     int threads, rom::Network& network);
 
 /// Rows of key points, part means and deformations; the nodes' names and places.
 void project_outputs(const AffineModel& model, const NodalCoordinates& nodal, rom::Network& network);

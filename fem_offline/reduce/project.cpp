@@ -1,24 +1,12 @@
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cstdio>
 
+#include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/nodal.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
-
-/// Below this share of the largest eigenvalue a projected term holds rounding only.
-constexpr double rank_tolerance = 1e-14;
-
-/// F with FFᵀ = term, smallest rank that rounding allows.
-Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& term) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(term);
-  const Eigen::VectorXd& values = modes.eigenvalues();
-  Eigen::Index rank = 0;
-  while (rank < values.size() && values[values.size() - 1 - rank] > rank_tolerance * values[values.size() - 1]) ++rank;
-  return modes.eigenvectors().rightCols(rank) * values.tail(rank).cwiseSqrt().asDiagonal();
-}
 
 std::string node_name(const AffineModel& model, int unknown) {
   const DofPlace& place = model.places[static_cast<std::size_t>(unknown)];
@@ -33,45 +21,45 @@ std::string node_name(const AffineModel& model, int unknown) {
 
 }  // namespace
 
-void project_network(const RichModel& rich, const Eigen::MatrixXd& coordinates, const AffineModel& model,
-                     const NodalCoordinates& nodal, int threads, rom::Network& network) {
-  const Eigen::Index count = coordinates.cols();
+void project_network(const AffineModel& model, const Eigen::MatrixXd& basis, int bodies, const NodalCoordinates& nodal,
+                     int threads, rom::Network& network) {
   const Eigen::MatrixXd inverse = nodal.at_nodes.inverse();
-  const auto symmetric = [](const Eigen::MatrixXd& a) { return Eigen::MatrixXd(0.5 * (a + a.transpose())); };
-  const auto orthonormal = [&](const Eigen::MatrixXd& term) {
-    return symmetric(coordinates.transpose() * (term * coordinates));
+  const auto at_nodes = [&](const Eigen::MatrixXd& term) {
+    const Eigen::MatrixXd result = inverse.transpose() * term * inverse;
+    return Eigen::MatrixXd(0.5 * (result + result.transpose()));
   };
-
-  network.capacity_J_per_K = symmetric(inverse.transpose() * orthonormal(rich.dense.capacity) * inverse);
-
-  // On the bodies' own columns conduction does nothing, and exchange between bodies nothing on the constant vector,
-  // coordinate 0: what stands there is rounding of the projection.
-  Eigen::MatrixXd conduction = orthonormal(rich.dense.conduction);
-  conduction.topRows(rich.bodies).setZero();
-  conduction.leftCols(rich.bodies).setZero();
-  network.conduction_W_per_K = symmetric(inverse.transpose() * conduction * inverse);
+  const int terms = static_cast<int>(model.conductance_terms_m2.size());
+  network.factors_m.resize(model.conductance_terms_m2.size());
+  for_each_index(terms + 2, threads, [&](int index, int) {
+    if (index == 0) {
+      network.capacity_J_per_K = at_nodes(project_term(model.capacity_J_per_K, basis));
+      return;
+    }
+    // On the bodies' own columns conduction does nothing, and exchange between bodies nothing on the constant vector,
+    // column 0: what stands there is rounding of the projection.
+    if (index == 1) {
+      Eigen::MatrixXd conduction = project_term(model.conduction_W_per_K, basis);
+      conduction.topRows(bodies).setZero();
+      conduction.leftCols(bodies).setZero();
+      network.conduction_W_per_K = at_nodes(conduction);
+      return;
+    }
+    const std::size_t j = static_cast<std::size_t>(index - 2);
+    const bool exchange = model.boundaries.conductances[j].environment < 0;
+    Eigen::MatrixXd orthonormal = project_term_factor(model.conductance_terms_m2[j], basis);
+    if (exchange) orthonormal.row(0).setZero();
+    Eigen::MatrixXd factor = inverse.transpose() * orthonormal;
+    if (exchange) factor.rowwise() -= factor.colwise().mean().eval();
+    network.factors_m[j] = factor;
+  });
   for (int pass = 0; pass < 2; ++pass) {
     network.conduction_W_per_K.diagonal() -= network.conduction_W_per_K.rowwise().sum().eval();
   }
 
-  network.factors_m.resize(rich.dense.conductance_terms.size());
-  for_each_index(static_cast<int>(rich.dense.conductance_terms.size()), threads, [&](int index, int) {
-    const std::size_t j = static_cast<std::size_t>(index);
-    const bool exchange = model.boundaries.conductances[j].environment < 0;
-    Eigen::MatrixXd term = orthonormal(rich.dense.conductance_terms[j].whole());
-    if (exchange) {
-      term.row(0).setZero();
-      term.col(0).setZero();
-    }
-    Eigen::MatrixXd factor = inverse.transpose() * symmetric_factor(term);
-    if (exchange) factor.rowwise() -= factor.colwise().mean().eval();
-    network.factors_m[j] = factor;
-  });
-
   network.source_distribution = nodal.interpolant.transpose() * model.source_distribution;
   const Eigen::RowVectorXd shortfall =
       Eigen::RowVectorXd::Ones(network.source_distribution.cols()) - network.source_distribution.colwise().sum();
-  network.source_distribution.rowwise() += shortfall / static_cast<double>(count);
+  network.source_distribution.rowwise() += shortfall / static_cast<double>(basis.cols());
 }
 
 void project_outputs(const AffineModel& model, const NodalCoordinates& nodal, rom::Network& network) {

@@ -1,3 +1,4 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "fem_offline/reduce/basis.hpp"
@@ -7,48 +8,94 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 constexpr Eigen::Index columns_at_once = 64;  ///< of what a matrix makes of the basis
+/// Below this share of the largest eigenvalue a projected term holds rounding only.
+constexpr double rank_tolerance = 1e-14;
+
+struct TermModes {
+  Eigen::MatrixXd vectors;
+  Eigen::VectorXd values;
+};
+
+/// Eigenvalues of a symmetric matrix without negative ones, and their eigenvectors.
+TermModes modes_above_rounding(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const Eigen::VectorXd& values = solver.eigenvalues();
+  Eigen::Index rank = 0;
+  while (rank < values.size() && values[values.size() - 1 - rank] > rank_tolerance * values[values.size() - 1]) ++rank;
+  return {solver.eigenvectors().rightCols(rank), values.tail(rank)};
+}
+
+/// F with FFᵀ = term, smallest rank that rounding allows.
+Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& term) {
+  const TermModes modes = modes_above_rounding(term);
+  return modes.vectors * modes.values.cwiseSqrt().asDiagonal();
+}
+
+/// Sparse matrix without the rows and columns that it does not touch.
+struct CompactTerm {
+  std::vector<int> touched;
+  SparseMatrix matrix;
+};
+
+CompactTerm compact(const SparseMatrix& term) {
+  CompactTerm result;
+  std::vector<int> place(static_cast<std::size_t>(term.rows()), -1);
+  for (int column = 0; column < term.outerSize(); ++column) {
+    if (!SparseMatrix::InnerIterator(term, column)) continue;
+    place[static_cast<std::size_t>(column)] = static_cast<int>(result.touched.size());
+    result.touched.push_back(column);
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int column = 0; column < term.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator item(term, column); item; ++item) {
+      entries.emplace_back(place[static_cast<std::size_t>(item.row())], place[static_cast<std::size_t>(column)],
+                           item.value());
+    }
+  }
+  const auto size = static_cast<Eigen::Index>(result.touched.size());
+  result.matrix.resize(size, size);
+  result.matrix.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
 
 }  // namespace
 
+Eigen::MatrixXd project_term(const SparseMatrix& term, const Eigen::MatrixXd& basis) {
+  // Film and contact terms touch few unknowns: gather those rows before the dense product.
+  const CompactTerm own = compact(term);
+  // A matrix that touches all is projected without a copy of the basis.
+  const bool touches_all = own.matrix.rows() == basis.rows();
+  const Eigen::MatrixXd gathered = touches_all ? Eigen::MatrixXd() : Eigen::MatrixXd(basis(own.touched, Eigen::all));
+  const Eigen::MatrixXd& rows = touches_all ? basis : gathered;
+  Eigen::MatrixXd small(rows.cols(), rows.cols());
+  for (Eigen::Index first = 0; first < rows.cols(); first += columns_at_once) {
+    const Eigen::Index count = std::min(columns_at_once, rows.cols() - first);
+    small.middleCols(first, count) = transposed_product(rows, own.matrix * rows.middleCols(first, count));
+  }
+  return 0.5 * (small + small.transpose());
+}
+
+Eigen::MatrixXd project_term_factor(const SparseMatrix& term, const Eigen::MatrixXd& basis) {
+  const CompactTerm own = compact(term);
+  if (own.matrix.rows() >= basis.cols()) return symmetric_factor(project_term(term, basis));
+  // K = GGᵀ and F = VᵀG; the eigenvectors Q of FᵀF turn F into as few columns as FFᵀ has rank.
+  const Eigen::MatrixXd rows = basis(own.touched, Eigen::all);
+  const Eigen::MatrixXd factor = transposed_product(rows, symmetric_factor(Eigen::MatrixXd(own.matrix)));
+  return product(factor, modes_above_rounding(transposed_product(factor, factor)).vectors);
+}
+
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads) {
   RichModel rich;
-  rich.dense.conductance_terms.resize(model.conductance_terms_m2.size());
   const int terms = static_cast<int>(model.conductance_terms_m2.size());
+  rich.dense.conductance_terms.resize(model.conductance_terms_m2.size());
   for_each_index(terms + 2, threads, [&](int index, int) {
-    const SparseMatrix& full = index == 0   ? model.capacity_J_per_K
-                               : index == 1 ? model.conduction_W_per_K
-                                            : model.conductance_terms_m2[static_cast<std::size_t>(index - 2)];
-    // Film and contact terms touch few unknowns: gather those rows before the dense product.
-    std::vector<int> touched;
-    std::vector<int> place(static_cast<std::size_t>(full.rows()), -1);
-    for (int column = 0; column < full.outerSize(); ++column) {
-      if (!SparseMatrix::InnerIterator(full, column)) continue;
-      place[static_cast<std::size_t>(column)] = static_cast<int>(touched.size());
-      touched.push_back(column);
-    }
-    // A matrix that touches all is projected without a copy of the basis.
-    const bool touches_all = static_cast<Eigen::Index>(touched.size()) == basis.rows();
-    const Eigen::MatrixXd gathered = touches_all ? Eigen::MatrixXd() : Eigen::MatrixXd(basis(touched, Eigen::all));
-    const Eigen::MatrixXd& rows = touches_all ? basis : gathered;
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int column = 0; column < full.outerSize(); ++column) {
-      for (SparseMatrix::InnerIterator item(full, column); item; ++item) {
-        entries.emplace_back(place[static_cast<std::size_t>(item.row())], place[static_cast<std::size_t>(column)],
-                             item.value());
-      }
-    }
-    SparseMatrix compact(rows.rows(), rows.rows());
-    compact.setFromTriplets(entries.begin(), entries.end());
-    Eigen::MatrixXd small(rows.cols(), rows.cols());
-    for (Eigen::Index first = 0; first < rows.cols(); first += columns_at_once) {
-      const Eigen::Index count = std::min(columns_at_once, rows.cols() - first);
-      small.middleCols(first, count) = transposed_product(rows, compact * rows.middleCols(first, count));
-    }
-    small = (0.5 * (small + small.transpose())).eval();
-    if (index >= 2) {
-      rich.dense.conductance_terms[static_cast<std::size_t>(index - 2)] = PackedSymmetric(small);
+    if (index == 0) {
+      rich.dense.capacity = project_term(model.capacity_J_per_K, basis);
+    } else if (index == 1) {
+      rich.dense.conduction = project_term(model.conduction_W_per_K, basis);
     } else {
-      (index == 0 ? rich.dense.capacity : rich.dense.conduction) = small;
+      const std::size_t j = static_cast<std::size_t>(index - 2);
+      rich.dense.conductance_terms[j] = PackedSymmetric(project_term(model.conductance_terms_m2[j], basis));
     }
   });
   rich.dense.walls_m2 = Eigen::MatrixXd::Zero(basis.cols(), terms);

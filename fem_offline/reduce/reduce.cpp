@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fem_offline/reduce/basis.hpp"
+#include "fem_offline/reduce/column_store.hpp"
 #include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/loads.hpp"
 #include "fem_offline/reduce/nodal.hpp"
@@ -29,17 +30,15 @@ void check_options(const AffineModel& model, const ReduceOptions& options) {
   }
 }
 
-/// V = R U by blocks of rows.
-Eigen::MatrixXd combine(const Eigen::MatrixXd& rich, const Eigen::MatrixXd& coordinates, int threads) {
+/// The first columns of R U, as many as U has; in the place of R, by blocks of rows.
+void combine(Eigen::MatrixXd& rich, const Eigen::MatrixXd& coordinates, int threads) {
   constexpr Eigen::Index rows_per_block = 1024;
-  Eigen::MatrixXd combined(rich.rows(), coordinates.cols());
   const int blocks = static_cast<int>((rich.rows() + rows_per_block - 1) / rows_per_block);
   for_each_index(blocks, threads, [&](int block, int) {
     const Eigen::Index first = block * rows_per_block;
-    const Eigen::Index height = std::min(rows_per_block, rich.rows() - first);
-    combined.middleRows(first, height) = product(rich.middleRows(first, height), coordinates);
+    auto rows = rich.middleRows(first, std::min(rows_per_block, rich.rows() - first));
+    rows.leftCols(coordinates.cols()) = product(Eigen::MatrixXd(rows), coordinates);
   });
-  return combined;
 }
 
 }  // namespace
@@ -47,37 +46,42 @@ Eigen::MatrixXd combine(const Eigen::MatrixXd& rich, const Eigen::MatrixXd& coor
 struct Reduction::Impl {
   const AffineModel* model;
   ReduceOptions options;
-  RichBasis full;
-  RichModel rich;
-  Eigen::MatrixXd coordinates;  ///< of the nested basis, in the rich one
+  int bodies = 1;                              ///< as in RichBasis
+  std::unique_ptr<ColumnStore<double>> basis;  ///< nested; only those columns are in memory that a network asks for
 };
 
 Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
                      ReduceReport* report)
-    : impl_(std::make_unique<Impl>(Impl{&model, options, {}, {}, {}})) {
+    : impl_(std::make_unique<Impl>(Impl{&model, options, 1, nullptr})) {
   check_options(model, options);
   StageClock clock(report, progress);
   Loads loads = make_loads(model, options.box.speed_high_rpm, options.box.load_high);
-  impl_->full = full_snapshot_basis(model, loads, options, progress);
+  RichBasis basis = full_snapshot_basis(model, loads, options, progress);
+  const Eigen::Index unknowns = basis.columns.rows(), states = basis.columns.cols();
+  impl_->bodies = basis.bodies;
   clock.finish("FE snapshots");
-  impl_->rich = project_model(model, loads, impl_->full.columns, options.threads);
-  impl_->rich.bodies = impl_->full.bodies;
+  RichModel rich = project_model(model, loads, basis.columns, options.threads);
+  rich.bodies = basis.bodies;
   clock.finish("projection");
-  const RichSnapshots snapshots = rich_snapshots(impl_->rich, model.boundaries, options, progress);
+  const RichSnapshots snapshots = rich_snapshots(rich, model.boundaries, options, progress);
+  rich.dense.conductance_terms.clear();
   clock.finish("network snapshots");
-  impl_->coordinates = network_basis(impl_->rich, snapshots, options.threads);
+  const Eigen::Index most = std::min<Eigen::Index>(options.nodes, states);
+  combine(basis.columns, network_basis(rich, snapshots, options.threads).leftCols(most), options.threads);
+  impl_->basis = std::make_unique<ColumnStore<double>>(unknowns, most);
+  for (Eigen::Index column = 0; column < most; ++column) impl_->basis->write(column, basis.columns.col(column));
   clock.finish("network basis");
   if (report == nullptr) return;
-  report->full_unknowns = static_cast<int>(model.capacity_J_per_K.rows());
-  report->snapshots = impl_->full.snapshots;
-  report->rich_states = static_cast<int>(impl_->full.columns.cols());
+  report->full_unknowns = static_cast<int>(unknowns);
+  report->snapshots = basis.snapshots;
+  report->rich_states = static_cast<int>(states);
 }
 
 Reduction::~Reduction() = default;
 Reduction::Reduction(Reduction&&) noexcept = default;
 Reduction& Reduction::operator=(Reduction&&) noexcept = default;
 
-int Reduction::most_nodes() const { return static_cast<int>(impl_->coordinates.cols()); }
+int Reduction::most_nodes() const { return static_cast<int>(impl_->basis->cols()); }
 
 rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress, PartExtremes* known) const {
   if (nodes < 2 || nodes > most_nodes()) {
@@ -86,16 +90,18 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
   const AffineModel& model = *impl_->model;
   const int threads = impl_->options.threads;
   StageClock clock(report, progress);
-  const Eigen::MatrixXd coordinates = impl_->coordinates.leftCols(nodes);
-  const NodalCoordinates nodal = choose_nodes(combine(impl_->full.columns, coordinates, threads), threads);
-  if (report) report->condition = nodal.condition;
-  clock.finish("nodes");
-
   rom::Network network;
   network.spindle = model.spindle;
   network.description_hash = model.description_hash;
   network.boundaries = model.boundaries;
-  project_network(impl_->rich, coordinates, model, nodal, threads, network);
+  NodalCoordinates nodal;
+  {
+    const Eigen::MatrixXd basis = impl_->basis->block(0, nodes);
+    nodal = choose_nodes(basis, threads);
+    clock.finish("nodes");
+    project_network(model, basis, impl_->bodies, nodal, threads, network);
+  }
+  if (report) report->condition = nodal.condition;
   project_outputs(model, nodal, network);
   clock.finish("network");
 

@@ -59,7 +59,7 @@ class Reduction {
   Reduction(Reduction&&) noexcept;
   Reduction& operator=(Reduction&&) noexcept;
 
-  /// Most nodes that network() can give.
+  /// Most nodes that network() can give: options.nodes, or as many as the snapshots span.
   int most_nodes() const;
 
   /// Nodal RC network of the FE model by Galerkin projection T ≈ V T_nodes on one fixed basis that serves the whole

@@ -25,7 +25,7 @@ Eigen::MatrixXf random_columns(Eigen::Index rows, Eigen::Index count, Eigen::Ind
 
 /// Of columns that are stored as the snapshots are.
 std::vector<int> stored_most_independent(const Eigen::MatrixXf& columns, Eigen::Index most, int threads) {
-  ColumnStore store(columns.rows(), columns.cols());
+  ColumnStore<float> store(columns.rows(), columns.cols());
   store.write(0, columns.cast<double>());
   return most_independent(store, most, threads);
 }
