@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 #include <type_traits>
+#include <utility>
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -62,8 +63,9 @@ ColumnStore<Stored>::~ColumnStore() {
 
 template <typename Stored>
 void ColumnStore<Stored>::write(Eigen::Index first, const Eigen::MatrixXd& columns) {
-  const StoredMatrix rounded = columns.cast<Stored>();
-  all_of(rounded.data(), rounded.size(), first * rows_, "written",
+  StoredMatrix rounded(columns.rows(), columns.cols());
+  rounded = columns.cast<Stored>();
+  all_of(std::as_const(rounded).data(), rounded.size(), first * rows_, "written",
          [&](const char* data, std::size_t size, off_t at) { return pwrite(file_, data, size, at); });
 }
 
