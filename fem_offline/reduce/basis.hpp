@@ -40,6 +40,9 @@ Eigen::MatrixXd project_term(const SparseMatrix& term, const Eigen::MatrixXd& ba
 /// F with FFᵀ = VᵀKV, of the smallest rank that rounding allows; K without negative eigenvalues.
 Eigen::MatrixXd project_term_factor(const SparseMatrix& term, const Eigen::MatrixXd& basis);
 
+/// The FE model tested with the columns of a basis.
+DenseModel project_dense(const AffineModel& model, const Eigen::MatrixXd& basis, int threads);
+
 RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads);
 
 /// In the rich basis.

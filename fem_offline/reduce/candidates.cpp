@@ -22,14 +22,12 @@ constexpr double standing_s = 900.0;
 /// Times after a change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
-/// Node temperatures, one column per field: steady ones, and one step of the implicit Euler rule
+/// Fields in the model's coordinates, one column each: steady ones, and one step of the implicit Euler rule
 /// (K + C/t) T = Bq + Σ gKⱼ1 T_env + C/t T_before of length t from the steady state of another operating state.
-Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions& options) {
-  const Eigen::Index count = network.capacity_J_per_K.rows();
+Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& boundaries,
+                                const ReduceOptions& options) {
   const Eigen::Index per_set = 2 + static_cast<Eigen::Index>(times_s.size());
-  Eigen::MatrixXd fields(count, sets * per_set);
-  const rom::Boundaries& boundaries = network.boundaries;
-  const DenseModel model = dense_model_of(network);
+  Eigen::MatrixXd fields(model.capacity.rows(), sets * per_set);
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));
@@ -45,7 +43,7 @@ Eigen::MatrixXd physical_fields(const rom::Network& network, const ReduceOptions
       const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * before_K);
       return ShiftedModel(model, held, rate_per_s).solve(heat_W);
     };
-    const Eigen::VectorXd uniform_K = Eigen::VectorXd::Constant(count, boundaries.reference_temperature_K);
+    const Eigen::VectorXd uniform_K = boundaries.reference_temperature_K * model.uniform;
     Eigen::Index column = set * per_set;
     apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows, random));
     fields.col(column++) = solve(0.0, uniform_K);
@@ -145,14 +143,13 @@ std::vector<int> greedy_extremes(const Eigen::MatrixXd& rows, const Eigen::Matri
 
 }  // namespace
 
-PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
-                                const rom::Network& network) {
-  const Eigen::MatrixXd fields = physical_fields(network, options);
+PartExtremes find_part_extremes(const AffineModel& model, const Eigen::MatrixXd& basis, const DenseModel& dense,
+                                const ReduceOptions& options) {
+  const Eigen::MatrixXd fields = physical_fields(dense, model.boundaries, options);
   PartExtremes extremes(model.parts.size());
   for_each_index(static_cast<int>(model.parts.size()), options.threads, [&](int index, int) {
     const auto part = static_cast<std::size_t>(index);
-    const Eigen::MatrixXd rows = nodal.interpolant(model.parts[part].dofs, Eigen::all);
-    extremes[part] = greedy_extremes(rows, fields);
+    extremes[part] = greedy_extremes(basis(model.parts[part].dofs, Eigen::all), fields);
   });
   return extremes;
 }
@@ -160,9 +157,7 @@ PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates
 void add_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,
                        rom::Network& network) {
   for (std::size_t part = 0; part < model.parts.size(); ++part) {
-    std::vector<int> unknowns;
-    for (const int point : extremes[part]) unknowns.push_back(model.parts[part].dofs[static_cast<std::size_t>(point)]);
-    network.parts[part].candidate_rows = nodal.interpolant(unknowns, Eigen::all);
+    network.parts[part].candidate_rows = extreme_rows(model.parts[part], extremes[part], nodal.interpolant);
   }
 }
 

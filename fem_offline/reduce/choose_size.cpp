@@ -115,9 +115,9 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     const int nodes = nodes_of(step);
     const std::string stage = "size: " + std::to_string(nodes) + " nodes";
     show(stage, 0.0);
-    const rom::Network network = reduction.network(nodes, nullptr, {}, &extremes);
+    const BasisModel reduced = reduction.basis_model(nodes, extremes);
     show(stage, 0.5);
-    const Eigen::MatrixXd errors = history_errors(network, histories, options.threads);
+    const Eigen::MatrixXd errors = history_errors(model, reduced, histories, options.threads);
     const HistoryLimits reached = limits_of(errors, layout);
     show(stage, 1.0);
     choice.tried.push_back({nodes, reached.of_kinds});

@@ -14,32 +14,29 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// The network along a history; gives every field's node temperatures to `visit(column, temperatures_K)`.
-template <typename Visit>
-void follow_history(const DenseModel& model, const rom::Boundaries& boundaries, const History& history,
-                    const Visit& visit) {
+/// The reduced model along a history: rises above the reference temperature, a column per field.
+Eigen::MatrixXd follow_history(const DenseModel& model, const rom::Boundaries& boundaries, const History& history) {
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   HeldModel held;
   const auto hold = [&](const rom::BoundaryValues& values) {
-    hold_inputs(model, boundaries, segments, values, 0.0, held);
+    hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
   };
   std::size_t state = 0;
   hold(history.states[state]);
-  Eigen::VectorXd temperatures_K;
+  Eigen::MatrixXd rises_K(model.capacity.rows(), history.fields());
   if (history.uniform_rise_K) {
-    temperatures_K = (boundaries.reference_temperature_K + *history.uniform_rise_K) * model.uniform;
+    rises_K.col(0) = *history.uniform_rise_K * model.uniform;
   } else {
-    temperatures_K = ShiftedModel(model, held, 0.0).solve(held.drive);
+    rises_K.col(0) = ShiftedModel(model, held, 0.0).solve(held.drive);
   }
-  Eigen::Index column = 0;
-  visit(column++, temperatures_K);
+  Eigen::Index column = 1;
   for (const HistoryStep& step : history.steps) {
     if (step.state != state) hold(history.states[state = step.state]);
     const double rate_per_s = 1.0 / step.step_s;
-    const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * temperatures_K);
-    temperatures_K = ShiftedModel(model, held, rate_per_s).solve(heat_W);
-    visit(column++, temperatures_K);
+    const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * rises_K.col(column - 1));
+    rises_K.col(column++) = ShiftedModel(model, held, rate_per_s).solve(heat_W);
   }
+  return rises_K;
 }
 
 }  // namespace
@@ -66,19 +63,13 @@ std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOp
   return histories;
 }
 
-Eigen::MatrixXd history_errors(const rom::Network& network, const std::vector<FeHistory>& histories, int threads) {
-  const DenseModel model = dense_model_of(network);
-  Eigen::MatrixXd errors(histories.front().outputs.rows(), static_cast<Eigen::Index>(histories.size()));
+Eigen::MatrixXd history_errors(const AffineModel& model, const BasisModel& reduced,
+                               const std::vector<FeHistory>& histories, int threads) {
+  Eigen::MatrixXd errors(reduced.outputs.layout.total(), static_cast<Eigen::Index>(histories.size()));
   for_each_index(static_cast<int>(histories.size()), threads, [&](int index, int) {
     const FeHistory& item = histories[static_cast<std::size_t>(index)];
-    rom::NetworkOutputs now = rom::make_network_outputs(network);
-    Eigen::VectorXd largest = Eigen::VectorXd::Zero(errors.rows());
-    follow_history(model, network.boundaries, item.history,
-                   [&](Eigen::Index column, const Eigen::VectorXd& temperatures_K) {
-                     rom::evaluate_outputs(network, temperatures_K, now);
-                     largest = largest.cwiseMax((network_outputs(now) - item.outputs.col(column)).cwiseAbs());
-                   });
-    errors.col(index) = largest;
+    const Eigen::MatrixXd rises_K = follow_history(reduced.dense, model.boundaries, item.history);
+    errors.col(index) = (outputs_of(reduced.outputs, rises_K) - item.outputs).cwiseAbs().rowwise().maxCoeff();
   });
   return errors;
 }

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/reduce/basis_model.hpp"
 #include "fem_offline/reduce/random_history.hpp"
 #include "fem_offline/reduce/reduce.hpp"
-#include "rom/network.hpp"
 
 namespace spindle_twin::fem_offline {
 
@@ -20,8 +20,9 @@ struct FeHistory {
 std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOptions& options, int count,
                                         const Progress& progress = {});
 
-/// Largest |network - FE model| of every output along every history, one column each; both take the same implicit
-/// steps, so that no rule in time comes in. The network must be of the same model.
-Eigen::MatrixXd history_errors(const rom::Network& network, const std::vector<FeHistory>& histories, int threads);
+/// Largest |reduced model - FE model| of every output along every history, one column each; both take the same implicit
+/// steps, so that no rule in time comes in.
+Eigen::MatrixXd history_errors(const AffineModel& model, const BasisModel& reduced,
+                               const std::vector<FeHistory>& histories, int threads);
 
 }  // namespace spindle_twin::fem_offline

@@ -32,8 +32,9 @@ void project_outputs(const AffineModel& model, const NodalCoordinates& nodal, ro
 
 /// At most 400 points of every part whose largest and smallest temperature stand for those of the part, over random
 /// fields that a spindle can have: steady ones and those some time after a change of the operating state.
-PartExtremes find_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const ReduceOptions& options,
-                                const rom::Network& network);
+/// Fields are those of `dense` on this basis, the network's interpolant or the one that it was made of.
+PartExtremes find_part_extremes(const AffineModel& model, const Eigen::MatrixXd& basis, const DenseModel& dense,
+                                const ReduceOptions& options);
 
 /// Gives the parts of the network the rows of these points.
 void add_part_extremes(const AffineModel& model, const NodalCoordinates& nodal, const PartExtremes& extremes,

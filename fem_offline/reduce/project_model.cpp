@@ -84,28 +84,32 @@ Eigen::MatrixXd project_term_factor(const SparseMatrix& term, const Eigen::Matri
   return product(factor, modes_above_rounding(transposed_product(factor, factor)).vectors);
 }
 
-RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads) {
-  RichModel rich;
+DenseModel project_dense(const AffineModel& model, const Eigen::MatrixXd& basis, int threads) {
+  DenseModel dense;
   const int terms = static_cast<int>(model.conductance_terms_m2.size());
-  rich.dense.conductance_terms.resize(model.conductance_terms_m2.size());
+  dense.conductance_terms.resize(model.conductance_terms_m2.size());
+  dense.walls_m2 = Eigen::MatrixXd::Zero(basis.cols(), terms);
   for_each_index(terms + 2, threads, [&](int index, int) {
     if (index == 0) {
-      rich.dense.capacity = project_term(model.capacity_J_per_K, basis);
+      dense.capacity = project_term(model.capacity_J_per_K, basis);
     } else if (index == 1) {
-      rich.dense.conduction = project_term(model.conduction_W_per_K, basis);
+      dense.conduction = project_term(model.conduction_W_per_K, basis);
     } else {
       const std::size_t j = static_cast<std::size_t>(index - 2);
-      rich.dense.conductance_terms[j] = PackedSymmetric(project_term(model.conductance_terms_m2[j], basis));
+      const SparseMatrix& term = model.conductance_terms_m2[j];
+      dense.conductance_terms[j] = PackedSymmetric(project_term(term, basis));
+      if (model.boundaries.conductances[j].environment < 0) return;
+      dense.walls_m2.col(index - 2) = basis.transpose() * (term * Eigen::VectorXd::Ones(basis.rows()));
     }
   });
-  rich.dense.walls_m2 = Eigen::MatrixXd::Zero(basis.cols(), terms);
-  for (std::size_t j = 0; j < loads.film_m2.size(); ++j) {
-    if (loads.film_m2[j].size() > 0) {
-      rich.dense.walls_m2.col(static_cast<Eigen::Index>(j)) = basis.transpose() * loads.film_m2[j];
-    }
-  }
-  rich.dense.source_distribution = basis.transpose() * model.source_distribution;
-  rich.dense.uniform = basis.transpose() * Eigen::VectorXd::Ones(basis.rows());
+  dense.source_distribution = basis.transpose() * model.source_distribution;
+  dense.uniform = basis.transpose() * Eigen::VectorXd::Ones(basis.rows());
+  return dense;
+}
+
+RichModel project_model(const AffineModel& model, const Loads& loads, const Eigen::MatrixXd& basis, int threads) {
+  RichModel rich;
+  rich.dense = project_dense(model, basis, threads);
   rich.outputs = basis.transpose() * loads.outputs;
   const Eigen::VectorXi points = pivot_rows(basis);
   rich.points = basis(points, Eigen::all);

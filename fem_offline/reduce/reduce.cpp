@@ -30,14 +30,14 @@ void check_options(const AffineModel& model, const ReduceOptions& options) {
   }
 }
 
-/// The first columns of R U, as many as U has; in the place of R, by blocks of rows.
+/// R becomes R U, by blocks of rows. U is square.
 void combine(Eigen::MatrixXd& rich, const Eigen::MatrixXd& coordinates, int threads) {
   constexpr Eigen::Index rows_per_block = 1024;
   const int blocks = static_cast<int>((rich.rows() + rows_per_block - 1) / rows_per_block);
   for_each_index(blocks, threads, [&](int block, int) {
     const Eigen::Index first = block * rows_per_block;
     auto rows = rich.middleRows(first, std::min(rows_per_block, rich.rows() - first));
-    rows.leftCols(coordinates.cols()) = product(Eigen::MatrixXd(rows), coordinates);
+    rows = product(Eigen::MatrixXd(rows), coordinates);
   });
 }
 
@@ -48,6 +48,9 @@ struct Reduction::Impl {
   ReduceOptions options;
   int bodies = 1;                              ///< as in RichBasis
   std::unique_ptr<ColumnStore<double>> basis;  ///< nested; only those columns are in memory that a network asks for
+
+  /// The first ones. Throws std::invalid_argument where there are not so many.
+  Eigen::MatrixXd columns(int nodes) const;
 };
 
 Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, const Progress& progress,
@@ -66,10 +69,9 @@ Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, con
   const RichSnapshots snapshots = rich_snapshots(rich, model.boundaries, options, progress);
   rich.dense.conductance_terms.clear();
   clock.finish("network snapshots");
-  const Eigen::Index most = std::min<Eigen::Index>(options.nodes, states);
-  combine(basis.columns, network_basis(rich, snapshots, options.threads).leftCols(most), options.threads);
-  impl_->basis = std::make_unique<ColumnStore<double>>(unknowns, most);
-  for (Eigen::Index column = 0; column < most; ++column) impl_->basis->write(column, basis.columns.col(column));
+  combine(basis.columns, network_basis(rich, snapshots, options.threads), options.threads);
+  impl_->basis = std::make_unique<ColumnStore<double>>(unknowns, states);
+  for (Eigen::Index column = 0; column < states; ++column) impl_->basis->write(column, basis.columns.col(column));
   clock.finish("network basis");
   if (report == nullptr) return;
   report->full_unknowns = static_cast<int>(unknowns);
@@ -83,10 +85,25 @@ Reduction& Reduction::operator=(Reduction&&) noexcept = default;
 
 int Reduction::most_nodes() const { return static_cast<int>(impl_->basis->cols()); }
 
-rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress, PartExtremes* known) const {
-  if (nodes < 2 || nodes > most_nodes()) {
-    throw std::invalid_argument("nodes: outside 2 to " + std::to_string(most_nodes()));
+Eigen::MatrixXd Reduction::Impl::columns(int nodes) const {
+  if (nodes < 2 || nodes > basis->cols()) {
+    throw std::invalid_argument("nodes: outside 2 to " + std::to_string(basis->cols()));
   }
+  return basis->block(0, nodes);
+}
+
+BasisModel Reduction::basis_model(int nodes, PartExtremes& known) const {
+  const AffineModel& model = *impl_->model;
+  const Eigen::MatrixXd basis = impl_->columns(nodes);
+  BasisModel result;
+  result.dense = project_dense(model, basis, impl_->options.threads);
+  if (known.empty()) known = find_part_extremes(model, basis, result.dense, impl_->options);
+  result.outputs = project_output_rows(model, basis, known);
+  malloc_trim(0);
+  return result;
+}
+
+rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress, PartExtremes* known) const {
   const AffineModel& model = *impl_->model;
   const int threads = impl_->options.threads;
   StageClock clock(report, progress);
@@ -96,7 +113,7 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
   network.boundaries = model.boundaries;
   NodalCoordinates nodal;
   {
-    const Eigen::MatrixXd basis = impl_->basis->block(0, nodes);
+    const Eigen::MatrixXd basis = impl_->columns(nodes);
     nodal = choose_nodes(basis, threads);
     clock.finish("nodes");
     project_network(model, basis, impl_->bodies, nodal, threads, network);
@@ -106,7 +123,9 @@ rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress&
   clock.finish("network");
 
   PartExtremes extremes = known ? *known : PartExtremes();
-  if (extremes.empty()) extremes = find_part_extremes(model, nodal, impl_->options, network);
+  if (extremes.empty()) {
+    extremes = find_part_extremes(model, nodal.interpolant, dense_model_of(network), impl_->options);
+  }
   add_part_extremes(model, nodal, extremes, network);
   if (known) *known = std::move(extremes);
   clock.finish("part extremes");

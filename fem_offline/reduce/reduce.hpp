@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fem_offline/model/affine_model.hpp"
+#include "fem_offline/reduce/basis_model.hpp"
 #include "fem_offline/reduce/parameter_box.hpp"
 #include "rom/network.hpp"
 
@@ -45,9 +46,6 @@ struct ReduceReport {
 /// Called with the stage's name and the fraction of it that is done; from one thread at a time.
 using Progress = std::function<void(const std::string& stage, double fraction)>;
 
-/// Points of every part, by their place among the part's unknowns, whose extremes stand for those of the part.
-using PartExtremes = std::vector<std::vector<int>>;
-
 /// The nested basis of an FE model: its first N columns span the network of N nodes.
 class Reduction {
  public:
@@ -59,7 +57,7 @@ class Reduction {
   Reduction(Reduction&&) noexcept;
   Reduction& operator=(Reduction&&) noexcept;
 
-  /// Most nodes that network() can give: options.nodes, or as many as the snapshots span.
+  /// Most nodes that network() can give.
   int most_nodes() const;
 
   /// Nodal RC network of the FE model by Galerkin projection T ≈ V T_nodes on one fixed basis that serves the whole
@@ -67,10 +65,14 @@ class Reduction {
   ///   C = VᵀC V,  K₀ = VᵀK₀V,  FⱼFⱼᵀ = VᵀKⱼV,  B = VᵀB,  rows y = y V
   /// with V(node i, :) = eᵢ and V 1 = 1, so that state i is the temperature of node i and heat is conserved to
   /// rounding. The same seed gives the same bits whatever the number of threads. The certificate stays empty.
-  /// `nodes` in [2, most_nodes()], else std::invalid_argument. To seek the points of part extremes takes longer than
-  /// all the rest; a search for a size gives `known` ones: sought when empty, and otherwise those of another size.
+  /// `nodes` in [2, most_nodes()], else std::invalid_argument. To seek the points of part extremes takes long; a search
+  /// for a size gives `known` ones: sought when empty, and otherwise those of another size.
   rom::Network network(int nodes, ReduceReport* report = nullptr, const Progress& progress = {},
                        PartExtremes* known = nullptr) const;
+
+  /// What a search for a size needs of network(nodes): a choice of nodes would take longer than all the rest. Points of
+  /// part extremes are `known`, sought when empty.
+  BasisModel basis_model(int nodes, PartExtremes& known) const;
 
  private:
   struct Impl;

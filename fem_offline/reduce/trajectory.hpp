@@ -5,6 +5,7 @@
 
 #include "fem_offline/model/affine_model.hpp"
 #include "fem_offline/reduce/drive_case.hpp"
+#include "fem_offline/reduce/output_rows.hpp"
 #include "fem_offline/sparse/cholesky.hpp"
 #include "rom/integrate/network_operator.hpp"
 #include "rom/integrate/outputs.hpp"
@@ -12,22 +13,6 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Outputs in one column, in this order: temperatures of the key points, means and maxima of the parts [K],
-/// deformations [m], contact pressures [Pa].
-struct OutputLayout {
-  Eigen::Index key_points = 0;
-  Eigen::Index parts = 0;
-  Eigen::Index deformations = 0;
-  Eigen::Index pressures = 0;
-
-  Eigen::Index means_at() const { return key_points; }
-  Eigen::Index maxima_at() const { return key_points + parts; }
-  Eigen::Index deformations_at() const { return key_points + 2 * parts; }
-  Eigen::Index pressures_at() const { return deformations_at() + deformations; }
-  Eigen::Index total() const { return pressures_at() + pressures; }
-};
-
-OutputLayout output_layout(const AffineModel& model);
 /// Every output of a field of FE temperatures; maxima are over all nodes of a part.
 Eigen::VectorXd fe_outputs(const AffineModel& model, const Eigen::VectorXd& temperatures_K);
 

@@ -22,12 +22,18 @@ ThermalSystem::ThermalSystem(const AffineModel& model) : model_(&model) {
   capacity_ = conduction_;
   add(scatter_of(model.capacity_J_per_K), 1.0, capacity_);
   constant_ = scatter_of(model.conduction_W_per_K);
+  std::vector<Eigen::Triplet<double>> wetted_m2;
   for (std::size_t j = 0; j < model.conductance_terms_m2.size(); ++j) {
     const SparseMatrix& term = model.conductance_terms_m2[j];
     terms_.push_back(scatter_of(term));
-    const bool to_environment = model.boundaries.conductances[j].environment >= 0;
-    wetted_m2_.push_back(to_environment ? Eigen::VectorXd(term * Eigen::VectorXd::Ones(n)) : Eigen::VectorXd());
+    if (model.boundaries.conductances[j].environment < 0) continue;
+    const Eigen::VectorXd own_m2 = term * Eigen::VectorXd::Ones(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (own_m2[i] != 0.0) wetted_m2.emplace_back(static_cast<int>(i), static_cast<int>(j), own_m2[i]);
+    }
   }
+  wetted_m2_.resize(n, static_cast<Eigen::Index>(terms_.size()));
+  wetted_m2_.setFromTriplets(wetted_m2.begin(), wetted_m2.end());
 }
 
 ThermalSystem::Scatter ThermalSystem::scatter_of(const SparseMatrix& matrix) const {
@@ -66,14 +72,13 @@ SparseMatrix ThermalSystem::combined_lower(double factor) const {
 }
 
 Eigen::VectorXd ThermalSystem::load_W(const rom::BoundaryValues& values, double datum_K) const {
-  Eigen::VectorXd load = model_->source_distribution * values.heat_W;
-  for (std::size_t j = 0; j < wetted_m2_.size(); ++j) {
-    if (wetted_m2_[j].size() == 0) continue;
-    const int environment = model_->boundaries.conductances[j].environment;
-    load += values.conductance_W_per_m2K[static_cast<Eigen::Index>(j)] * (values.environment_K[environment] - datum_K) *
-            wetted_m2_[j];
+  Eigen::VectorXd flux_W_per_m2 = Eigen::VectorXd::Zero(wetted_m2_.cols());
+  for (Eigen::Index j = 0; j < flux_W_per_m2.size(); ++j) {
+    const int environment = model_->boundaries.conductances[static_cast<std::size_t>(j)].environment;
+    if (environment < 0) continue;
+    flux_W_per_m2[j] = values.conductance_W_per_m2K[j] * (values.environment_K[environment] - datum_K);
   }
-  return load;
+  return model_->source_distribution * values.heat_W + wetted_m2_ * flux_W_per_m2;
 }
 
 }  // namespace spindle_twin::fem_offline

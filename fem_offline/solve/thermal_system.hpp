@@ -35,7 +35,7 @@ class ThermalSystem {
   SparseMatrix conduction_, capacity_;
   Scatter constant_;
   std::vector<Scatter> terms_;
-  std::vector<Eigen::VectorXd> wetted_m2_;  ///< Kⱼ 1 of films to an environment, empty for the others
+  SparseMatrix wetted_m2_;  ///< a column Kⱼ 1 for each film to an environment, of the others one without entries
 };
 
 }  // namespace spindle_twin::fem_offline

@@ -29,6 +29,17 @@ TEST(DenseProducts, are_those_of_eigen_also_of_blocks_and_of_nothing) {
   EXPECT_EQ(transposed_product(a.leftCols(0), c).rows(), 0);
 }
 
+TEST(PackedSymmetric, gives_back_the_matrix_whose_lower_triangle_it_has_kept) {
+  const Eigen::MatrixXd matrix = random_definite(7, 11);
+  Eigen::MatrixXd spoilt_above = matrix;
+  spoilt_above.triangularView<Eigen::StrictlyUpper>().setConstant(-1.0);
+  const PackedSymmetric packed(spoilt_above);
+  const Eigen::MatrixXd lower = matrix.triangularView<Eigen::Lower>();
+  EXPECT_EQ(packed.whole(), Eigen::MatrixXd(lower.selfadjointView<Eigen::Lower>()));
+  for (Eigen::Index c = 0; c < 7; ++c) EXPECT_EQ(Eigen::VectorXd(packed.column(c)), lower.col(c).tail(7 - c)) << c;
+  EXPECT_EQ(PackedSymmetric(Eigen::MatrixXd(0, 0)).whole().size(), 0);
+}
+
 TEST(DenseCholesky, solves_and_refuses_what_is_not_definite) {
   const Eigen::MatrixXd matrix = random_definite(60, 4), loads = random_matrix(60, 5, 5);
   EXPECT_LT((matrix * DenseCholesky(matrix, "it").solve(loads) - loads).norm(), 1e-9);

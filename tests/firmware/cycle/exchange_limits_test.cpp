@@ -6,10 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "firmware/cycle/exchange.hpp"
-#include "firmware/cycle/start_field.hpp"
 #include "rom/integrate/exact_stepper.hpp"
-#include "tests/firmware/support/machine.hpp"
+#include "tests/firmware/support/exchanging.hpp"
 
 /// How long a trial and a watch last, what is told of them, and networks that break down in them.
 namespace spindle_twin::firmware {
@@ -42,63 +40,16 @@ MakeStepper breakable(const bool& is_broken) {
 
 constexpr double trial_s = 200.0, watch_s = 100.0;
 
-/// A network whose films and contacts let so much more heat through.
-rom::Network conducting(double factor) {
-  rom::Network network = tests::small_network();
-  for (rom::Conductance& conductance : network.boundaries.conductances) conductance.nominal_W_per_m2K *= factor;
-  return network;
-}
+struct Breakdowns {
+  bool old_is_broken = false, new_is_broken = false;
+};
 
-/// A machine of the small network, and a running twin that may be exchanged for another.
-struct Swapping {
+/// Networks of which either may break down.
+struct Swapping : Breakdowns, Exchanging {
   Swapping(double runs, double comes, const CyclePlan& plan = with_sensors(),
            const ExchangePlan& judged = {trial_s, watch_s, 0.1, 0.05})
-      : old_network(conducting(runs)),
-        new_network(conducting(comes)),
-        old_cycle(old_network, plan, breakable(old_is_broken)),
-        new_cycle(new_network, plan, breakable(new_is_broken)),
-        exchange(old_cycle, judged) {
-    old_cycle.identify(std::string(64, 'a'));
-    new_cycle.identify(std::string(64, 'b'));
-  }
-  const Snapshot& step() {
-    last = exchange.step(machine.frame(at_s(n)), command, at_s(n), 0);
-    ++n;
-    machine.advance(1.0);
-    return last;
-  }
-  void run(int cycles) {
-    for (int i = 0; i < cycles; ++i) step();
-  }
-  /// How many steps it took until `state`; `most` if it did not come.
-  int until(ExchangeState state, int most) {
-    int steps = 0;
-    while (steps < most && last.exchange.state != state) {
-      step();
-      ++steps;
-    }
-    return steps;
-  }
-  void offer(Cycle& candidate) {
-    candidate.start_at(start_field(new_network, last));
-    exchange.offer(candidate);
-  }
-  ExchangeNews news() {
-    ExchangeNews told;
-    EXPECT_TRUE(exchange.read(told));
-    return told;
-  }
-  bool shows_new() const { return last.network_id == 0xbbbbbbbbU; }
-
-  bool old_is_broken = false, new_is_broken = false;
-  rom::Network true_network = tests::small_network();
-  rom::Network old_network, new_network;
-  Cycle old_cycle, new_cycle;
-  NetworkExchange exchange;
-  Machine machine{true_network, 1.0};
-  PlcCommand command;
-  Snapshot last;
-  int n = 0;
+      : Exchanging(tests::with_conductances(runs), tests::with_conductances(comes), plan, judged,
+                   breakable(old_is_broken), breakable(new_is_broken)) {}
 };
 
 /// One cycle to begin with, and one more behind the time that does not count.

@@ -7,9 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "firmware/cycle/start_field.hpp"
-#include "tests/firmware/support/machine.hpp"
-#include "tests/rom/heap_calls.hpp"
+#include "tests/firmware/support/exchanging.hpp"
 
 namespace spindle_twin::firmware {
 namespace cycle_exchange_test {
@@ -18,80 +16,24 @@ constexpr double quick_s = 600.0;
 
 ExchangePlan quick() { return {quick_s, quick_s, 0.1, 0.05}; }
 
-const std::string old_sha256(64, 'a');
-const std::string new_sha256(64, 'b');
-
-rom::Network with_conductances(double factor) {
-  rom::Network network = tests::small_network();
-  for (rom::Conductance& conductance : network.boundaries.conductances) conductance.nominal_W_per_m2K *= factor;
-  return network;
-}
-
-/// A machine, and two networks that both may be wrong.
-struct Exchanging {
-  Exchanging(const rom::Network& runs, const rom::Network& comes, const CyclePlan& plan = with_sensors(),
-             const ExchangePlan& judged = quick())
-      : old_network(runs),
-        new_network(comes),
-        old_cycle(old_network, plan, runtime),
-        new_cycle(new_network, plan, runtime),
-        exchange(old_cycle, judged) {
-    old_cycle.identify(old_sha256);
-    new_cycle.identify(new_sha256);
-  }
-
-  const Snapshot& step() {
-    before = last;
-    const DeviceFrame frame = machine.frame(at_s(n));
-    const long calls_before = rom::tests::heap_calls();
-    const Snapshot& now = exchange.step(frame, command, at_s(n), 0);
-    heap_calls += rom::tests::heap_calls() - calls_before;
-    last = now;
-    ++n;
-    machine.advance(1.0);
-    return last;
-  }
-  void run(int cycles) {
-    for (int i = 0; i < cycles; ++i) step();
-  }
-  /// Steps until `state`, and says the largest way that anything published went in a cycle.
-  double run_until(ExchangeState state, int most) {
-    double way_m = 0.0;
-    for (int i = 0; i < most && last.exchange.state != state; ++i) way_m = std::max(way_m, way_of(step()));
-    return way_m;
-  }
-  double way_of(const Snapshot& now) const {
-    return std::max({std::abs(now.nose_m - before.nose_m), std::abs(now.deformation_m[0] - before.deformation_m[0]),
-                     std::abs(now.deformation_m[1] - before.deformation_m[1]),
-                     std::abs(now.compensation.value_m - before.compensation.value_m)});
-  }
-  void offer() {
-    new_cycle.start_at(start_field(new_network, last));
-    exchange.offer(new_cycle);
-  }
-
-  rom::Network true_network = tests::small_network();
-  rom::Network old_network, new_network;
-  Cycle old_cycle, new_cycle;
-  NetworkExchange exchange;
-  Machine machine{true_network, 1.0};
-  PlcCommand command;
-  Snapshot last, before;
-  long heap_calls = 0;  ///< of the steps
-  int n = 0;
+/// With these as they stand in most tests.
+struct QuickExchange : Exchanging {
+  QuickExchange(const rom::Network& runs, const rom::Network& comes, const CyclePlan& plan = with_sensors(),
+                const ExchangePlan& judged = quick())
+      : Exchanging(runs, comes, plan, judged) {}
 };
 
 TEST(Exchange, a_better_network_is_tried_shown_watched_and_accepted_without_a_step) {
-  Exchanging of(with_conductances(1.5), tests::small_network());
+  QuickExchange of(tests::with_conductances(1.5), tests::small_network());
   const double most_m = with_sensors().slew_m_per_s * (1.0 + 1e-9);
   of.run(1200);
   EXPECT_EQ(of.last.exchange.state, ExchangeState::none);
-  of.offer();
-  EXPECT_LE(of.run_until(ExchangeState::watching, 1000), most_m);
+  of.offer(of.new_cycle);
+  EXPECT_LE(of.way_until(ExchangeState::watching, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::watching);
   EXPECT_EQ(of.exchange.kept().standing_orders().network_sha256[0], 'a') << "what is kept stays the old one's";
   const int watched_from = of.n;
-  EXPECT_LE(of.run_until(ExchangeState::keeping, 1000), most_m);
+  EXPECT_LE(of.way_until(ExchangeState::keeping, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::keeping);
   EXPECT_EQ(of.n - watched_from, quick_s + 2) << "the watch in cycles of a second, and one at either end";
   EXPECT_LT(of.last.exchange.candidate_K, of.last.exchange.running_K);
@@ -99,7 +41,7 @@ TEST(Exchange, a_better_network_is_tried_shown_watched_and_accepted_without_a_st
   EXPECT_EQ(of.last.exchange.state, ExchangeState::keeping) << "until its file is on the disk";
   EXPECT_FALSE(of.exchange.take_kept_changed());
   of.exchange.confirm();
-  EXPECT_LE(of.run_until(ExchangeState::accepted, 2), most_m);
+  EXPECT_LE(of.way_until(ExchangeState::accepted, 2), most_m);
   EXPECT_TRUE(of.exchange.take_kept_changed());
   EXPECT_FALSE(of.exchange.take_kept_changed());
   EXPECT_EQ(of.exchange.kept().standing_orders().network_sha256[0], 'b');
@@ -113,10 +55,10 @@ TEST(Exchange, a_better_network_is_tried_shown_watched_and_accepted_without_a_st
 TEST(Exchange, a_network_with_conductances_off_by_half_is_refused_with_and_without_a_correction) {
   for (const CyclePlan& plan : {with_sensors(), estimated()}) {
     for (const double factor : {0.5, 1.5}) {
-      Exchanging of(tests::small_network(), with_conductances(factor), plan);
+      QuickExchange of(tests::small_network(), tests::with_conductances(factor), plan);
       of.run(1200);
-      of.offer();
-      of.run_until(ExchangeState::refused, 2000);
+      of.offer(of.new_cycle);
+      of.until(ExchangeState::refused, 2000);
       EXPECT_EQ(of.last.exchange.state, ExchangeState::refused) << factor << (plan.estimator ? " estimator" : "");
       ExchangeNews news;
       EXPECT_TRUE(of.exchange.read(news));
@@ -127,11 +69,11 @@ TEST(Exchange, a_network_with_conductances_off_by_half_is_refused_with_and_witho
 }
 
 TEST(Exchange, a_refused_network_leaves_the_old_one_as_if_it_had_never_been_there) {
-  Exchanging of(tests::small_network(), with_conductances(0.5));
-  Exchanging alone(tests::small_network(), with_conductances(0.5));
-  for (Exchanging* each : {&of, &alone}) each->run(600);
-  of.offer();
-  for (Exchanging* each : {&of, &alone}) each->run(900);
+  QuickExchange of(tests::small_network(), tests::with_conductances(0.5));
+  QuickExchange alone(tests::small_network(), tests::with_conductances(0.5));
+  for (QuickExchange* each : {&of, &alone}) each->run(600);
+  of.offer(of.new_cycle);
+  for (QuickExchange* each : {&of, &alone}) each->run(900);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::refused);
   EXPECT_EQ(of.last.deformation_m[0], alone.last.deformation_m[0]);
   EXPECT_EQ(of.last.deformation_m[1], alone.last.deformation_m[1]);
@@ -148,18 +90,18 @@ rom::Network wrong_under_load() {
 TEST(Exchange, one_that_passes_and_then_does_worse_goes_back_without_a_step) {
   CyclePlan plan = with_sensors();
   plan.signals[0] = {SignalSource::plc, 0.0, 0.0, 1e5, 0.0};
-  Exchanging of(tests::small_network(), wrong_under_load(), plan);
+  QuickExchange of(tests::small_network(), wrong_under_load(), plan);
   of.machine.operating.speed_rpm = 0.0;
   of.machine.operating.load = 0.0;
   of.command.signals[0] = {0.0, 1};
   of.run(600);
-  of.offer();
+  of.offer(of.new_cycle);
   const double most_m = plan.slew_m_per_s * (1.0 + 1e-9);
-  EXPECT_LE(of.run_until(ExchangeState::watching, 1000), most_m);
+  EXPECT_LE(of.way_until(ExchangeState::watching, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::watching);
   of.machine.operating = of.machine.network.boundaries.operating;
   of.command.signals[0] = {6000.0, 2};
-  EXPECT_LE(of.run_until(ExchangeState::went_back, 1000), most_m);
+  EXPECT_LE(of.way_until(ExchangeState::went_back, 1000), most_m);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::went_back);
   EXPECT_LE(of.way_of(of.last), most_m);
   ExchangeNews news;
@@ -177,7 +119,7 @@ TEST(Exchange, one_that_passes_and_then_does_worse_goes_back_without_a_step) {
 TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tare_back) {
   rom::Network longer = tests::small_network();
   longer.deformations[0].row_m_per_K *= 1.2;
-  Exchanging of(tests::small_network(), longer);
+  QuickExchange of(tests::small_network(), longer);
   of.run(1200);
   of.command.tare_orders = 1;
   of.step();
@@ -185,8 +127,8 @@ TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tar
   ASSERT_GT(tare_m, 1e-6);
   EXPECT_NEAR(of.last.nose_m, 0.0, 1e-8);
   of.run(600);
-  of.offer();
-  of.run_until(ExchangeState::watching, 1000);
+  of.offer(of.new_cycle);
+  of.until(ExchangeState::watching, 1000);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::watching);
   const double nose_m = of.last.nose_m;
   Remembered checkpoint;
@@ -205,7 +147,7 @@ TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tar
   EXPECT_EQ(of.last.tare_count, 1) << "an order of before is no new one";
   of.exchange.withdraw();
   const double most_m = with_sensors().slew_m_per_s * (1.0 + 1e-9);
-  EXPECT_LE(of.run_until(ExchangeState::went_back, 2), most_m);
+  EXPECT_LE(of.way_until(ExchangeState::went_back, 2), most_m);
   double way_m = 0.0;
   for (int i = 0; i < 300; ++i) way_m = std::max(way_m, of.way_of(of.step()));
   EXPECT_LE(way_m, most_m);
@@ -213,20 +155,20 @@ TEST(Exchange, the_growth_since_a_tare_goes_on_and_going_back_brings_the_old_tar
 }
 
 TEST(Exchange, after_the_first_steps_of_a_trial_nothing_allocates_there_and_back) {
-  Exchanging of(tests::small_network(), with_conductances(1.001), estimated(), ExchangePlan{});
+  QuickExchange of(tests::small_network(), tests::with_conductances(1.001), estimated(), ExchangePlan{});
   of.run(1200);
-  of.offer();
+  of.offer(of.new_cycle);
   of.run(100);
   EXPECT_GT(of.heap_calls, 0) << "the counter does not count";
   of.heap_calls = 0;
-  of.run_until(ExchangeState::watching, 4000);
+  of.until(ExchangeState::watching, 4000);
   ExchangeNews news;
   of.exchange.read(news);
   ASSERT_EQ(of.last.exchange.state, ExchangeState::watching)
       << static_cast<int>(news.reason) << " " << news.candidate_K << " " << news.running_K;
   of.run(100);
   of.exchange.withdraw();
-  of.run_until(ExchangeState::went_back, 2);
+  of.until(ExchangeState::went_back, 2);
   of.run(100);
   EXPECT_EQ(of.last.exchange.state, ExchangeState::went_back);
   EXPECT_EQ(of.heap_calls, 0);
@@ -234,9 +176,9 @@ TEST(Exchange, after_the_first_steps_of_a_trial_nothing_allocates_there_and_back
 
 TEST(Exchange, one_that_cannot_be_integrated_is_refused_and_the_old_one_goes_on) {
   const rom::Network network = tests::small_network();
-  Exchanging of(network, network);
+  QuickExchange of(network, network);
   Cycle unfit(network, with_sensors(), runtime);
-  unfit.identify(new_sha256);
+  unfit.identify(std::string(64, 'b'));
   unfit.start_at(Eigen::VectorXd::Constant(5, not_a_value));
   of.run(60);
   of.exchange.offer(unfit);
@@ -247,9 +189,9 @@ TEST(Exchange, one_that_cannot_be_integrated_is_refused_and_the_old_one_goes_on)
 }
 
 TEST(Exchange, who_takes_the_file_away_ends_the_trial) {
-  Exchanging of(tests::small_network(), tests::small_network());
+  QuickExchange of(tests::small_network(), tests::small_network());
   of.run(60);
-  of.offer();
+  of.offer(of.new_cycle);
   of.run(5);
   EXPECT_EQ(of.last.exchange.state, ExchangeState::trial);
   of.exchange.withdraw();
@@ -261,9 +203,9 @@ TEST(Exchange, who_takes_the_file_away_ends_the_trial) {
 }
 
 TEST(Exchange, without_readings_a_trial_does_not_end) {
-  Exchanging of(tests::small_network(), with_conductances(0.5));
+  QuickExchange of(tests::small_network(), tests::with_conductances(0.5));
   of.run(60);
-  of.offer();
+  of.offer(of.new_cycle);
   for (int i = 0; i < 2000; ++i) of.last = of.exchange.step({}, {}, at_s(of.n++), 0);
   EXPECT_EQ(of.last.exchange.state, ExchangeState::trial);
   EXPECT_NEAR(of.last.exchange.left_s, quick_s, 10.0);

@@ -23,12 +23,6 @@ namespace run_slot_watch_test {
 
 namespace fs = std::filesystem;
 
-rom::Network with_conductances(double factor) {
-  rom::Network network = tests::small_network();
-  for (rom::Conductance& conductance : network.boundaries.conductances) conductance.nominal_W_per_m2K *= factor;
-  return network;
-}
-
 /// A spindle at a machine that is as its network says, and its slot; trial and watch last half a minute each.
 class Slot {
  public:
@@ -96,7 +90,7 @@ TEST(SlotWatch, a_network_as_good_is_accepted_written_down_and_taken_out_of_the_
   const Logged log;
   Slot slot;
   slot.step(5);
-  const auto first = slot.put("one.rom", with_conductances(1.001));
+  const auto first = slot.put("one.rom", tests::with_conductances(1.001));
   ASSERT_EQ(slot.run_until(ExchangeState::accepted), ExchangeState::accepted) << log.text();
   EXPECT_EQ(slot.bytes(accepted_path(*slot.spindle)), first);
   EXPECT_FALSE(fs::exists(previous_path(*slot.spindle))) << "the configured one stays where it is configured";
@@ -106,7 +100,7 @@ TEST(SlotWatch, a_network_as_good_is_accepted_written_down_and_taken_out_of_the_
   EXPECT_NE(log.text().find("watched for 0.5 min\n"), std::string::npos);
   const std::uint32_t accepted = slot.last.network_id;
 
-  const auto second = slot.put("two.rom", with_conductances(0.999));
+  const auto second = slot.put("two.rom", tests::with_conductances(0.999));
   slot.step();
   ASSERT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial) << log.text();
   ASSERT_EQ(slot.run_until(ExchangeState::accepted), ExchangeState::accepted) << log.text();
@@ -120,13 +114,13 @@ TEST(SlotWatch, a_file_counts_once_two_looks_have_found_it_the_same) {
   const Logged log;
   Slot slot;
   slot.step(5);
-  slot.put("new.rom", with_conductances(1.001));
+  slot.put("new.rom", tests::with_conductances(1.001));
   slot.watch->look();
   EXPECT_EQ(slot.step(), ExchangeState::none);
   std::ofstream(slot.path("new.rom"), std::ios::app) << "x";  // it is still being copied
   slot.watch->look();
   EXPECT_EQ(slot.step(), ExchangeState::none);
-  slot.put("new.rom", with_conductances(1.001));
+  slot.put("new.rom", tests::with_conductances(1.001));
   slot.watch->look();
   EXPECT_EQ(slot.step(), ExchangeState::none);
   slot.watch->look();
@@ -135,7 +129,7 @@ TEST(SlotWatch, a_file_counts_once_two_looks_have_found_it_the_same) {
 
 TEST(SlotWatch, before_there_is_a_prediction_nothing_is_tried) {
   Slot slot;
-  slot.put("new.rom", with_conductances(1.001));
+  slot.put("new.rom", tests::with_conductances(1.001));
   for (int looks = 0; looks < 4; ++looks) slot.watch->look();
   EXPECT_EQ(slot.step(), ExchangeState::none);
   EXPECT_TRUE(slot.has("new.rom"));
@@ -147,7 +141,7 @@ TEST(SlotWatch, what_nobody_trusted_signed_is_put_aside_and_said) {
   const Logged log;
   Slot slot;
   slot.step(5);
-  slot.put("new.rom", with_conductances(1.001), false);
+  slot.put("new.rom", tests::with_conductances(1.001), false);
   slot.watch->look();
   slot.watch->look();
   EXPECT_FALSE(slot.has("new.rom"));
@@ -176,7 +170,7 @@ TEST(SlotWatch, without_a_sensor_nothing_can_judge_a_network_and_one_is_enough_w
     const Logged log;
     Slot slot(sensors);
     slot.step(5);
-    slot.put("new.rom", with_conductances(1.001));
+    slot.put("new.rom", tests::with_conductances(1.001));
     slot.watch->look();
     slot.watch->look();
     EXPECT_EQ(slot.step(), sensors.empty() ? ExchangeState::refused : ExchangeState::trial);
@@ -189,9 +183,9 @@ TEST(SlotWatch, one_that_took_the_name_of_the_accepted_one_meanwhile_has_its_own
   const Logged log;
   Slot slot;
   slot.step(5);
-  const auto first = slot.put("new.rom", with_conductances(1.001));
+  const auto first = slot.put("new.rom", tests::with_conductances(1.001));
   ASSERT_EQ(slot.run_until(ExchangeState::keeping), ExchangeState::keeping) << log.text();
-  slot.put("new.rom", with_conductances(0.999));
+  slot.put("new.rom", tests::with_conductances(0.999));
   EXPECT_EQ(slot.step(), ExchangeState::accepted);
   slot.watch->look();
   EXPECT_EQ(slot.bytes(accepted_path(*slot.spindle)), first);
@@ -217,7 +211,7 @@ TEST(SlotWatch, a_slot_that_is_gone_is_said_once_each_time_it_goes) {
     slot.watch->look();
     EXPECT_EQ(lines(), times);
   }
-  slot.put("new.rom", with_conductances(1.001));
+  slot.put("new.rom", tests::with_conductances(1.001));
   EXPECT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial);
 }
 
@@ -226,10 +220,10 @@ TEST(SlotWatch, who_takes_the_file_away_or_replaces_it_ends_its_trial) {
     const Logged log;
     Slot slot;
     slot.step(5);
-    slot.put("new.rom", with_conductances(1.001));
+    slot.put("new.rom", tests::with_conductances(1.001));
     ASSERT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial);
     fs::remove(slot.path("new.rom"));
-    if (replaced) slot.put("new.rom", with_conductances(0.999));
+    if (replaced) slot.put("new.rom", tests::with_conductances(0.999));
     slot.watch->look();
     EXPECT_EQ(slot.step(), ExchangeState::refused);
     slot.watch->look();
@@ -246,7 +240,7 @@ TEST(SlotWatch, one_that_foretells_worse_is_put_aside_with_the_reason) {
   const Logged log;
   Slot slot;
   slot.step(5);
-  slot.put("new.rom", with_conductances(0.02));
+  slot.put("new.rom", tests::with_conductances(0.02));
   EXPECT_EQ(slot.run_until(ExchangeState::refused), ExchangeState::refused);
   EXPECT_TRUE(slot.has("new.rom.refused"));
   EXPECT_FALSE(fs::exists(accepted_path(*slot.spindle)));
@@ -270,21 +264,21 @@ TEST(SlotWatch, one_that_cannot_be_put_aside_is_refused_once_and_looked_at_again
     return count;
   };
   for (const double factor : {1.001, 1.0015}) {
-    slot.put("new.rom", with_conductances(factor), false);
+    slot.put("new.rom", tests::with_conductances(factor), false);
     for (int looks = 0; looks < 5; ++looks) slot.watch->look();
     EXPECT_EQ(refused(), ++refusals) << log.text();
     EXPECT_TRUE(slot.has("new.rom"));
   }
-  slot.put("other.rom", with_conductances(1.001));
+  slot.put("other.rom", tests::with_conductances(1.001));
   EXPECT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial) << "it is in nobody's way";
 }
 
 TEST(SlotWatch, other_names_folders_and_links_are_no_new_network) {
   Slot slot;
   slot.step(5);
-  const auto kept = slot.put("accepted-0123456789abcdef.rom", with_conductances(1.001));
-  slot.put("previous-0123456789abcdef.rom", with_conductances(1.001));
-  slot.put("new.rom.part", with_conductances(1.001));
+  const auto kept = slot.put("accepted-0123456789abcdef.rom", tests::with_conductances(1.001));
+  slot.put("previous-0123456789abcdef.rom", tests::with_conductances(1.001));
+  slot.put("new.rom.part", tests::with_conductances(1.001));
   fs::create_directory(slot.path("folder.rom"));
   fs::create_symlink(slot.path("new.rom.part"), slot.path("link.rom"));
   for (int looks = 0; looks < 3; ++looks) slot.watch->look();
@@ -295,8 +289,8 @@ TEST(SlotWatch, other_names_folders_and_links_are_no_new_network) {
 TEST(SlotWatch, of_several_the_first_by_name_is_tried_and_the_next_waits) {
   Slot slot;
   slot.step(5);
-  slot.put("b.rom", with_conductances(1.001));
-  slot.put("a.rom", with_conductances(1.002));
+  slot.put("b.rom", tests::with_conductances(1.001));
+  slot.put("a.rom", tests::with_conductances(1.002));
   ASSERT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial);
   fs::remove(slot.path("b.rom"));
   slot.watch->look();

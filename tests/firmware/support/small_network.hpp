@@ -98,4 +98,11 @@ inline rom::Network small_network_by_hand() {
   return network;
 }
 
+/// The small network whose films and contacts let so much more heat through.
+inline rom::Network with_conductances(double factor) {
+  rom::Network network = small_network();
+  for (rom::Conductance& conductance : network.boundaries.conductances) conductance.nominal_W_per_m2K *= factor;
+  return network;
+}
+
 }  // namespace spindle_twin::tests
