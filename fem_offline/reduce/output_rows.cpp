@@ -63,6 +63,7 @@ OutputRows project_output_rows(const AffineModel& model, const Eigen::MatrixXd& 
 
 Eigen::MatrixXd extreme_rows(const FePart& part, const std::vector<int>& points, const Eigen::MatrixXd& basis) {
   std::vector<int> unknowns;
+  unknowns.reserve(points.size());
   for (const int point : points) unknowns.push_back(part.dofs[static_cast<std::size_t>(point)]);
   return basis(unknowns, Eigen::all);
 }
