@@ -1,6 +1,7 @@
 #include "fem_offline/reduce/dense_blas.hpp"
 
 #include <Eigen/Cholesky>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -17,6 +18,11 @@ void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* inf
 void dpotrs_(const char* uplo, const int* n, const int* columns, const double* a, const int* lda, double* b,
              const int* ldb, int* info, std::size_t);
 void dgetrf_(const int* rows, const int* columns, double* a, const int* lda, int* pivots, int* info);
+void dsyevd_(const char* job, const char* uplo, const int* n, double* a, const int* lda, double* values, double* work,
+             const int* work_size, int* integers, const int* integers_size, int* info, std::size_t, std::size_t);
+void dgeev_(const char* left, const char* right, const int* n, double* a, const int* lda, double* real,
+            double* imaginary, double* left_vectors, const int* ld_left, double* right_vectors, const int* ld_right,
+            double* work, const int* work_size, int* info, std::size_t, std::size_t);
 }
 
 namespace spindle_twin::fem_offline {
@@ -73,6 +79,57 @@ Eigen::MatrixXd DenseCholesky::solve(Eigen::MatrixXd right_hand_sides) const {
   lower.solveInPlace(right_hand_sides);
   lower.transpose().solveInPlace(right_hand_sides);
   return right_hand_sides;
+}
+
+namespace {
+
+/// LAPACK's decompositions call the BLAS: one thread at a time where that serves no more.
+std::unique_lock<std::mutex> turn_at_lapack() {
+  static std::mutex one_at_a_time;
+  return openblas_serves_threads() ? std::unique_lock<std::mutex>() : std::unique_lock(one_at_a_time);
+}
+
+}  // namespace
+
+SymmetricModes symmetric_modes(Eigen::MatrixXd matrix) {
+  const int size = static_cast<int>(matrix.rows()), ask = -1;
+  SymmetricModes modes{Eigen::VectorXd(size), {}};
+  if (size == 0) return modes;
+  const std::unique_lock turn = turn_at_lapack();
+  int info = 0;
+  const auto call = [&](double* work, const int* work_size, int* integers, const int* integers_size) {
+    dsyevd_("V", "L", &size, matrix.data(), &size, modes.values.data(), work, work_size, integers, integers_size, &info,
+            1, 1);
+  };
+  double wanted = 0.0;
+  int integers_size = 0;
+  call(&wanted, &ask, &integers_size, &ask);
+  const int work_size = static_cast<int>(wanted);
+  std::vector<double> work(static_cast<std::size_t>(work_size));
+  std::vector<int> integers(static_cast<std::size_t>(integers_size));
+  call(work.data(), &work_size, integers.data(), &integers_size);
+  if (info != 0 || !modes.values.allFinite()) throw std::runtime_error("a symmetric matrix has no eigenvectors");
+  modes.vectors = std::move(matrix);
+  return modes;
+}
+
+RealModes real_modes(Eigen::MatrixXd matrix) {
+  const int size = static_cast<int>(matrix.rows()), ask = -1;
+  RealModes modes{Eigen::VectorXd(size), Eigen::VectorXd(size), Eigen::MatrixXd(size, size)};
+  if (size == 0) return modes;
+  const std::unique_lock turn = turn_at_lapack();
+  double wanted = 0.0;
+  int info = 0;
+  const auto call = [&](double* work, const int* work_size) {
+    dgeev_("N", "V", &size, matrix.data(), &size, modes.real.data(), modes.imaginary.data(), nullptr, &size,
+           modes.vectors.data(), &size, work, work_size, &info, 1, 1);
+  };
+  call(&wanted, &ask);
+  const int work_size = static_cast<int>(wanted);
+  std::vector<double> work(static_cast<std::size_t>(work_size));
+  call(work.data(), &work_size);
+  if (info != 0 || !modes.real.allFinite()) throw std::runtime_error("a matrix has no eigenvectors");
+  return modes;
 }
 
 Eigen::VectorXi pivot_rows(Eigen::MatrixXd columns) {

@@ -25,6 +25,26 @@ class DenseCholesky {
   Eigen::MatrixXd lower_;
 };
 
+/// Eigenvalues, smallest first, and orthonormal eigenvectors of a symmetric matrix.
+struct SymmetricModes {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+};
+
+/// Reads the lower triangle (LAPACK's dsyevd). Throws std::runtime_error where an entry is not
+/// finite.
+SymmetricModes symmetric_modes(Eigen::MatrixXd matrix);
+
+/// A = S D S⁻¹ in real numbers: column k of S is the eigenvector of the real eigenvalue `real[k]` where `imaginary[k]`
+/// is 0; columns k and k + 1 are real and imaginary part of that of `real[k] + i imaginary[k]` where it is above 0.
+struct RealModes {
+  Eigen::VectorXd real, imaginary;
+  Eigen::MatrixXd vectors;
+};
+
+/// Of any square matrix (LAPACK's dgeev). Throws std::runtime_error where its iteration does not end.
+RealModes real_modes(Eigen::MatrixXd matrix);
+
 /// As many rows of `columns` as it has columns, chosen by Gaussian elimination with row pivoting: independent ones,
 /// spread by how much combinations of the columns can vary.
 Eigen::VectorXi pivot_rows(Eigen::MatrixXd columns);

@@ -5,22 +5,20 @@
 
 namespace spindle_twin::fem_offline {
 
-PackedSymmetric::PackedSymmetric(const Eigen::MatrixXd& matrix)
-    : size_(matrix.rows()), values_(size_ * (size_ + 1) / 2) {
-  Eigen::Index first = 0;
-  for (Eigen::Index c = 0; c < size_; ++c) {
-    values_.segment(first, size_ - c) = matrix.col(c).tail(size_ - c);
-    first += size_ - c;
-  }
+void PackedTerms::set(Eigen::Index term, const Eigen::MatrixXd& matrix) {
+  auto values = values_.col(term);
+  for (Eigen::Index c = 0; c < size_; ++c) values.segment(start_of(c), size_ - c) = matrix.col(c).tail(size_ - c);
 }
 
-Eigen::MatrixXd PackedSymmetric::whole() const {
-  Eigen::MatrixXd matrix(size_, size_);
-  for (Eigen::Index c = 0; c < size_; ++c) {
-    matrix.col(c).tail(size_ - c) = column(c);
-    matrix.row(c).tail(size_ - c) = column(c).transpose();
-  }
-  return matrix;
+PackedTerms PackedTerms::sums(const Eigen::MatrixXd& weights) const {
+  PackedTerms result;
+  result.size_ = size_;
+  result.values_ = product(values_, weights);
+  return result;
+}
+
+void PackedTerms::add_to_lower(Eigen::Index term, Eigen::MatrixXd& matrix) const {
+  for (Eigen::Index c = 0; c < size_; ++c) matrix.col(c).tail(size_ - c) += column(term, c);
 }
 
 namespace {
@@ -45,13 +43,13 @@ void couple(const DenseModel& model, const rom::CoolantSegments& segments, const
 
 /// Adds to the lower triangle of K what the conductances have gained; column by column, so that of K each is in the
 /// cache.
-void add_gained(const DenseModel& model, const std::vector<std::pair<std::size_t, double>>& gained_W_per_m2K,
+void add_gained(const DenseModel& model, const std::vector<std::pair<Eigen::Index, double>>& gained_W_per_m2K,
                 Eigen::MatrixXd& conduction) {
   const Eigen::Index size = conduction.rows();
   for (Eigen::Index c = 0; c < size; ++c) {
     auto column = conduction.col(c).tail(size - c);
     for (const auto& [j, gain_W_per_m2K] : gained_W_per_m2K) {
-      column += gain_W_per_m2K * model.conductance_terms[j].column(c);
+      column += gain_W_per_m2K * model.conductance_terms.column(j, c);
     }
   }
 }
@@ -63,19 +61,29 @@ DenseModel dense_model_of(const rom::Network& network) {
   model.capacity = network.capacity_J_per_K;
   model.conduction = network.conduction_W_per_K;
   model.walls_m2.resize(model.capacity.rows(), static_cast<Eigen::Index>(network.factors_m.size()));
-  for (const Eigen::MatrixXd& factor : network.factors_m) {
-    model.walls_m2.col(static_cast<Eigen::Index>(model.conductance_terms.size())) =
-        factor * factor.colwise().sum().transpose();
-    model.conductance_terms.emplace_back(factor * factor.transpose());
+  model.conductance_terms = PackedTerms(model.capacity.rows(), model.walls_m2.cols());
+  for (Eigen::Index j = 0; j < model.walls_m2.cols(); ++j) {
+    const Eigen::MatrixXd& factor = network.factors_m[static_cast<std::size_t>(j)];
+    model.walls_m2.col(j) = factor * factor.colwise().sum().transpose();
+    model.conductance_terms.set(j, product(factor, Eigen::MatrixXd(factor.transpose())));
   }
   model.source_distribution = network.source_distribution;
   model.uniform.setOnes(model.capacity.rows());
   return model;
 }
 
+HeldModel hold_conductances(const DenseModel& model, const PackedTerms& sums, Eigen::Index sum,
+                            const Eigen::VectorXd& conductances_W_per_m2K) {
+  HeldModel held;
+  held.conduction = model.conduction;
+  sums.add_to_lower(sum, held.conduction);
+  held.contained_W_per_m2K = conductances_W_per_m2K;
+  return held;
+}
+
 void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, const rom::CoolantSegments& segments,
                  const rom::BoundaryValues& values, double zero_K, HeldModel& held) {
-  const auto count = static_cast<Eigen::Index>(model.conductance_terms.size());
+  const Eigen::Index count = model.conductance_terms.count();
   if (held.contained_W_per_m2K.size() != count) {
     held.conduction = model.conduction;
     held.contained_W_per_m2K.setZero(count);
@@ -83,15 +91,14 @@ void hold_inputs(const DenseModel& model, const rom::Boundaries& boundaries, con
   held.carried.resize(model.conduction.rows(), 0);
   held.walls.resize(model.conduction.rows(), 0);
   held.drive = model.source_distribution * values.heat_W;
-  std::vector<std::pair<std::size_t, double>> gained_W_per_m2K;
-  for (std::size_t j = 0; j < model.conductance_terms.size(); ++j) {
-    const auto column = static_cast<Eigen::Index>(j);
-    const double g = values.conductance_W_per_m2K[column];
-    const int environment = boundaries.conductances[j].environment;
-    const double gain_W_per_m2K = g - held.contained_W_per_m2K[column];
+  std::vector<std::pair<Eigen::Index, double>> gained_W_per_m2K;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const double g = values.conductance_W_per_m2K[j];
+    const int environment = boundaries.conductances[static_cast<std::size_t>(j)].environment;
+    const double gain_W_per_m2K = g - held.contained_W_per_m2K[j];
     if (gain_W_per_m2K != 0.0) gained_W_per_m2K.emplace_back(j, gain_W_per_m2K);
-    held.contained_W_per_m2K[column] = g;
-    if (environment >= 0) held.drive += g * (values.environment_K[environment] - zero_K) * model.walls_m2.col(column);
+    held.contained_W_per_m2K[j] = g;
+    if (environment >= 0) held.drive += g * (values.environment_K[environment] - zero_K) * model.walls_m2.col(j);
   }
   add_gained(model, gained_W_per_m2K, held.conduction);
   if (segments.count() > 0) couple(model, segments, values, zero_K, held);

@@ -11,20 +11,29 @@
 
 namespace spindle_twin::fem_offline {
 
-/// Lower triangle of a symmetric n x n matrix, column behind column: half its memory. Of the terms of a rich model
-/// there are a hundred.
-class PackedSymmetric {
+/// Symmetric n x n matrices, of each the lower triangle, column behind column: half their memory. Of a rich model there
+/// are a hundred, and a sum of all takes as long as reading them.
+class PackedTerms {
  public:
-  PackedSymmetric() = default;
-  /// Reads the lower triangle.
-  explicit PackedSymmetric(const Eigen::MatrixXd& matrix);
+  PackedTerms() = default;
+  /// `count` matrices that are not set yet.
+  PackedTerms(Eigen::Index size, Eigen::Index count) : size_(size), values_(size * (size + 1) / 2, count) {}
+  Eigen::Index count() const { return values_.cols(); }
+  /// Reads the lower triangle. Several threads may set different ones.
+  void set(Eigen::Index term, const Eigen::MatrixXd& matrix);
   /// Rows c to n − 1 of column c.
-  auto column(Eigen::Index c) const { return values_.segment(c * size_ - c * (c - 1) / 2, size_ - c); }
-  Eigen::MatrixXd whole() const;
+  auto column(Eigen::Index term, Eigen::Index c) const { return values_.col(term).segment(start_of(c), size_ - c); }
+  /// One matrix for every column of `weights`: the sum of all terms, each times its weight, in one pass over the terms;
+  /// packed in the same way.
+  PackedTerms sums(const Eigen::MatrixXd& weights) const;
+  /// Adds a term to the lower triangle of a matrix.
+  void add_to_lower(Eigen::Index term, Eigen::MatrixXd& matrix) const;
 
  private:
+  Eigen::Index start_of(Eigen::Index c) const { return c * size_ - c * (c - 1) / 2; }
+
   Eigen::Index size_ = 0;
-  Eigen::VectorXd values_;
+  Eigen::MatrixXd values_;
 };
 
 /// The FE model tested with a Galerkin basis V of n columns; all matrices dense, n x n unless said otherwise:
@@ -32,7 +41,7 @@ class PackedSymmetric {
 struct DenseModel {
   Eigen::MatrixXd capacity;
   Eigen::MatrixXd conduction;
-  std::vector<PackedSymmetric> conductance_terms;
+  PackedTerms conductance_terms;
   Eigen::MatrixXd walls_m2;             ///< n x conductances: Kⱼ 1, zero for exchange between bodies
   Eigen::MatrixXd source_distribution;  ///< n x sources
   Eigen::VectorXd uniform;              ///< n; the field that is 1 everywhere
@@ -50,6 +59,12 @@ struct HeldModel {
   Eigen::VectorXd drive;
   Eigen::VectorXd contained_W_per_m2K;  ///< of every conductance, what K has of it; empty before the first inputs
 };
+
+/// A model that holds these conductances and no other inputs, for hold_inputs to begin with. `sums`: of its terms, the
+/// one numbered `sum` with these conductances as weights; for many inputs in one pass, which costs little more than
+/// one.
+HeldModel hold_conductances(const DenseModel& model, const PackedTerms& sums, Eigen::Index sum,
+                            const Eigen::VectorXd& conductances_W_per_m2K);
 
 /// Gives `held` these inputs. One that held others of the same model changes only by the conductances that differ: of
 /// the terms of a K most follow neither speed nor flow.

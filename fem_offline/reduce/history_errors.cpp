@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <span>
 #include <utility>
 
 #include "fem_offline/reduce/analysed_system.hpp"
@@ -14,15 +15,20 @@
 namespace spindle_twin::fem_offline {
 namespace {
 
-/// The reduced model along a history: rises above the reference temperature, a column per field.
-Eigen::MatrixXd follow_history(const DenseModel& model, const rom::Boundaries& boundaries, const History& history) {
-  const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
+constexpr int histories_at_once = 8;  ///< whose conductances are summed in one pass
+
+/// The reduced model along a history: rises above the reference temperature, a column per field. `held_by(state)`: a
+/// model that holds the conductances of this state of the history.
+template <typename HeldBy>
+Eigen::MatrixXd follow_history(const DenseModel& model, const rom::Boundaries& boundaries,
+                               const rom::CoolantSegments& segments, const History& history, const HeldBy& held_by) {
   HeldModel held;
-  const auto hold = [&](const rom::BoundaryValues& values) {
-    hold_inputs(model, boundaries, segments, values, boundaries.reference_temperature_K, held);
+  const auto hold = [&](std::size_t state) {
+    held = held_by(state);
+    hold_inputs(model, boundaries, segments, history.states[state], boundaries.reference_temperature_K, held);
   };
   std::size_t state = 0;
-  hold(history.states[state]);
+  hold(state);
   Eigen::MatrixXd rises_K(model.capacity.rows(), history.fields());
   if (history.uniform_rise_K) {
     rises_K.col(0) = *history.uniform_rise_K * model.uniform;
@@ -31,12 +37,24 @@ Eigen::MatrixXd follow_history(const DenseModel& model, const rom::Boundaries& b
   }
   Eigen::Index column = 1;
   for (const HistoryStep& step : history.steps) {
-    if (step.state != state) hold(history.states[state = step.state]);
+    if (step.state != state) hold(state = step.state);
     const double rate_per_s = 1.0 / step.step_s;
     const Eigen::VectorXd heat_W = held.drive + rate_per_s * (model.capacity * rises_K.col(column - 1));
     rises_K.col(column++) = ShiftedModel(model, held, rate_per_s).solve(heat_W);
   }
   return rises_K;
+}
+
+/// Conductances of every state of some histories in turn, a column each.
+Eigen::MatrixXd conductances_of(std::span<const FeHistory> histories, Eigen::Index conductances) {
+  Eigen::Index states = 0;
+  for (const FeHistory& item : histories) states += static_cast<Eigen::Index>(item.history.states.size());
+  Eigen::MatrixXd columns(conductances, states);
+  Eigen::Index next = 0;
+  for (const FeHistory& item : histories) {
+    for (const rom::BoundaryValues& values : item.history.states) columns.col(next++) = values.conductance_W_per_m2K;
+  }
+  return columns;
 }
 
 }  // namespace
@@ -66,10 +84,26 @@ std::vector<FeHistory> run_fe_histories(const AffineModel& model, const ReduceOp
 Eigen::MatrixXd history_errors(const AffineModel& model, const BasisModel& reduced,
                                const std::vector<FeHistory>& histories, int threads) {
   Eigen::MatrixXd errors(reduced.outputs.layout.total(), static_cast<Eigen::Index>(histories.size()));
-  for_each_index(static_cast<int>(histories.size()), threads, [&](int index, int) {
-    const FeHistory& item = histories[static_cast<std::size_t>(index)];
-    const Eigen::MatrixXd rises_K = follow_history(reduced.dense, model.boundaries, item.history);
-    errors.col(index) = (outputs_of(reduced.outputs, rises_K) - item.outputs).cwiseAbs().rowwise().maxCoeff();
+  const DenseModel& dense = reduced.dense;
+  const rom::CoolantSegments segments = rom::coolant_segments(model.boundaries);
+  const std::span<const FeHistory> all = histories;
+  const int count = static_cast<int>(histories.size());
+  for_each_index((count + histories_at_once - 1) / histories_at_once, threads, [&](int group, int) {
+    const int first = group * histories_at_once, width = std::min(histories_at_once, count - first);
+    const auto own = all.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(width));
+    const Eigen::MatrixXd conductances = conductances_of(own, dense.conductance_terms.count());
+    const PackedTerms sums = dense.conductance_terms.sums(conductances);
+    Eigen::Index first_state = 0;
+    for (int i = 0; i < width; ++i) {
+      const FeHistory& item = own[static_cast<std::size_t>(i)];
+      const auto held_by = [&](std::size_t state) {
+        const Eigen::Index sum = first_state + static_cast<Eigen::Index>(state);
+        return hold_conductances(dense, sums, sum, conductances.col(sum));
+      };
+      const Eigen::MatrixXd rises_K = follow_history(dense, model.boundaries, segments, item.history, held_by);
+      errors.col(first + i) = (outputs_of(reduced.outputs, rises_K) - item.outputs).cwiseAbs().rowwise().maxCoeff();
+      first_state += static_cast<Eigen::Index>(item.history.states.size());
+    }
   });
   return errors;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fem_offline/reduce/dense_blas.hpp"
@@ -43,32 +44,42 @@ Eigen::MatrixXd directions_of(std::span<const StretchPart> parts) {
   return found;
 }
 
-/// A = S diag(rates) S⁻¹.
-struct DecayModes {
-  Eigen::VectorXcd rates_per_s;
-  Eigen::MatrixXcd shapes;
-  bool symmetric;  ///< then S⁻¹ = Sᵀ
-
-  Eigen::MatrixXcd to_modes(const Eigen::MatrixXd& columns) const {
-    if (symmetric) return shapes.transpose() * columns;
-    return shapes.partialPivLu().solve(columns.cast<std::complex<double>>());
-  }
-};
-
-DecayModes decay_modes_of(const Eigen::MatrixXd& matrix, bool symmetric) {
-  if (symmetric) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-    return {solver.eigenvalues().cast<std::complex<double>>(), solver.eigenvectors().cast<std::complex<double>>(),
-            true};
-  }
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
-  return {solver.eigenvalues(), solver.eigenvectors(), false};
-}
-
 /// (eˣ − 1) / x
 std::complex<double> mean_of_exponential(std::complex<double> x) {
   constexpr double small = 1e-6;
   return std::abs(x) < small ? 1.0 + 0.5 * x : (std::exp(x) - 1.0) / x;
+}
+
+/// dy/dt = f − A y in the eigenvectors of A, in real numbers.
+struct DecayModes {
+  RealModes modes;
+  bool symmetric;  ///< then S⁻¹ = Sᵀ
+
+  Eigen::MatrixXd to_modes(const Eigen::MatrixXd& columns) const {
+    if (symmetric) return modes.vectors.transpose() * columns;
+    return Eigen::PartialPivLU<Eigen::MatrixXd>(modes.vectors).solve(columns);
+  }
+
+  /// Amplitudes after this time with f held. Those of a pair of complex modes p ± iq with eigenvalues α ± iβ are real
+  /// and imaginary part of one z: dz/dt = f_p + i f_q − (α − iβ) z.
+  void advance(double duration_s, const Eigen::VectorXd& driven, Eigen::VectorXd& amplitude) const {
+    for (Eigen::Index k = 0; k < driven.size(); ++k) {
+      const bool pair = modes.imaginary[k] != 0.0;
+      const std::complex<double> decay = -duration_s * std::complex(modes.real[k], -modes.imaginary[k]);
+      std::complex<double> own(amplitude[k], pair ? amplitude[k + 1] : 0.0);
+      const std::complex<double> drive(driven[k], pair ? driven[k + 1] : 0.0);
+      own = std::exp(decay) * own + duration_s * mean_of_exponential(decay) * drive;
+      amplitude[k] = own.real();
+      if (pair) amplitude[++k] = own.imag();
+    }
+  }
+};
+
+DecayModes decay_modes_of(const Eigen::MatrixXd& matrix, bool symmetric) {
+  if (!symmetric) return {real_modes(matrix), false};
+  SymmetricModes modes = symmetric_modes(matrix);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(modes.values.size());
+  return {{std::move(modes.values), none, std::move(modes.vectors)}, true};
 }
 
 }  // namespace
@@ -88,8 +99,23 @@ struct KrylovStepper::Impl {
   ThermalSystem system;
   CoolantCoupling coupling;
   Eigen::VectorXd temperatures_K;
-  Eigen::MatrixXd space, stored, conducted;  ///< V with Vᵀ C V = 1, C V and A V
-  Eigen::MatrixXd projected;                 ///< Vᵀ A V
+  /// V with Vᵀ C V = 1, C V, A V and Vᵀ A V, of which `used` columns belong to this stretch; memory stays for the next.
+  Eigen::MatrixXd space_of_all, stored_of_all, conducted_of_all, projected_of_all;
+  Eigen::Index used = 0;
+
+  auto space() const { return space_of_all.leftCols(used); }
+  auto stored() const { return stored_of_all.leftCols(used); }
+  auto projected() const { return projected_of_all.topLeftCorner(used, used); }
+
+  /// An empty space with room for so many columns; pages that are never written take no memory.
+  void begin_space(Eigen::Index most) {
+    used = 0;
+    if (space_of_all.cols() >= most) return;
+    for (Eigen::MatrixXd* columns : {&space_of_all, &stored_of_all, &conducted_of_all}) {
+      columns->resize(temperatures_K.size(), most);
+    }
+    projected_of_all.resize(most, most);
+  }
 
   Eigen::VectorXd load_W(const rom::BoundaryValues& values) {
     coupling.hold(values);
@@ -134,21 +160,23 @@ struct KrylovStepper::Impl {
     return loads;
   }
 
-  /// Solutions with every pole in turn, each of C times what the one before gave; `right`: for the first pole. The last
-  /// ones stand in the last columns.
-  Eigen::MatrixXd next_block(std::vector<CoupledFactor>& factors, Eigen::MatrixXd right) const {
+  /// Solutions with every pole in turn, each of C times what the one before gave, and C times all of them; `right`: for
+  /// the first pole. The last ones stand in the last columns.
+  void next_block(std::vector<CoupledFactor>& factors, const Eigen::MatrixXd& right, Eigen::MatrixXd& block,
+                  Eigen::MatrixXd& stored_block) const {
     const Eigen::Index count = right.cols();
-    Eigen::MatrixXd block(right.rows(), static_cast<Eigen::Index>(factors.size()) * count);
+    block.resize(right.rows(), static_cast<Eigen::Index>(factors.size()) * count);
+    stored_block.resize(block.rows(), block.cols());
     Eigen::VectorXd found;
     for (std::size_t pole = 0; pole < factors.size(); ++pole) {
       const Eigen::Index first = static_cast<Eigen::Index>(pole) * count;
-      if (pole > 0) right = store(block.middleCols(first - count, count));
+      const Eigen::MatrixXd& loads_W = pole == 0 ? right : stored_block;
       for (Eigen::Index i = 0; i < count; ++i) {
-        factors[pole].solve(right.col(i), coupling, found);
+        factors[pole].solve(loads_W.col(pole == 0 ? i : first - count + i), coupling, found);
         block.col(first + i) = found;
       }
+      stored_block.middleCols(first, count) = store(block.middleCols(first, count));
     }
-    return block;
   }
 
   /// C-orthonormal against the space and each other (Gram-Schmidt, twice), C times the block with it; columns that are
@@ -159,10 +187,10 @@ struct KrylovStepper::Impl {
       if (norm > 0.0) block.col(j) /= norm, stored_block.col(j) /= norm;
     }
     for (int pass = 0; pass < 2; ++pass) {
-      if (space.cols() > 0) {
-        const Eigen::MatrixXd shares = transposed_product(space, stored_block);
-        block -= product(space, shares);
-        stored_block -= product(stored, shares);
+      if (used > 0) {
+        const Eigen::MatrixXd shares = transposed_product(space(), stored_block);
+        block -= product(space(), shares);
+        stored_block -= product(stored(), shares);
       }
       for (Eigen::Index j = 0; j < block.cols(); ++j) {
         for (Eigen::Index i = 0; i < j; ++i) {
@@ -178,19 +206,17 @@ struct KrylovStepper::Impl {
   }
 
   void enlarge(const Eigen::MatrixXd& block, const Eigen::MatrixXd& stored_block) {
-    const Eigen::Index before = space.cols(), more = block.cols();
-    for (Eigen::MatrixXd* columns : {&space, &stored, &conducted}) {
-      columns->conservativeResize(block.rows(), before + more);
-    }
-    space.rightCols(more) = block;
-    stored.rightCols(more) = stored_block;
-    conducted.rightCols(more) = conduct(block);
-    projected.conservativeResize(before + more, before + more);
-    projected.rightCols(more) = transposed_product(space, conducted.rightCols(more));
+    const Eigen::Index before = used, more = block.cols();
+    used += more;
+    space_of_all.middleCols(before, more) = block;
+    stored_of_all.middleCols(before, more) = stored_block;
+    conducted_of_all.middleCols(before, more) = conduct(block);
+    projected_of_all.block(0, before, used, more) =
+        transposed_product(space(), conducted_of_all.middleCols(before, more));
     if (coupling.empty()) {
-      projected.bottomLeftCorner(more, before) = projected.topRightCorner(before, more).transpose();
+      projected_of_all.block(before, 0, more, before) = projected_of_all.block(0, before, before, more).transpose();
     } else {
-      projected.bottomLeftCorner(more, before) = transposed_product(block, conducted.leftCols(before));
+      projected_of_all.block(before, 0, more, before) = transposed_product(block, conducted_of_all.leftCols(before));
     }
   }
 
@@ -205,19 +231,15 @@ struct KrylovStepper::Impl {
 
   /// The solution in the space at the end of every part, exact in time: by the modes of the projected matrix.
   Eigen::MatrixXd solution(std::span<const StretchPart> parts, const StretchLoads& loads) const {
-    const DecayModes modes = decay_modes_of(projected, coupling.empty());
-    const Eigen::MatrixXcd driven = modes.to_modes(transposed_product(space, loads.columns_W) * loads.shares);
-    Eigen::MatrixXcd amplitudes(driven.rows(), driven.cols());
-    Eigen::VectorXcd amplitude = Eigen::VectorXcd::Zero(driven.rows());
+    const DecayModes decay = decay_modes_of(projected(), coupling.empty());
+    const Eigen::MatrixXd driven = decay.to_modes(transposed_product(space(), loads.columns_W) * loads.shares);
+    Eigen::MatrixXd amplitudes(driven.rows(), driven.cols());
+    Eigen::VectorXd amplitude = Eigen::VectorXd::Zero(driven.rows());
     for (Eigen::Index i = 0; i < driven.cols(); ++i) {
-      const double duration_s = parts[static_cast<std::size_t>(i)].duration_s;
-      for (Eigen::Index k = 0; k < driven.rows(); ++k) {
-        const std::complex<double> decay = -duration_s * modes.rates_per_s[k];
-        amplitude[k] = std::exp(decay) * amplitude[k] + duration_s * mean_of_exponential(decay) * driven(k, i);
-      }
+      decay.advance(parts[static_cast<std::size_t>(i)].duration_s, driven.col(i), amplitude);
       amplitudes.col(i) = amplitude;
     }
-    return (modes.shapes * amplitudes).real();
+    return decay.modes.vectors * amplitudes;
   }
 
   /// Largest difference that the last columns of the space have made, at the ends of some parts. [K]
@@ -229,7 +251,7 @@ struct KrylovStepper::Impl {
       changes.col(column) = now.col(part);
       changes.col(column++).head(before.rows()) -= before.col(part);
     }
-    return product(space, changes).cwiseAbs().maxCoeff();
+    return product(space(), changes).cwiseAbs().maxCoeff();
   }
 
   /// The change of every unknown's temperature until the end of every part; nothing where the space has grown too
@@ -237,17 +259,17 @@ struct KrylovStepper::Impl {
   std::optional<Eigen::MatrixXd> changes_K(std::span<const StretchPart> parts) {
     system.set_conductances(parts.front().values.conductance_W_per_m2K);
     const StretchLoads loads = loads_of(parts);
-    space.resize(temperatures_K.size(), 0), stored = conducted = space, projected.resize(0, 0);
     std::vector<CoupledFactor> of_poles = factors();
-    Eigen::MatrixXd right = loads.columns_W, before;
+    Eigen::MatrixXd right = loads.columns_W, before, block, stored_block;
+    begin_space(most_rounds * static_cast<Eigen::Index>(of_poles.size()) * right.cols());
     for (int round = 1; round <= most_rounds; ++round) {
-      Eigen::MatrixXd block = next_block(of_poles, right), stored_block = store(block);
+      next_block(of_poles, right, block, stored_block);
       orthonormalise(block, stored_block);
       enlarge(block, stored_block);
       right = stored_block.rightCols(right.cols()).eval();
       if (round < first_judged_round - 1) continue;
       const Eigen::MatrixXd now = solution(parts, loads);
-      if (round >= first_judged_round && change_K(before, now) <= tolerance_K) return product(space, now);
+      if (round >= first_judged_round && change_K(before, now) <= tolerance_K) return product(space(), now);
       before = now;
     }
     return {};

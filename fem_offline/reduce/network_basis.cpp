@@ -1,5 +1,4 @@
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -13,7 +12,7 @@ namespace spindle_twin::fem_offline {
 namespace {
 
 /// Weighted sum of squares of the dual snapshots relative to that of the fields.
-constexpr double dual_share = 0.3;
+constexpr double dual_share = 0.15;
 /// Of the mean square over all unknowns beside that over the points.
 constexpr double weight_of_mean = 1.0;
 constexpr int weight_rounds = 3;
@@ -64,20 +63,19 @@ Modes nested_modes(const Eigen::MatrixXd& moments, const Eigen::MatrixXd& inner_
   const Eigen::MatrixXd lower = factor.matrixL();
   const Eigen::HouseholderQR<Eigen::MatrixXd> fixed_columns(Eigen::MatrixXd(lower.transpose().leftCols(fixed)));
   const Eigen::MatrixXd beside = Eigen::MatrixXd(fixed_columns.householderQ()).rightCols(others);
-  const Eigen::MatrixXd to_modes = lower * beside;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(to_modes.transpose() * moments * to_modes);
-  if (solver.info() != Eigen::Success) throw std::runtime_error("the snapshots' moments have no eigenvectors");
+  const Eigen::MatrixXd to_modes = product(lower, beside);
+  const SymmetricModes found = symmetric_modes(transposed_product(to_modes, product(moments, to_modes)));
   Eigen::MatrixXd columns = Eigen::MatrixXd::Identity(states, states);
   columns.rightCols(others) = lower.transpose().triangularView<Eigen::Upper>().solve(
-      beside * Eigen::MatrixXd(solver.eigenvectors().rowwise().reverse()));
+      product(beside, Eigen::MatrixXd(found.vectors.rowwise().reverse())));
   Modes modes;
   modes.columns = Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ();
   // The reflections leave the fixed unit vectors where they are, but for rounding and sign.
   modes.columns.leftCols(fixed).setIdentity();
   modes.columns.topRightCorner(fixed, others).setZero();
-  modes.left_after = Eigen::VectorXd::Constant(states, solver.eigenvalues().sum());
+  modes.left_after = Eigen::VectorXd::Constant(states, found.values.sum());
   for (Eigen::Index i = 0; i < others; ++i) {
-    modes.left_after[fixed + i] = solver.eigenvalues().head(others - 1 - i).sum();
+    modes.left_after[fixed + i] = found.values.head(others - 1 - i).sum();
   }
   return modes;
 }
@@ -115,7 +113,8 @@ Eigen::MatrixXd network_basis(const RichModel& rich, const RichSnapshots& snapsh
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
   Modes modes;
   for (int round = 0;; ++round) {
-    Eigen::MatrixXd inner_product = rich.points.transpose() * weights.asDiagonal() * rich.points;
+    Eigen::MatrixXd inner_product =
+        transposed_product(rich.points, Eigen::MatrixXd(weights.asDiagonal() * rich.points));
     inner_product.diagonal().array() += weight_of_mean * weights.sum() / rich.dense.uniform.squaredNorm();
     const auto size_of = [&](const Eigen::MatrixXd& moments) {
       return (inner_product.bottomRightCorner(others, others).cwiseProduct(moments.bottomRightCorner(others, others)))

@@ -1,4 +1,3 @@
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "fem_offline/reduce/basis.hpp"
@@ -11,23 +10,18 @@ constexpr Eigen::Index columns_at_once = 64;  ///< of what a matrix makes of the
 /// Below this share of the largest eigenvalue a projected term holds rounding only.
 constexpr double rank_tolerance = 1e-14;
 
-struct TermModes {
-  Eigen::MatrixXd vectors;
-  Eigen::VectorXd values;
-};
-
 /// Eigenvalues of a symmetric matrix without negative ones, and their eigenvectors.
-TermModes modes_above_rounding(const Eigen::MatrixXd& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-  const Eigen::VectorXd& values = solver.eigenvalues();
+SymmetricModes modes_above_rounding(const Eigen::MatrixXd& matrix) {
+  SymmetricModes modes = symmetric_modes(matrix);
+  const Eigen::Index size = modes.values.size();
   Eigen::Index rank = 0;
-  while (rank < values.size() && values[values.size() - 1 - rank] > rank_tolerance * values[values.size() - 1]) ++rank;
-  return {solver.eigenvectors().rightCols(rank), values.tail(rank)};
+  while (rank < size && modes.values[size - 1 - rank] > rank_tolerance * modes.values[size - 1]) ++rank;
+  return {modes.values.tail(rank), modes.vectors.rightCols(rank)};
 }
 
 /// F with FFᵀ = term, smallest rank that rounding allows.
 Eigen::MatrixXd symmetric_factor(const Eigen::MatrixXd& term) {
-  const TermModes modes = modes_above_rounding(term);
+  const SymmetricModes modes = modes_above_rounding(term);
   return modes.vectors * modes.values.cwiseSqrt().asDiagonal();
 }
 
@@ -87,7 +81,7 @@ Eigen::MatrixXd project_term_factor(const SparseMatrix& term, const Eigen::Matri
 DenseModel project_dense(const AffineModel& model, const Eigen::MatrixXd& basis, int threads) {
   DenseModel dense;
   const int terms = static_cast<int>(model.conductance_terms_m2.size());
-  dense.conductance_terms.resize(model.conductance_terms_m2.size());
+  dense.conductance_terms = PackedTerms(basis.cols(), terms);
   dense.walls_m2 = Eigen::MatrixXd::Zero(basis.cols(), terms);
   for_each_index(terms + 2, threads, [&](int index, int) {
     if (index == 0) {
@@ -97,7 +91,7 @@ DenseModel project_dense(const AffineModel& model, const Eigen::MatrixXd& basis,
     } else {
       const std::size_t j = static_cast<std::size_t>(index - 2);
       const SparseMatrix& term = model.conductance_terms_m2[j];
-      dense.conductance_terms[j] = PackedSymmetric(project_term(term, basis));
+      dense.conductance_terms.set(index - 2, project_term(term, basis));
       if (model.boundaries.conductances[j].environment < 0) return;
       dense.walls_m2.col(index - 2) = basis.transpose() * (term * Eigen::VectorXd::Ones(basis.rows()));
     }

@@ -67,7 +67,7 @@ Reduction::Reduction(const AffineModel& model, const ReduceOptions& options, con
   rich.bodies = basis.bodies;
   clock.finish("projection");
   const RichSnapshots snapshots = rich_snapshots(rich, model.boundaries, options, progress);
-  rich.dense.conductance_terms.clear();
+  rich.dense.conductance_terms = PackedTerms();
   clock.finish("network snapshots");
   combine(basis.columns, network_basis(rich, snapshots, options.threads), options.threads);
   impl_->basis = std::make_unique<ColumnStore<double>>(unknowns, states);

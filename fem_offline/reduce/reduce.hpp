@@ -21,7 +21,7 @@ struct ReduceOptions {
   int full_histories = 120;            ///< random histories with jumps that the FE model goes through
   int rich_states = 460;               ///< least size of the richer Galerkin model between FE model and network
   int rich_states_per_body = 20;       ///< its size for each part and air volume, where that is more
-  int rich_sets = 500;                 ///< random parameter sets at which the richer model is solved
+  int rich_sets = 1000;                ///< random parameter sets at which the richer model is solved
   double dual_weight = 0.3;            ///< size of the adjoint snapshots of key points relative to the primal ones
   double growth_dual_weight = 0.6;     ///< the same of deformations
   double pressure_dual_weight = 0.03;  ///< the same of contact pressures

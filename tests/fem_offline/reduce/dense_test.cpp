@@ -2,7 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <complex>
 #include <set>
+#include <vector>
 
 #include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/dense_model.hpp"
@@ -29,15 +33,90 @@ TEST(DenseProducts, are_those_of_eigen_also_of_blocks_and_of_nothing) {
   EXPECT_EQ(transposed_product(a.leftCols(0), c).rows(), 0);
 }
 
-TEST(PackedSymmetric, gives_back_the_matrix_whose_lower_triangle_it_has_kept) {
-  const Eigen::MatrixXd matrix = random_definite(7, 11);
+TEST(PackedTerms, keep_lower_triangles_and_add_them_up_by_their_weights) {
+  PackedTerms terms(7, 3);
+  std::vector<Eigen::MatrixXd> whole;
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    whole.push_back(random_definite(7, static_cast<unsigned>(11 + j)));
+    Eigen::MatrixXd spoilt_above = whole.back();
+    spoilt_above.triangularView<Eigen::StrictlyUpper>().setConstant(-1.0);
+    terms.set(j, spoilt_above);
+  }
+  for (Eigen::Index c = 0; c < 7; ++c) {
+    EXPECT_EQ(Eigen::VectorXd(terms.column(1, c)), whole[1].col(c).tail(7 - c)) << c;
+  }
+  Eigen::MatrixXd weights(3, 2);
+  weights << 1.0, 0.0, -2.0, 0.5, 3.0, 4.0;
+  const PackedTerms sums = terms.sums(weights);
+  ASSERT_EQ(sums.count(), 2);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Constant(7, 7, 10.0), wanted = sum;
+    sums.add_to_lower(i, sum);
+    for (Eigen::Index j = 0; j < 3; ++j) wanted += weights(j, i) * whole[static_cast<std::size_t>(j)];
+    wanted.triangularView<Eigen::StrictlyUpper>().setConstant(10.0);
+    EXPECT_LT((sum - wanted).cwiseAbs().maxCoeff(), 1e-13) << i;
+  }
+  EXPECT_EQ(PackedTerms(7, 0).sums(Eigen::MatrixXd(0, 2)).count(), 2);
+}
+
+TEST(HoldConductances, of_one_of_many_sums_is_what_hold_inputs_makes_of_a_model_without_inputs) {
+  DenseModel model;
+  model.capacity = model.conduction = random_definite(9, 14);
+  model.conductance_terms = PackedTerms(9, 2);
+  for (Eigen::Index j = 0; j < 2; ++j)
+    model.conductance_terms.set(j, random_definite(9, static_cast<unsigned>(15 + j)));
+  model.walls_m2 = random_matrix(9, 2, 17);
+  model.source_distribution = random_matrix(9, 1, 18);
+  rom::Boundaries boundaries;
+  boundaries.conductances.resize(2);
+  boundaries.conductances[1].environment = 0;
+  rom::BoundaryValues values;
+  values.heat_W = Eigen::VectorXd::Constant(1, 3.0);
+  values.environment_K = Eigen::VectorXd::Constant(1, 295.0);
+  const Eigen::MatrixXd conductances = random_matrix(2, 3, 19).cwiseAbs();
+  const PackedTerms sums = model.conductance_terms.sums(conductances);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    values.conductance_W_per_m2K = conductances.col(i);
+    HeldModel alone;
+    hold_inputs(model, boundaries, {}, values, 293.0, alone);
+    HeldModel held = hold_conductances(model, sums, i, conductances.col(i));
+    hold_inputs(model, boundaries, {}, values, 293.0, held);
+    const Eigen::MatrixXd difference = alone.conduction - held.conduction;
+    EXPECT_LT(Eigen::MatrixXd(difference.triangularView<Eigen::Lower>()).cwiseAbs().maxCoeff(), 1e-13);
+    EXPECT_EQ(alone.drive, held.drive);
+    EXPECT_EQ(alone.contained_W_per_m2K, held.contained_W_per_m2K);
+  }
+}
+
+TEST(SymmetricModes, give_the_matrix_back_smallest_value_first) {
+  const Eigen::MatrixXd matrix = random_definite(40, 20);
   Eigen::MatrixXd spoilt_above = matrix;
-  spoilt_above.triangularView<Eigen::StrictlyUpper>().setConstant(-1.0);
-  const PackedSymmetric packed(spoilt_above);
-  const Eigen::MatrixXd lower = matrix.triangularView<Eigen::Lower>();
-  EXPECT_EQ(packed.whole(), Eigen::MatrixXd(lower.selfadjointView<Eigen::Lower>()));
-  for (Eigen::Index c = 0; c < 7; ++c) EXPECT_EQ(Eigen::VectorXd(packed.column(c)), lower.col(c).tail(7 - c)) << c;
-  EXPECT_EQ(PackedSymmetric(Eigen::MatrixXd(0, 0)).whole().size(), 0);
+  spoilt_above.triangularView<Eigen::StrictlyUpper>().setConstant(7.0);
+  const SymmetricModes modes = symmetric_modes(spoilt_above);
+  EXPECT_LT((modes.vectors * modes.values.asDiagonal() * modes.vectors.transpose() - matrix).norm(), 1e-11);
+  EXPECT_LT((modes.vectors.transpose() * modes.vectors - Eigen::MatrixXd::Identity(40, 40)).norm(), 1e-12);
+  EXPECT_TRUE(std::is_sorted(modes.values.begin(), modes.values.end()));
+  EXPECT_EQ(symmetric_modes(Eigen::MatrixXd(0, 0)).values.size(), 0);
+  Eigen::MatrixXd broken = matrix;
+  broken(20, 10) = std::nan("");
+  EXPECT_THROW(symmetric_modes(broken), std::runtime_error);
+}
+
+TEST(RealModes, of_a_turning_matrix_come_in_pairs_of_real_and_imaginary_part) {
+  const Eigen::MatrixXd matrix = random_matrix(15, 15, 21);
+  const RealModes modes = real_modes(matrix);
+  int pairs = 0;
+  for (Eigen::Index k = 0; k < 15; ++k) {
+    if (modes.imaginary[k] == 0.0) {
+      EXPECT_LT((matrix * modes.vectors.col(k) - modes.real[k] * modes.vectors.col(k)).norm(), 1e-12);
+      continue;
+    }
+    const Eigen::VectorXcd vector = modes.vectors.col(k) + std::complex(0.0, 1.0) * modes.vectors.col(k + 1);
+    const std::complex value(modes.real[k], modes.imaginary[k]);
+    EXPECT_LT((matrix * vector - value * vector).norm(), 1e-12);
+    ++pairs, ++k;
+  }
+  EXPECT_GT(pairs, 2);
 }
 
 TEST(DenseCholesky, solves_and_refuses_what_is_not_definite) {

@@ -123,7 +123,7 @@ TEST(Verify, network_follows_the_full_model_through_random_drive_cycles) {
   double worst_K = 0.0;
   for (const rom::OutputError& error : report.certificate.key_points_K) worst_K = std::max(worst_K, error.worst);
   EXPECT_EQ(worst_K, report.certificate.worst.key_points_K);
-  EXPECT_EQ(report.certificate.deformations_m[0].worst, 1e-6 * report.certificate.worst.nose_um);
+  EXPECT_DOUBLE_EQ(report.certificate.deformations_m[0].worst, 1e-6 * report.certificate.worst.nose_um);
   EXPECT_EQ(report.certificate.box.contact_high, 10.0);
   EXPECT_EQ(report.certificate.fe_unknowns, 1273u);
 }
