@@ -34,7 +34,7 @@ inline constexpr int size_choice_histories = 64;
 /// up and down with the size; the third largest, which is a limit for nine tenths of them, falls with it.
 inline constexpr double size_choice_content = 0.9;
 /// Share of the tolerance that the search asks for, since other cases may be worse than its own.
-inline constexpr double share_of_tolerance = 0.5;
+inline constexpr double share_of_tolerance = 0.53;
 inline constexpr int size_step = 10;
 /// Of search and grow_until_kept: a cycle costs an edge computer as the square of it.
 inline constexpr int largest_size = 480;

@@ -31,8 +31,8 @@ constexpr double dual_steady_share = 0.4;
 
 /// Sets whose terms are summed and whose dual solutions are multiplied at once, and sums of such products that are kept
 /// until they are added up.
-constexpr int sets_at_once = 5;
-constexpr int sums_at_once = 4;
+constexpr int sets_at_once = 2;
+constexpr int sums_at_once = 8;
 
 struct Snapshots {
   Eigen::MatrixXd fields, duals;  ///< a column each
