@@ -20,7 +20,8 @@ namespace {
 /// (C + pole A)⁻¹ C: from the seconds in which balls and air follow a jump to the minutes of the housing.
 constexpr std::array poles_s = {0.5, 8.0, 128.0};
 constexpr int first_judged_round = 4;  ///< none has been enough before
-constexpr int most_rounds = 16;        ///< then steps in time are the surer way; 6 to 9 are usual
+constexpr int usual_rounds = 6;        ///< to 9
+constexpr int most_rounds = 16;        ///< then steps in time are the surer way
 constexpr double in_span = 1e-10;      ///< what is left of a vector that the space had already
 
 /// Loads of a stretch: that of its first part, and how those of the others differ from it.
@@ -107,14 +108,13 @@ struct KrylovStepper::Impl {
   auto stored() const { return stored_of_all.leftCols(used); }
   auto projected() const { return projected_of_all.topLeftCorner(used, used); }
 
-  /// An empty space with room for so many columns; pages that are never written take no memory.
-  void begin_space(Eigen::Index most) {
-    used = 0;
-    if (space_of_all.cols() >= most) return;
-    for (Eigen::MatrixXd* columns : {&space_of_all, &stored_of_all, &conducted_of_all}) {
-      columns->resize(temperatures_K.size(), most);
+  /// Room for so many columns; those in use stay.
+  void make_room(Eigen::Index columns) {
+    if (space_of_all.cols() >= columns) return;
+    for (Eigen::MatrixXd* all : {&space_of_all, &stored_of_all, &conducted_of_all}) {
+      all->conservativeResize(temperatures_K.size(), columns);
     }
-    projected_of_all.resize(most, most);
+    projected_of_all.conservativeResize(columns, columns);
   }
 
   Eigen::VectorXd load_W(const rom::BoundaryValues& values) {
@@ -207,6 +207,7 @@ struct KrylovStepper::Impl {
 
   void enlarge(const Eigen::MatrixXd& block, const Eigen::MatrixXd& stored_block) {
     const Eigen::Index before = used, more = block.cols();
+    make_room(before + more);
     used += more;
     space_of_all.middleCols(before, more) = block;
     stored_of_all.middleCols(before, more) = stored_block;
@@ -261,7 +262,8 @@ struct KrylovStepper::Impl {
     const StretchLoads loads = loads_of(parts);
     std::vector<CoupledFactor> of_poles = factors();
     Eigen::MatrixXd right = loads.columns_W, before, block, stored_block;
-    begin_space(most_rounds * static_cast<Eigen::Index>(of_poles.size()) * right.cols());
+    used = 0;
+    make_room(usual_rounds * static_cast<Eigen::Index>(of_poles.size()) * right.cols());
     for (int round = 1; round <= most_rounds; ++round) {
       next_block(of_poles, right, block, stored_block);
       orthonormalise(block, stored_block);
