@@ -31,8 +31,7 @@ struct SymmetricModes {
   Eigen::MatrixXd vectors;
 };
 
-/// Reads the lower triangle (LAPACK's dsyevd). Throws std::runtime_error where an entry is not
-/// finite.
+/// Reads the lower triangle (LAPACK's dsyevd). Throws std::runtime_error where an entry is not finite.
 SymmetricModes symmetric_modes(Eigen::MatrixXd matrix);
 
 /// A = S D S⁻¹ in real numbers: column k of S is the eigenvector of the real eigenvalue `real[k]` where `imaginary[k]`

@@ -156,7 +156,8 @@ rom::OperatingState random_state(const rom::Boundaries& boundaries, const Parame
   state.load = random.uniform(0.0, box.load_high);
   for (double& environment_K : state.environment_K) environment_K += random.uniform(-spread_K, spread_K);
   state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
-  if (coolant == Coolant::flows_or_stands) return state;
+  if (coolant == Coolant::stands) state.flow_kg_per_s.setZero();
+  if (coolant != Coolant::flows) return state;
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     double& flow_kg_per_s = state.flow_kg_per_s[static_cast<Eigen::Index>(c)];
     if (flow_kg_per_s == 0.0) flow_kg_per_s = box.flow_low * flow_scale_kg_per_s(boundaries, c);

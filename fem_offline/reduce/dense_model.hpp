@@ -85,8 +85,8 @@ class ShiftedModel {
   Eigen::MatrixXd carried_, walls_;
 };
 
-/// Whether circuits may stand still in a random state: then there may be no steady state.
-enum class Coolant { flows, flows_or_stands };
+/// Whether circuits stand still in a random state: then there may be no steady state.
+enum class Coolant { flows, flows_or_stands, stands };
 
 /// A random state of the machine: any speed, load and coolant flow of the box, environments `spread_K` about the
 /// description's.

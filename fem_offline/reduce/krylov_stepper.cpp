@@ -100,21 +100,22 @@ struct KrylovStepper::Impl {
   ThermalSystem system;
   CoolantCoupling coupling;
   Eigen::VectorXd temperatures_K;
-  /// V with Vᵀ C V = 1, C V, A V and Vᵀ A V, of which `used` columns belong to this stretch; memory stays for the next.
-  Eigen::MatrixXd space_of_all, stored_of_all, conducted_of_all, projected_of_all;
+  /// V with Vᵀ C V = 1, C V, A V and Vᵀ A V, of which the first `used` columns belong to this stretch. The next one
+  /// writes over them.
+  Eigen::MatrixXd space_buffer, stored_buffer, conducted_buffer, projected_buffer;
   Eigen::Index used = 0;
 
-  auto space() const { return space_of_all.leftCols(used); }
-  auto stored() const { return stored_of_all.leftCols(used); }
-  auto projected() const { return projected_of_all.topLeftCorner(used, used); }
+  auto space() const { return space_buffer.leftCols(used); }
+  auto stored() const { return stored_buffer.leftCols(used); }
+  auto projected() const { return projected_buffer.topLeftCorner(used, used); }
 
   /// Room for so many columns; those in use stay.
   void make_room(Eigen::Index columns) {
-    if (space_of_all.cols() >= columns) return;
-    for (Eigen::MatrixXd* all : {&space_of_all, &stored_of_all, &conducted_of_all}) {
-      all->conservativeResize(temperatures_K.size(), columns);
+    if (space_buffer.cols() >= columns) return;
+    for (Eigen::MatrixXd* buffer : {&space_buffer, &stored_buffer, &conducted_buffer}) {
+      buffer->conservativeResize(temperatures_K.size(), columns);
     }
-    projected_of_all.conservativeResize(columns, columns);
+    projected_buffer.conservativeResize(columns, columns);
   }
 
   Eigen::VectorXd load_W(const rom::BoundaryValues& values) {
@@ -209,15 +210,15 @@ struct KrylovStepper::Impl {
     const Eigen::Index before = used, more = block.cols();
     make_room(before + more);
     used += more;
-    space_of_all.middleCols(before, more) = block;
-    stored_of_all.middleCols(before, more) = stored_block;
-    conducted_of_all.middleCols(before, more) = conduct(block);
-    projected_of_all.block(0, before, used, more) =
-        transposed_product(space(), conducted_of_all.middleCols(before, more));
+    space_buffer.middleCols(before, more) = block;
+    stored_buffer.middleCols(before, more) = stored_block;
+    conducted_buffer.middleCols(before, more) = conduct(block);
+    projected_buffer.block(0, before, used, more) =
+        transposed_product(space(), conducted_buffer.middleCols(before, more));
     if (coupling.empty()) {
-      projected_of_all.block(before, 0, more, before) = projected_of_all.block(0, before, before, more).transpose();
+      projected_buffer.block(before, 0, more, before) = projected_buffer.block(0, before, before, more).transpose();
     } else {
-      projected_of_all.block(before, 0, more, before) = transposed_product(block, conducted_of_all.leftCols(before));
+      projected_buffer.block(before, 0, more, before) = transposed_product(block, conducted_buffer.leftCols(before));
     }
   }
 

@@ -22,6 +22,9 @@ constexpr int jumps_per_set = 2;
 /// Of sets: the coolant stands behind the first jump and comes back at the next. Cold coolant on warm walls errs most,
 /// within the first seconds, and among random jumps it is seldom.
 constexpr double coolant_returns_share = 0.35;
+using CoolantOfStates = std::array<Coolant, 1 + jumps_per_set>;
+constexpr CoolantOfStates coolant_that_returns = {Coolant::flows, Coolant::stands, Coolant::flows};
+constexpr CoolantOfStates any_coolant = {Coolant::flows, Coolant::flows_or_stands, Coolant::flows_or_stands};
 /// Implicit steps behind a jump, each up to step_spread times longer or shorter.
 constexpr std::array<double, 3> steps_s = {1.0, 14.0, 200.0};
 constexpr double step_spread = 3.7;
@@ -48,11 +51,9 @@ class ParameterSet {
     rom::CorrectionFactors factors = rom::no_correction(boundaries);
     factors.conductance = random_conductance_factors(boundaries, options.box, corner, random_);
     const bool coolant_returns = random_.uniform(0.0, 1.0) < coolant_returns_share;
+    const CoolantOfStates& coolant = coolant_returns ? coolant_that_returns : any_coolant;
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
-      const bool surely_flows = i == 0 || (coolant_returns && i == 2);
-      rom::OperatingState state = random_state(boundaries, options.box, rich_spread_K,
-                                               surely_flows ? Coolant::flows : Coolant::flows_or_stands, random_);
-      if (coolant_returns && i == 1) state.flow_kg_per_s.setZero();
+      rom::OperatingState state = random_state(boundaries, options.box, rich_spread_K, coolant[i], random_);
       if (random_.uniform(0.0, 1.0) < rich_rest_share) state.speed_rpm = state.load = 0.0;
       inputs_[i] = rom::make_boundary_values(boundaries);
       rom::evaluate_boundaries(boundaries, state, factors, inputs_[i]);
