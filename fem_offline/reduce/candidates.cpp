@@ -17,13 +17,21 @@ constexpr double good_enough_K = 0.003;
 /// Maxima are what the certificate, the displays and the alarms use.
 constexpr double weight_of_minimum = 0.3;
 constexpr double candidate_spread_K = 10.0;
-/// How long a state is held in which coolant may stand: the walls that it meets afterwards are warm.
-constexpr double standing_s = 900.0;
-/// Times after a change of the operating state at which fields are taken.
+/// Every so many sets begin with everything at one temperature; the others in the steady state of some inputs.
+constexpr int uniform_start_every = 4;
+/// So many other states less one, at most, follow on the start, each held for a time between these; coolant may stand
+/// there, and the walls that it meets afterwards are warm.
+constexpr int held_states = 3;
+constexpr double shortest_held_s = 60.0, longest_held_s = 1800.0;
+/// Of the last changes: the spindle stops. What was hottest at a contact then cools there first, and the place of the
+/// maximum moves into the part within seconds.
+constexpr double rest_share = 0.35;
+/// Times after the last change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
-/// Fields in the model's coordinates, one column each: steady ones, and one step of the implicit Euler rule
-/// (K + C/t) T = Bq + Σ gKⱼ1 T_env + C/t T_before of length t from the steady state of another operating state.
+/// Fields in the model's coordinates, one column each: steady ones, and those at times_s behind the last of several
+/// changes of the operating state, from one to the next by a step (K + C/t) T = Bq + Σ gKⱼ1 T_env + C/t T_before of the
+/// implicit Euler rule.
 Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& boundaries,
                                 const ReduceOptions& options) {
   const Eigen::Index per_set = 2 + static_cast<Eigen::Index>(times_s.size());
@@ -50,12 +58,15 @@ Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& 
     apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows, random));
     Eigen::VectorXd before_K = solve(0.0, uniform_K);
     fields.col(column++) = before_K;
-    if (set % 3 == 0) before_K = uniform_K;
-    if (set % 3 == 1) {
+    if (set % uniform_start_every == 0) before_K = uniform_K;
+    for (int state = 0; state < set % held_states; ++state) {
       apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random));
-      before_K = solve(1.0 / standing_s, before_K);
+      before_K = solve(1.0 / random.log_uniform(shortest_held_s, longest_held_s), before_K);
     }
-    apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random));
+    rom::OperatingState last =
+        random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random);
+    if (random.uniform(0.0, 1.0) < rest_share) last.speed_rpm = last.load = 0.0;
+    apply(last);
     double since_jump_s = 0.0;
     for (const double time_s : times_s) {
       before_K = solve(1.0 / (time_s - since_jump_s), before_K);

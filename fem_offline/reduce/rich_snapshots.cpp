@@ -26,7 +26,7 @@ using CoolantOfStates = std::array<Coolant, 1 + jumps_per_set>;
 constexpr CoolantOfStates coolant_that_returns = {Coolant::flows, Coolant::stands, Coolant::flows};
 constexpr CoolantOfStates any_coolant = {Coolant::flows, Coolant::flows_or_stands, Coolant::flows_or_stands};
 /// Implicit steps behind a jump, each up to step_spread times longer or shorter.
-constexpr std::array<double, 3> steps_s = {1.0, 14.0, 200.0};
+constexpr std::array<double, 3> steps_s = {0.8, 6.0, 100.0};
 constexpr double step_spread = 3.7;
 constexpr int fields_per_set = 1 + jumps_per_set * static_cast<int>(steps_s.size());
 constexpr int dual_shifts = static_cast<int>(steps_s.size());
