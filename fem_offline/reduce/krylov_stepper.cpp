@@ -168,14 +168,10 @@ struct KrylovStepper::Impl {
     const Eigen::Index count = right.cols();
     block.resize(right.rows(), static_cast<Eigen::Index>(factors.size()) * count);
     stored_block.resize(block.rows(), block.cols());
-    Eigen::VectorXd found;
     for (std::size_t pole = 0; pole < factors.size(); ++pole) {
       const Eigen::Index first = static_cast<Eigen::Index>(pole) * count;
-      const Eigen::MatrixXd& loads_W = pole == 0 ? right : stored_block;
-      for (Eigen::Index i = 0; i < count; ++i) {
-        factors[pole].solve(loads_W.col(pole == 0 ? i : first - count + i), coupling, found);
-        block.col(first + i) = found;
-      }
+      const Eigen::MatrixXd loads_W = pole == 0 ? right : stored_block.middleCols(first - count, count);
+      block.middleCols(first, count) = factors[pole].solve(loads_W, coupling);
       stored_block.middleCols(first, count) = store(block.middleCols(first, count));
     }
   }

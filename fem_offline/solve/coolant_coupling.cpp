@@ -34,6 +34,15 @@ Eigen::VectorXd CoolantCoupling::walls_K(const Eigen::VectorXd& temperatures_K) 
   return (wetted_m2_.transpose() * temperatures_K).cwiseQuotient(segments_.area_m2);
 }
 
+Eigen::VectorXd CoolantCoupling::fed_K(const Eigen::VectorXd& temperatures_K) const {
+  return upstream_ * walls_K(temperatures_K);
+}
+
+Eigen::MatrixXd CoolantCoupling::fed_K(const Eigen::MatrixXd& temperatures_K) const {
+  const Eigen::MatrixXd heat_m2K = wetted_m2_.transpose() * temperatures_K;
+  return upstream_ * (segments_.area_m2.cwiseInverse().asDiagonal() * heat_m2K);
+}
+
 Eigen::VectorXd CoolantCoupling::entering_K(const Eigen::VectorXd& temperatures_K) const {
   return inlet_K_ + upstream_ * (walls_K(temperatures_K) - inlet_K_);
 }
@@ -55,16 +64,9 @@ void CoolantCoupling::add_load(double datum_K, Eigen::VectorXd& load_W) const {
 CoupledFactor::CoupledFactor(CholeskyFactor symmetric, const CoolantCoupling& coupling, double factor)
     : symmetric_(std::move(symmetric)), factor_(factor) {
   if (coupling.empty()) return;
-  responses_ = coupling.heat_per_inlet_W_per_K();
+  responses_ = symmetric_.solve(coupling.heat_per_inlet_W_per_K());
   const Eigen::Index count = responses_.cols();
-  Eigen::MatrixXd fed(count, count);
-  Eigen::VectorXd column;
-  for (Eigen::Index s = 0; s < count; ++s) {
-    symmetric_.solve(responses_.col(s), column);
-    responses_.col(s) = column;
-    fed.col(s) = coupling.fed_K(column);
-  }
-  small_.compute(Eigen::MatrixXd::Identity(count, count) - factor_ * fed);
+  small_.compute(Eigen::MatrixXd::Identity(count, count) - factor_ * coupling.fed_K(responses_));
 }
 
 void CoupledFactor::solve(const Eigen::VectorXd& right_hand_side, const CoolantCoupling& coupling,
@@ -73,6 +75,12 @@ void CoupledFactor::solve(const Eigen::VectorXd& right_hand_side, const CoolantC
   if (coupling.empty()) return;
   const Eigen::VectorXd fed_K = factor_ * coupling.fed_K(solution);
   solution += responses_ * small_.solve(fed_K);
+}
+
+Eigen::MatrixXd CoupledFactor::solve(const Eigen::MatrixXd& right_hand_sides, const CoolantCoupling& coupling) {
+  Eigen::MatrixXd solutions = symmetric_.solve(right_hand_sides);
+  if (!coupling.empty()) solutions += responses_ * small_.solve(factor_ * coupling.fed_K(solutions));
+  return solutions;
 }
 
 }  // namespace spindle_twin::fem_offline

@@ -27,7 +27,9 @@ class CoolantCoupling {
   /// S Γ: heat that each segment's wall gets per kelvin of its own inlet. [W/K]
   Eigen::MatrixXd heat_per_inlet_W_per_K() const;
   /// U R T. [K]
-  Eigen::VectorXd fed_K(const Eigen::VectorXd& temperatures_K) const { return upstream_ * walls_K(temperatures_K); }
+  Eigen::VectorXd fed_K(const Eigen::VectorXd& temperatures_K) const;
+  /// The same of several fields, a column each.
+  Eigen::MatrixXd fed_K(const Eigen::MatrixXd& temperatures_K) const;
 
   /// heat += S Γ U R T
   void add_heat(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& heat_W) const;
@@ -52,6 +54,8 @@ class CoupledFactor {
   const CholeskyFactor& symmetric() const { return symmetric_; }
   /// `coupling` must hold what it held at the construction.
   void solve(const Eigen::VectorXd& right_hand_side, const CoolantCoupling& coupling, Eigen::VectorXd& solution);
+  /// All columns in one pass over the factor; the same condition.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& right_hand_sides, const CoolantCoupling& coupling);
 
  private:
   CholeskyFactor symmetric_;

@@ -6,6 +6,7 @@
 
 #include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "fem_offline/solve/thermal_system.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -129,6 +130,26 @@ TEST(CoolantSteady, liquid_enters_each_segment_warmed_by_those_before) {
       liquid_K += heat_W / (0.02 * 4180.0);
     }
     EXPECT_NEAR(liquid_K, coolant_outlets(model, values, field).outlet_K[0], 1e-10);
+  }
+}
+
+/// All loads in one pass over the factor, liquid and all, give what each gives alone.
+TEST(CoupledFactor, solves_columns_at_once_as_one_by_one) {
+  const AffineModel model = row_of_lumps(0.008);
+  const rom::BoundaryValues values = values_of(model);
+  ThermalSystem system(model);
+  system.set_conductances(values.conductance_W_per_m2K);
+  CoolantCoupling coupling(model);
+  coupling.hold(values);
+  CoupledFactor factor(CholeskyFactor(system.combined_lower(20.0)), coupling, 20.0);
+  Eigen::MatrixXd loads_W(lumps, 3);
+  for (Eigen::Index i = 0; i < loads_W.size(); ++i) loads_W(i) = std::sin(1.0 + static_cast<double>(i));
+  const Eigen::MatrixXd together = factor.solve(loads_W, coupling);
+  Eigen::VectorXd alone;
+  for (Eigen::Index column = 0; column < 3; ++column) {
+    factor.solve(loads_W.col(column), coupling, alone);
+    EXPECT_LT((together.col(column) - alone).norm(), 1e-12 * alone.norm()) << column;
+    EXPECT_GT(coupling.fed_K(alone).norm(), 1e-3 * alone.norm()) << "the liquid carries something on";
   }
 }
 
