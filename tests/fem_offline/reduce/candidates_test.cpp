@@ -77,7 +77,7 @@ TEST(PartExtremes, hold_the_maximum_of_a_shaft_whose_spindle_stops) {
   ReduceOptions options;
   options.full_sets = 10;
   options.full_histories = 30;
-  options.rich_states = 140;
+  options.rich_states = 200;
   options.rich_states_per_body = 0;
   Loads loads = make_loads(milling(), options.box.speed_high_rpm, options.box.load_high);
   const RichBasis basis = full_snapshot_basis(milling(), loads, options, {});
