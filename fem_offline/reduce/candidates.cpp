@@ -19,13 +19,13 @@ constexpr double weight_of_minimum = 0.3;
 constexpr double candidate_spread_K = 10.0;
 /// Every so many sets begin with everything at one temperature; the others in the steady state of some inputs.
 constexpr int uniform_start_every = 4;
-/// So many other states less one, at most, follow on the start, each held for a time between these; coolant may stand
+/// Before the last change none, one or two other states are held, each for a time between these. Coolant may stand
 /// there, and the walls that it meets afterwards are warm.
-constexpr int held_states = 3;
+constexpr int most_held_states = 2;
 constexpr double shortest_held_s = 60.0, longest_held_s = 1800.0;
 /// Of the last changes: the spindle stops. What was hottest at a contact then cools there first, and the place of the
 /// maximum moves into the part within seconds.
-constexpr double rest_share = 0.35;
+constexpr double candidate_rest_share = 0.35;
 /// Times after the last change of the operating state at which fields are taken.
 constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 1500.0};
 
@@ -43,7 +43,9 @@ Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& 
     factors.conductance = random_conductance_factors(boundaries, options.box, set % 5 < 2, random);
     rom::BoundaryValues values = rom::make_boundary_values(boundaries);
     HeldModel held;
-    const auto apply = [&](const rom::OperatingState& state) {
+    const auto hold_random_state = [&](double rest_share, Coolant coolant) {
+      const rom::OperatingState state =
+          random_state(boundaries, options.box, {candidate_spread_K, rest_share, coolant}, random);
       rom::evaluate_boundaries(boundaries, state, factors, values);
       hold_inputs(model, boundaries, segments, values, 0.0, held);
     };
@@ -53,20 +55,17 @@ Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& 
     };
     const Eigen::VectorXd uniform_K = boundaries.reference_temperature_K * model.uniform;
     Eigen::Index column = set * per_set;
-    apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows, random));
+    hold_random_state(0.0, Coolant::flows);
     fields.col(column++) = solve(0.0, uniform_K);
-    apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows, random));
+    hold_random_state(0.0, Coolant::flows);
     Eigen::VectorXd before_K = solve(0.0, uniform_K);
     fields.col(column++) = before_K;
     if (set % uniform_start_every == 0) before_K = uniform_K;
-    for (int state = 0; state < set % held_states; ++state) {
-      apply(random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random));
+    for (int state = 0; state < set % (most_held_states + 1); ++state) {
+      hold_random_state(0.0, Coolant::flows_or_stands);
       before_K = solve(1.0 / random.log_uniform(shortest_held_s, longest_held_s), before_K);
     }
-    rom::OperatingState last =
-        random_state(boundaries, options.box, candidate_spread_K, Coolant::flows_or_stands, random);
-    if (random.uniform(0.0, 1.0) < rest_share) last.speed_rpm = last.load = 0.0;
-    apply(last);
+    hold_random_state(candidate_rest_share, Coolant::flows_or_stands);
     double since_jump_s = 0.0;
     for (const double time_s : times_s) {
       before_K = solve(1.0 / (time_s - since_jump_s), before_K);

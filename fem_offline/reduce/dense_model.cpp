@@ -149,15 +149,16 @@ Eigen::MatrixXd ShiftedModel::solve_transposed(const Eigen::MatrixXd& rows) cons
   return solve_beside(symmetric_, walls_, carried_, rows);
 }
 
-rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, double spread_K,
-                                 Coolant coolant, RandomStream& random) {
+rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, const StateDraw& draw,
+                                 RandomStream& random) {
   rom::OperatingState state = boundaries.operating;
   state.speed_rpm = random.uniform(0.0, box.speed_high_rpm);
   state.load = random.uniform(0.0, box.load_high);
-  for (double& environment_K : state.environment_K) environment_K += random.uniform(-spread_K, spread_K);
+  for (double& environment_K : state.environment_K) environment_K += random.uniform(-draw.spread_K, draw.spread_K);
   state.flow_kg_per_s = random_flow_kg_per_s(boundaries, box, random);
-  if (coolant == Coolant::stands) state.flow_kg_per_s.setZero();
-  if (coolant != Coolant::flows) return state;
+  if (draw.rest_share > 0.0 && random.uniform(0.0, 1.0) < draw.rest_share) state.speed_rpm = state.load = 0.0;
+  if (draw.coolant == Coolant::stands) state.flow_kg_per_s.setZero();
+  if (draw.coolant != Coolant::flows) return state;
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     double& flow_kg_per_s = state.flow_kg_per_s[static_cast<Eigen::Index>(c)];
     if (flow_kg_per_s == 0.0) flow_kg_per_s = box.flow_low * flow_scale_kg_per_s(boundaries, c);

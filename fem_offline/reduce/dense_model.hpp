@@ -88,9 +88,15 @@ class ShiftedModel {
 /// Whether circuits stand still in a random state: then there may be no steady state.
 enum class Coolant { flows, flows_or_stands, stands };
 
-/// A random state of the machine: any speed, load and coolant flow of the box, environments `spread_K` about the
-/// description's.
-rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, double spread_K,
-                                 Coolant coolant, RandomStream& random);
+/// What random states of the machine are like.
+struct StateDraw {
+  double spread_K;    ///< environments lie so far about the description's
+  double rest_share;  ///< of states: the spindle stands still without load
+  Coolant coolant;
+};
+
+/// A random state of the machine: any speed, load and coolant flow of the box.
+rom::OperatingState random_state(const rom::Boundaries& boundaries, const ParameterBox& box, const StateDraw& draw,
+                                 RandomStream& random);
 
 }  // namespace spindle_twin::fem_offline

@@ -28,8 +28,8 @@ History random_history(const rom::Boundaries& boundaries, const ReduceOptions& o
   factors.conductance = random_conductance_factors(boundaries, options.box, corner, random);
   History history;
   const auto jump = [&](Coolant coolant) {
-    rom::OperatingState state = random_state(boundaries, options.box, history_spread_K, coolant, random);
-    if (random.uniform(0.0, 1.0) < history_rest_share) state.speed_rpm = state.load = 0.0;
+    const rom::OperatingState state =
+        random_state(boundaries, options.box, {history_spread_K, history_rest_share, coolant}, random);
     history.states.push_back(rom::make_boundary_values(boundaries));
     rom::evaluate_boundaries(boundaries, state, factors, history.states.back());
   };

@@ -53,8 +53,8 @@ class ParameterSet {
     const bool coolant_returns = random_.uniform(0.0, 1.0) < coolant_returns_share;
     const CoolantOfStates& coolant = coolant_returns ? coolant_that_returns : any_coolant;
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
-      rom::OperatingState state = random_state(boundaries, options.box, rich_spread_K, coolant[i], random_);
-      if (random_.uniform(0.0, 1.0) < rich_rest_share) state.speed_rpm = state.load = 0.0;
+      const rom::OperatingState state =
+          random_state(boundaries, options.box, {rich_spread_K, rich_rest_share, coolant[i]}, random_);
       inputs_[i] = rom::make_boundary_values(boundaries);
       rom::evaluate_boundaries(boundaries, state, factors, inputs_[i]);
     }

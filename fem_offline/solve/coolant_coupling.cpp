@@ -30,17 +30,9 @@ void CoolantCoupling::hold(const rom::BoundaryValues& values) {
   if (!empty()) rom::coolant_upstream(segments_, values, upstream_);
 }
 
-Eigen::VectorXd CoolantCoupling::walls_K(const Eigen::VectorXd& temperatures_K) const {
-  return (wetted_m2_.transpose() * temperatures_K).cwiseQuotient(segments_.area_m2);
-}
-
-Eigen::VectorXd CoolantCoupling::fed_K(const Eigen::VectorXd& temperatures_K) const {
-  return upstream_ * walls_K(temperatures_K);
-}
-
-Eigen::MatrixXd CoolantCoupling::fed_K(const Eigen::MatrixXd& temperatures_K) const {
-  const Eigen::MatrixXd heat_m2K = wetted_m2_.transpose() * temperatures_K;
-  return upstream_ * (segments_.area_m2.cwiseInverse().asDiagonal() * heat_m2K);
+Eigen::MatrixXd CoolantCoupling::walls_K(const Eigen::Ref<const Eigen::MatrixXd>& temperatures_K) const {
+  const Eigen::MatrixXd over_area_m2K = wetted_m2_.transpose() * temperatures_K;
+  return over_area_m2K.array().colwise() / segments_.area_m2.array();
 }
 
 Eigen::VectorXd CoolantCoupling::entering_K(const Eigen::VectorXd& temperatures_K) const {

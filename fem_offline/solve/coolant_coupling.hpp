@@ -20,16 +20,16 @@ class CoolantCoupling {
   bool empty() const { return segments_.count() == 0; }
   void hold(const rom::BoundaryValues& values);
 
-  /// Area means of the wetted walls, one per segment.
-  Eigen::VectorXd walls_K(const Eigen::VectorXd& temperatures_K) const;
+  /// Area means of the wetted walls, one per segment; a column for each field.
+  Eigen::MatrixXd walls_K(const Eigen::Ref<const Eigen::MatrixXd>& temperatures_K) const;
   /// Temperature of the liquid that enters each segment, T_inlet + U (R T − T_inlet); one per segment.
   Eigen::VectorXd entering_K(const Eigen::VectorXd& temperatures_K) const;
   /// S Γ: heat that each segment's wall gets per kelvin of its own inlet. [W/K]
   Eigen::MatrixXd heat_per_inlet_W_per_K() const;
-  /// U R T. [K]
-  Eigen::VectorXd fed_K(const Eigen::VectorXd& temperatures_K) const;
-  /// The same of several fields, a column each.
-  Eigen::MatrixXd fed_K(const Eigen::MatrixXd& temperatures_K) const;
+  /// U R T; a column for each field. [K]
+  Eigen::MatrixXd fed_K(const Eigen::Ref<const Eigen::MatrixXd>& temperatures_K) const {
+    return upstream_ * walls_K(temperatures_K);
+  }
 
   /// heat += S Γ U R T
   void add_heat(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& heat_W) const;

@@ -5,8 +5,7 @@
 #include <array>
 #include <iostream>
 
-#include "fem_offline/description/spindle.hpp"
-#include "fem_offline/model/build_model.hpp"
+#include "coarse_milling.hpp"
 #include "fem_offline/reduce/basis.hpp"
 #include "fem_offline/reduce/dense_model.hpp"
 #include "fem_offline/reduce/nodal.hpp"
@@ -15,22 +14,14 @@
 namespace spindle_twin::fem_offline {
 namespace reduce_candidates_test {
 
-/// The shipped spindle with bearings under a shaft, on a coarse mesh.
 const AffineModel& milling() {
-  static const FeModel model = [] {
-    Spindle spindle = read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/four_bearing_milling.toml");
-    spindle.mesh.element_size_m = 0.008;
-    spindle.mesh.cells_across = 1;
-    spindle.mesh.corner_size_m.reset();
-    for (Part& part : spindle.parts) part.element_size_m.reset();
-    return FeModel(spindle, build_section(spindle));
-  }();
+  static const FeModel model = coarse_milling(0.008);
   return model.affine();
 }
 
-/// How far the hottest of a part's points stays below the part's hottest place, after so many seconds at a standstill
-/// that follows on a quarter of an hour at speed. By random conductances and inputs, none of which the points were
-/// chosen with.
+/// How far the hottest of a part's points stays below the part's hottest place, at most, in the minutes after a stop
+/// that ends a quarter of an hour at speed: 60 random sets of conductances, speeds and loads, which the points were not
+/// chosen by.
 double most_missed_K(const RichBasis& basis, const DenseModel& dense, const PartExtremes& extremes, const char* part) {
   const rom::Boundaries& boundaries = milling().boundaries;
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
@@ -71,8 +62,8 @@ double most_missed_K(const RichBasis& basis, const DenseModel& dense, const Part
   return missed_K;
 }
 
-/// Under a bearing the shaft is hottest at the contact while the spindle turns, and further inside within seconds of a
-/// stop: the balls, which are hotter no more, take heat away.
+/// Under a bearing the shaft is hottest at the contact while the bearing's friction heats it. Behind a stop the contact
+/// cools first, and the hottest place moves inwards within seconds.
 TEST(PartExtremes, hold_the_maximum_of_a_shaft_whose_spindle_stops) {
   ReduceOptions options;
   options.full_sets = 10;

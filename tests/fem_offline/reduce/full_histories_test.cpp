@@ -5,22 +5,14 @@
 
 #include <iostream>
 
-#include "fem_offline/description/spindle.hpp"
-#include "fem_offline/model/build_model.hpp"
+#include "coarse_milling.hpp"
 #include "fem_offline/reduce/basis.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace reduce_full_histories_test {
 
 const AffineModel& milling() {
-  static const FeModel model = [] {
-    Spindle spindle = read_spindle(SPINDLE_TWIN_SOURCE_DIR "/fem_offline/spindles/four_bearing_milling.toml");
-    spindle.mesh.element_size_m = 0.01;
-    spindle.mesh.cells_across = 1;
-    spindle.mesh.corner_size_m.reset();
-    for (Part& part : spindle.parts) part.element_size_m.reset();
-    return FeModel(spindle, build_section(spindle));
-  }();
+  static const FeModel model = coarse_milling(0.01);
   return model.affine();
 }
 
