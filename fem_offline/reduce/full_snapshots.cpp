@@ -16,7 +16,6 @@
 #include "fem_offline/reduce/full_histories.hpp"
 #include "fem_offline/reduce/most_independent.hpp"
 #include "fem_offline/reduce/parallel.hpp"
-#include "fem_offline/solve/thermal_system.hpp"
 #include "fem_offline/sparse/cholesky.hpp"
 
 namespace spindle_twin::fem_offline {
@@ -41,9 +40,10 @@ struct Worker : AnalysedSystem {
 
   /// (K + sC)⁻¹ F; with s > 0 as s⁻¹ (C + K/s)⁻¹ F.
   Eigen::MatrixXd solve(const Eigen::VectorXd& conductances, double shift_per_s, const Eigen::MatrixXd& loads) {
-    system.set_conductances(conductances);
+    system.hold_conductances(conductances);
+    const ThermalSystem& matrices = system.matrices();
     const bool steady = shift_per_s == 0.0;
-    CholeskyFactor factor(analysed, steady ? system.conduction_lower() : system.combined_lower(1.0 / shift_per_s));
+    CholeskyFactor factor(analysed, steady ? matrices.conduction_lower() : matrices.combined_lower(1.0 / shift_per_s));
     Eigen::MatrixXd solutions = factor.solve(loads);
     if (!steady) solutions /= shift_per_s;
     return solutions;

@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "fem_offline/reduce/dense_blas.hpp"
-#include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
-#include "fem_offline/solve/thermal_system.hpp"
+#include "fem_offline/solve/held_system.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -92,13 +91,12 @@ bool of_one_stretch(const rom::BoundaryValues& one, const rom::BoundaryValues& o
 
 struct KrylovStepper::Impl {
   Impl(const AffineModel& of, const CholeskyAnalysis& shared, double tolerance)
-      : model(of), analysed(shared), tolerance_K(tolerance), system(of), coupling(of) {}
+      : model(of), analysed(shared), tolerance_K(tolerance), system(of) {}
 
   const AffineModel& model;
   const CholeskyAnalysis& analysed;
   double tolerance_K;
-  ThermalSystem system;
-  CoolantCoupling coupling;
+  HeldSystem system;
   Eigen::VectorXd temperatures_K;
   /// V with Vᵀ C V = 1, C V, A V and Vᵀ A V, of which the first `used` columns belong to this stretch. The next one
   /// writes over them.
@@ -118,40 +116,22 @@ struct KrylovStepper::Impl {
     projected_buffer.conservativeResize(columns, columns);
   }
 
-  Eigen::VectorXd load_W(const rom::BoundaryValues& values) {
-    coupling.hold(values);
-    Eigen::VectorXd load = system.load_W(values, 0.0);
-    coupling.add_load(0.0, load);
-    return load;
-  }
-
-  Eigen::MatrixXd conduct(const Eigen::MatrixXd& fields) const {
-    Eigen::MatrixXd heat_W = system.conduction_lower().selfadjointView<Eigen::Lower>() * fields;
-    if (coupling.empty()) return heat_W;
-    for (Eigen::Index i = 0; i < fields.cols(); ++i) {
-      Eigen::VectorXd carried_W = Eigen::VectorXd::Zero(fields.rows());
-      coupling.add_heat(fields.col(i), carried_W);
-      heat_W.col(i) -= carried_W;
-    }
-    return heat_W;
-  }
-
-  Eigen::MatrixXd store(const Eigen::MatrixXd& fields) const {
-    return system.capacity_lower().selfadjointView<Eigen::Lower>() * fields;
-  }
+  /// Without liquid that carries heat from wall to wall A is symmetric.
+  bool symmetric() const { return system.circuits().empty(); }
 
   StretchLoads loads_of(std::span<const StretchPart> parts) {
     const Eigen::MatrixXd directions = directions_of(parts);
     StretchLoads loads;
     rom::BoundaryValues values = parts.front().values;
-    const Eigen::VectorXd first_W = load_W(values);
+    system.hold(values, 0.0);
+    const Eigen::VectorXd first_W = system.load_W();
     loads.columns_W.resize(first_W.size(), 1 + directions.cols());
+    loads.columns_W.col(0) = first_W - system.conducted_W(temperatures_K);
     for (Eigen::Index i = 0; i < directions.cols(); ++i) {
       values.environment_K = parts.front().values.environment_K + directions.col(i);
-      loads.columns_W.col(1 + i) = load_W(values) - first_W;
+      system.hold(values, 0.0);
+      loads.columns_W.col(1 + i) = system.load_W() - first_W;
     }
-    coupling.hold(parts.front().values);
-    loads.columns_W.col(0) = first_W - conduct(temperatures_K);
     loads.shares.resize(1 + directions.cols(), static_cast<Eigen::Index>(parts.size()));
     loads.shares.row(0).setOnes();
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -171,8 +151,8 @@ struct KrylovStepper::Impl {
     for (std::size_t pole = 0; pole < factors.size(); ++pole) {
       const Eigen::Index first = static_cast<Eigen::Index>(pole) * count;
       const Eigen::MatrixXd loads_W = pole == 0 ? right : stored_block.middleCols(first - count, count);
-      block.middleCols(first, count) = factors[pole].solve(loads_W, coupling);
-      stored_block.middleCols(first, count) = store(block.middleCols(first, count));
+      block.middleCols(first, count) = factors[pole].solve(loads_W, system.circuits());
+      stored_block.middleCols(first, count) = system.stored_J(block.middleCols(first, count));
     }
   }
 
@@ -208,10 +188,10 @@ struct KrylovStepper::Impl {
     used += more;
     space_buffer.middleCols(before, more) = block;
     stored_buffer.middleCols(before, more) = stored_block;
-    conducted_buffer.middleCols(before, more) = conduct(block);
+    conducted_buffer.middleCols(before, more) = system.conducted_W(block);
     projected_buffer.block(0, before, used, more) =
         transposed_product(space(), conducted_buffer.middleCols(before, more));
-    if (coupling.empty()) {
+    if (symmetric()) {
       projected_buffer.block(before, 0, more, before) = projected_buffer.block(0, before, before, more).transpose();
     } else {
       projected_buffer.block(before, 0, more, before) = transposed_product(block, conducted_buffer.leftCols(before));
@@ -221,15 +201,13 @@ struct KrylovStepper::Impl {
   std::vector<CoupledFactor> factors() const {
     std::vector<CoupledFactor> made;
     made.reserve(poles_s.size());
-    for (const double pole_s : poles_s) {
-      made.emplace_back(CholeskyFactor(analysed, system.combined_lower(pole_s)), coupling, pole_s);
-    }
+    for (const double pole_s : poles_s) made.push_back(system.factor(pole_s, &analysed));
     return made;
   }
 
   /// The solution in the space at the end of every part, exact in time: by the modes of the projected matrix.
   Eigen::MatrixXd solution(std::span<const StretchPart> parts, const StretchLoads& loads) const {
-    const DecayModes decay = decay_modes_of(projected(), coupling.empty());
+    const DecayModes decay = decay_modes_of(projected(), symmetric());
     const Eigen::MatrixXd driven = decay.to_modes(transposed_product(space(), loads.columns_W) * loads.shares);
     Eigen::MatrixXd amplitudes(driven.rows(), driven.cols());
     Eigen::VectorXd amplitude = Eigen::VectorXd::Zero(driven.rows());
@@ -255,7 +233,6 @@ struct KrylovStepper::Impl {
   /// The change of every unknown's temperature until the end of every part; nothing where the space has grown too
   /// large.
   std::optional<Eigen::MatrixXd> changes_K(std::span<const StretchPart> parts) {
-    system.set_conductances(parts.front().values.conductance_W_per_m2K);
     const StretchLoads loads = loads_of(parts);
     std::vector<CoupledFactor> of_poles = factors();
     Eigen::MatrixXd right = loads.columns_W, before, block, stored_block;

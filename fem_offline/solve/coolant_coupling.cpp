@@ -43,8 +43,9 @@ Eigen::MatrixXd CoolantCoupling::heat_per_inlet_W_per_K() const {
   return Eigen::MatrixXd(wetted_m2_) * film_W_per_m2K_.asDiagonal();
 }
 
-void CoolantCoupling::add_heat(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& heat_W) const {
-  if (!empty()) heat_W += wetted_m2_ * film_W_per_m2K_.cwiseProduct(fed_K(temperatures_K));
+void CoolantCoupling::add_heat(const Eigen::Ref<const Eigen::MatrixXd>& temperatures_K,
+                               Eigen::Ref<Eigen::MatrixXd> heat_W) const {
+  if (!empty()) heat_W += wetted_m2_ * (film_W_per_m2K_.asDiagonal() * fed_K(temperatures_K));
 }
 
 void CoolantCoupling::add_load(double datum_K, Eigen::VectorXd& load_W) const {

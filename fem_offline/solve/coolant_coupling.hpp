@@ -31,8 +31,8 @@ class CoolantCoupling {
     return upstream_ * walls_K(temperatures_K);
   }
 
-  /// heat += S Γ U R T
-  void add_heat(const Eigen::VectorXd& temperatures_K, Eigen::VectorXd& heat_W) const;
+  /// heat += S Γ U R T; a column for each field.
+  void add_heat(const Eigen::Ref<const Eigen::MatrixXd>& temperatures_K, Eigen::Ref<Eigen::MatrixXd> heat_W) const;
   /// load −= S Γ U 1 (T_inlet − datum), for temperatures counted from `datum_K`.
   void add_load(double datum_K, Eigen::VectorXd& load_W) const;
 

@@ -2,27 +2,22 @@
 
 #include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
-#include "fem_offline/solve/thermal_system.hpp"
+#include "fem_offline/solve/held_system.hpp"
 
 namespace spindle_twin::fem_offline {
 
 Eigen::VectorXd solve_steady(const AffineModel& model, const rom::BoundaryValues& values) {
   if (model.imposed_rises_K) return model.imposed_rises_K->array() + model.boundaries.reference_temperature_K;
-  ThermalSystem system(model);
-  system.set_conductances(values.conductance_W_per_m2K);
   // Counted from an environment's temperature: the rise is some ten kelvin, the absolute temperature three hundred.
   const double datum_K = values.environment_K.size() > 0 ? values.environment_K[0] : 0.0;
-  CoolantCoupling coupling(model);
-  coupling.hold(values);
-  CoupledFactor factor(CholeskyFactor(system.conduction_lower()), coupling, 1.0);
-  Eigen::VectorXd load_W = system.load_W(values, datum_K);
-  coupling.add_load(datum_K, load_W);
-  Eigen::VectorXd rise_K, correction_K;
-  factor.solve(load_W, coupling, rise_K);
+  HeldSystem system(model);
+  system.hold(values, datum_K);
+  CoupledFactor factor = system.factor(nullptr);
+  Eigen::VectorXd rise_K, correction_K, residual_W;
+  factor.solve(system.load_W(), system.circuits(), rise_K);
   // One step of refinement brings the heat balance from 1e-10 to rounding.
-  Eigen::VectorXd residual_W = load_W - system.conduction_lower().selfadjointView<Eigen::Lower>() * rise_K;
-  coupling.add_heat(rise_K, residual_W);
-  factor.solve(residual_W, coupling, correction_K);
+  system.net_heat_W(rise_K, residual_W);
+  factor.solve(residual_W, system.circuits(), correction_K);
   return (rise_K + correction_K).array() + datum_K;
 }
 

@@ -5,9 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
-#include "fem_offline/solve/thermal_system.hpp"
+#include "fem_offline/solve/held_system.hpp"
 
 namespace spindle_twin::fem_offline {
 namespace {
@@ -82,13 +81,11 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
   Impl(const AffineModel& model, FeScheme scheme, const CholeskyAnalysis* shared)
       : system(model),
         analysed(shared),
-        coupling(model),
         tableau(scheme == FeScheme::order_4 ? order_4() : order_2()),
         slopes_K_per_s(static_cast<std::size_t>(tableau.below.rows())) {}
 
-  ThermalSystem system;
+  HeldSystem system;
   const CholeskyAnalysis* analysed;
-  CoolantCoupling coupling;
   rom::BoundaryValues held;
   double since_jump_s = 0.0;
   double controlled_step_s = first_controlled_step_s;
@@ -97,20 +94,16 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
   std::size_t most_factors = 16;
   Tableau tableau;
   std::vector<Eigen::VectorXd> slopes_K_per_s;
-  Eigen::VectorXd load_W, residual_W, stage_K;
+  Eigen::VectorXd residual_W, stage_K;
 
   void take(const rom::BoundaryValues& values) {
     const bool is_first = held.heat_W.size() == 0;
-    const bool new_conductances = is_first || held.conductance_W_per_m2K != values.conductance_W_per_m2K;
     const bool jump = is_first || jumped(held.conductance_W_per_m2K, values.conductance_W_per_m2K) ||
                       held.coolant_W_per_K != values.coolant_W_per_K || held.heat_W != values.heat_W ||
                       (held.environment_K - values.environment_K).lpNorm<Eigen::Infinity>() > environment_jump_K;
-    if (new_conductances) system.set_conductances(values.conductance_W_per_m2K);
     if (jump) since_jump_s = 0.0, controlled_step_s = first_controlled_step_s;
     held = values;
-    load_W = system.load_W(values, 0.0);
-    coupling.hold(values);
-    coupling.add_load(0.0, load_W);
+    system.hold(values, 0.0);
   }
 
   CoupledFactor& factor_for(double step_s) {
@@ -122,27 +115,23 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
       factors.splice(factors.begin(), factors, found);
       return factors.front().factor;
     }
-    const SparseMatrix matrix = system.combined_lower(tableau.gamma * step_s);
     const CholeskyAnalysis* known = factors.empty() ? analysed : &factors.front().factor.symmetric().analysis();
-    CholeskyFactor made = known ? CholeskyFactor(*known, matrix) : CholeskyFactor(matrix);
-    factors.push_front({step_s, held.conductance_W_per_m2K, held.coolant_W_per_K,
-                        CoupledFactor(std::move(made), coupling, tableau.gamma * step_s)});
+    factors.push_front(
+        {step_s, held.conductance_W_per_m2K, held.coolant_W_per_K, system.factor(tableau.gamma * step_s, known)});
     while (factors.size() > most_factors) factors.pop_back();
     return factors.front().factor;
   }
 
   void step(double step_s) {
     CoupledFactor& factor = factor_for(step_s);
-    const auto conduction = system.conduction_lower().selfadjointView<Eigen::Lower>();
     for (std::size_t i = 0; i < slopes_K_per_s.size(); ++i) {
       stage_K = temperatures_K;
       for (std::size_t j = 0; j < i; ++j) {
         stage_K +=
             step_s * tableau.below(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * slopes_K_per_s[j];
       }
-      residual_W.noalias() = load_W - conduction * stage_K;
-      coupling.add_heat(stage_K, residual_W);
-      factor.solve(residual_W, coupling, slopes_K_per_s[i]);
+      system.net_heat_W(stage_K, residual_W);
+      factor.solve(residual_W, system.circuits(), slopes_K_per_s[i]);
     }
     temperatures_K = stage_K + tableau.gamma * step_s * slopes_K_per_s.back();
   }
@@ -154,8 +143,8 @@ struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
     for (std::size_t i = 0; i < slopes_K_per_s.size(); ++i) {
       stage_K += step_s * tableau.error[static_cast<Eigen::Index>(i)] * slopes_K_per_s[i];
     }
-    residual_W.noalias() = system.capacity_lower().selfadjointView<Eigen::Lower>() * stage_K;
-    factor_for(step_s).solve(residual_W, coupling, stage_K);
+    residual_W = system.stored_J(stage_K);
+    factor_for(step_s).solve(residual_W, system.circuits(), stage_K);
     return stage_K.lpNorm<Eigen::Infinity>();
   }
 };
@@ -177,7 +166,7 @@ void FeStepper::set_temperatures(const Eigen::VectorXd& temperatures_K) {
 }
 
 void FeStepper::set_uniform_temperature(double temperature_K) {
-  set_temperatures(Eigen::VectorXd::Constant(impl_->system.capacity_lower().rows(), temperature_K));
+  set_temperatures(Eigen::VectorXd::Constant(impl_->temperatures_K.size(), temperature_K));
 }
 
 void FeStepper::advance(double period_s, double max_step_s, const rom::BoundaryValues& values) {

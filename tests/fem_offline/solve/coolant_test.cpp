@@ -6,6 +6,7 @@
 
 #include "fem_offline/solve/coolant_coupling.hpp"
 #include "fem_offline/solve/fe_solver.hpp"
+#include "fem_offline/solve/held_system.hpp"
 #include "fem_offline/solve/thermal_system.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
@@ -151,6 +152,24 @@ TEST(CoupledFactor, solves_columns_at_once_as_one_by_one) {
     EXPECT_LT((together.col(column) - alone).norm(), 1e-12 * alone.norm()) << column;
     EXPECT_GT(coupling.fed_K(alone).norm(), 1e-3 * alone.norm()) << "the liquid carries something on";
   }
+}
+
+/// f − A T is nothing at the steady field, and elsewhere what load and conducted heat say apart, liquid and all.
+TEST(HeldSystem, warms_nothing_at_the_steady_field) {
+  const AffineModel model = row_of_lumps(0.008);
+  const rom::BoundaryValues values = values_of(model);
+  constexpr double datum_K = 290.0;
+  HeldSystem system(model);
+  system.hold(values, datum_K);
+  Eigen::MatrixXd rises_K(lumps, 2);
+  rises_K.col(0) = solve_steady(model, values).array() - datum_K;
+  rises_K.col(1).setLinSpaced(lumps, -1.0, 2.0);
+  Eigen::VectorXd heat_W;
+  system.net_heat_W(rises_K.col(0), heat_W);
+  EXPECT_LT(heat_W.norm(), 1e-9 * system.load_W().norm());
+  system.net_heat_W(rises_K.col(1), heat_W);
+  EXPECT_GT(heat_W.norm(), 0.1 * system.load_W().norm());
+  EXPECT_LT((heat_W - (system.load_W() - system.conducted_W(rises_K).col(1))).norm(), 1e-12 * heat_W.norm());
 }
 
 TEST(CoolantSteady, reversed_flow_mirrors_the_field) {
