@@ -114,15 +114,14 @@ void Channel::note_spike() {
   if (spikes_.note(time_s_, limits_)) meet(ChannelEvent::fault, HealthFault::spikes);
 }
 
-void Channel::restart_course(double elapsed_s) {
+void Channel::restart_course(double rate_K_per_s) {
   jump_.end_row();
-  course_.restart();
-  course_.accept(detrended_K_, elapsed_s, plan_.noise_K);
+  course_.begin(detrended_K_, rate_K_per_s, plan_.noise_K);
 }
 
 void Channel::follow_reading() {
   off_course_ = false;
-  restart_course(elapsed_s_);
+  restart_course(0.0);
 }
 
 bool Channel::fits_course_of(const Channel& other) const {
@@ -153,7 +152,8 @@ void Channel::judge() {
   }
 }
 
-void Channel::judge_outlier(double elapsed_s) {
+void Channel::judge_outlier() {
+  if (jump_.in_a_row() == 0) row_began_s_ = time_s_;
   switch (jump_.note_outlier(detrended_K_, course_.expected_K(), limits_)) {
     case JumpDetector::Meaning::open:
       meet(ChannelEvent::doubtful, HealthFault::jump);
@@ -162,14 +162,14 @@ void Channel::judge_outlier(double elapsed_s) {
       meet(ChannelEvent::fault, HealthFault::jump);
       break;
     case JumpDetector::Meaning::place_moves:
-      restart_course(elapsed_s);
+      restart_course(jump_.since_first_K() / (time_s_ - row_began_s_));
       break;
   }
 }
 
 void Channel::judge_in_use(double elapsed_s) {
   if (off_course_) {
-    judge_outlier(elapsed_s);
+    judge_outlier();
     return;
   }
   if (jump_.end_row()) note_spike();

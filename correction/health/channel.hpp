@@ -82,10 +82,11 @@ class Channel {
   bool is_out() const { return record_.state == HealthState::failed || record_.state == HealthState::returning; }
   void look_at_wire();
   void judge_in_use(double elapsed_s);
-  void judge_outlier(double elapsed_s);
+  void judge_outlier();
   void judge_return(double elapsed_s);
   void note_spike();
-  void restart_course(double elapsed_s);
+  /// The course begins anew with the last reading.
+  void restart_course(double rate_K_per_s);
   bool is_stuck();
   /// Whether the reading of a channel that is out shows that its fault is still there.
   bool shows_fault(double elapsed_s);
@@ -113,6 +114,7 @@ class Channel {
   double elapsed_s_ = 0.0;     ///< since the reading before
   double moved_K_ = 0.0;       ///< of the model in that time
   double without_sign_s_ = 0;  ///< of a fault
+  double row_began_s_ = 0.0;   ///< of outliers
   bool latched_ = false;
 };
 

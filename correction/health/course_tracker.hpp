@@ -37,6 +37,13 @@ class CourseTracker {
     return samples_ >= settled && std::abs(detrended_K - expected_K_) > limit_K_;
   }
 
+  /// Begins a new course with this reading, which changes at this rate as far as is known.
+  void begin(double detrended_K, double rate_K_per_s, double stated_noise_K) {
+    samples_ = 0;
+    accept(detrended_K, 0.0, stated_noise_K);
+    slope_K_per_s_ = rate_K_per_s;
+  }
+
   /// Takes a detrended reading into the course, h_s after the one before. The noise learnt stays between 1/3 and 3
   /// times the stated one, 1σ > 0.
   void accept(double detrended_K, double h_s, double stated_noise_K) {

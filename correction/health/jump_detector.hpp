@@ -22,9 +22,9 @@ class JumpDetector {
       first_K_ = detrended_K;
       first_miss_K_ = detrended_K - expected_K;
     }
+    since_K_ = detrended_K - first_K_;
     if (++in_a_row_ < limits.outliers) return Meaning::open;
-    const double since_K = detrended_K - first_K_;
-    const bool goes_on = since_K * first_miss_K_ > 0.0 && std::abs(since_K) > 0.5 * std::abs(first_miss_K_);
+    const bool goes_on = since_K_ * first_miss_K_ > 0.0 && std::abs(since_K_) > 0.5 * std::abs(first_miss_K_);
     return goes_on ? Meaning::place_moves : Meaning::jump;
   }
   /// The row of outliers is over. True where there was one: a spike.
@@ -34,11 +34,13 @@ class JumpDetector {
     return was_off;
   }
   int in_a_row() const { return in_a_row_; }
+  double since_first_K() const { return since_K_; }  ///< what the last outlier is above the first of its row
 
  private:
   int in_a_row_ = 0;
   double first_K_ = 0.0;
   double first_miss_K_ = 0.0;
+  double since_K_ = 0.0;
 };
 
 }  // namespace spindle_twin::correction

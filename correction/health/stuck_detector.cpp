@@ -7,6 +7,7 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr std::array shares{1.0, 0.5, 0.5};  // of the limit, that each of the three movements must reach
+constexpr double late_share = 0.5;           // of that, as a late sensor shows it
 constexpr int least_samples = 4;
 constexpr double least_window = 0.25;     // share of the window that a stretch must have
 constexpr double rounding = 1.0 + 1e-6;   // steps of resolution are compared as binary numbers
@@ -22,13 +23,28 @@ void StuckDetector::restart() {
   repeated_ = 0;
 }
 
+void StuckDetector::follow_late(double time_s, const Movements& model_K, const HealthLimits& limits) {
+  if (filled_ == 0) late_K_ = model_K;
+  const double passed = filled_ == 0 ? 0.0 : 1.0 - std::exp(-(time_s - late_at_s_) / limits.stuck_lag_s);
+  for (std::size_t u = 0; u < late_K_.size(); ++u) late_K_[u] += passed * (model_K[u] - late_K_[u]);
+  late_at_s_ = time_s;
+}
+
+bool StuckDetector::moved(const Bucket& since, const Movements& model_K, double needed_K) const {
+  for (std::size_t u = 0; u < model_K.size(); ++u) {
+    if (std::abs(model_K[u] - since.model_K[u]) < shares[u] * needed_K) return false;
+    if (std::abs(late_K_[u] - since.late_K[u]) < late_share * shares[u] * needed_K) return false;
+  }
+  return true;
+}
+
 void StuckDetector::put(double time_s, double reading_K, const Movements& model_K, const HealthLimits& limits) {
   Bucket* bucket = &ring_[static_cast<std::size_t>(newest_)];
   if (filled_ == 0 || time_s - bucket->begin_s >= limits.stuck_window_s / buckets) {
     newest_ = (newest_ + 1) % buckets;
     filled_ = std::min(filled_ + 1, buckets);
     bucket = &ring_[static_cast<std::size_t>(newest_)];
-    *bucket = {time_s, reading_K, reading_K, model_K, 0};
+    *bucket = {time_s, reading_K, reading_K, model_K, late_K_, 0};
   }
   bucket->low_K = std::min(bucket->low_K, reading_K);
   bucket->high_K = std::max(bucket->high_K, reading_K);
@@ -38,6 +54,7 @@ void StuckDetector::put(double time_s, double reading_K, const Movements& model_
 bool StuckDetector::observe(double time_s, double reading_K, const Movements& model_K, double resolution_K,
                             const HealthLimits& limits) {
   note_change(reading_K, resolution_K);
+  follow_late(time_s, model_K, limits);
   put(time_s, reading_K, model_K, limits);
   const double needed_K = std::max(limits.stuck_K, limits.stuck_resolutions * resolution_K);
   double low_K = reading_K, high_K = reading_K;
@@ -49,11 +66,7 @@ bool StuckDetector::observe(double time_s, double reading_K, const Movements& mo
     samples += then.samples;
     if (high_K - low_K > resolution_K * rounding) return false;
     if (samples < least_samples || time_s - then.begin_s < least_window * limits.stuck_window_s) continue;
-    bool moves = true;
-    for (std::size_t u = 0; u < model_K.size(); ++u) {
-      moves = moves && std::abs(model_K[u] - then.model_K[u]) >= shares[u] * needed_K;
-    }
-    if (moves) return true;
+    if (moved(then, model_K, needed_K)) return true;
   }
   return false;
 }

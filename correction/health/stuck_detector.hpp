@@ -11,8 +11,11 @@ namespace spindle_twin::correction {
 ///   max r − min r <= q    and    |u_now − u_then| >= max(stuck_K, stuck_resolutions · q)
 /// with each of three u: what the model has moved by integration; that, less the rate at which corrections have taken
 /// it back on the mean of the last ten minutes; and the model that is never corrected; half the limit does for the last
-/// two. A steady spindle raises nothing, whatever the corrected model does, because the uncorrected one stands still.
-/// One step of q is allowed because a held analogue value flickers between two counts.
+/// two. And half of that for what a sensor shows that follows u with the lag stuck_lag_s:
+///   dy/dt = (u − y) / lag
+/// A late sensor stands still for a while where its place has begun to move, and may by chance have done so before. A
+/// steady spindle raises nothing, whatever the corrected model does, because the uncorrected one stands still. One step
+/// of q is allowed because a held analogue value flickers between two counts.
 ///   Besides, repeats() looks for runs of equal readings that a live channel with its usual share p of changes would
 /// hardly have ((1 − p)^n < 1 in 1000): these are withheld, which costs a healthy channel nothing. Only changes of
 /// noise, which turn back, count for p: a smooth rise that comes to its end is not stuck.
@@ -34,19 +37,23 @@ class StuckDetector {
   bool repeats() const;
 
  private:
-  /// Extremes of the readings in a twelfth of the window, and the model at its beginning.
+  /// Extremes of the readings in a twelfth of the window, and u and y at its beginning.
   struct Bucket {
     double begin_s = 0.0, low_K = 0.0, high_K = 0.0;
-    Movements model_K{};
+    Movements model_K{}, late_K{};
     int samples = 0;
   };
   void note_change(double reading_K, double resolution_K);
   void put(double time_s, double reading_K, const Movements& model_K, const HealthLimits& limits);
+  void follow_late(double time_s, const Movements& model_K, const HealthLimits& limits);
+  bool moved(const Bucket& since, const Movements& model_K, double needed_K) const;
 
   static constexpr int buckets = 12;
   std::array<Bucket, buckets> ring_{};
   int newest_ = 0;
   int filled_ = 0;
+  Movements late_K_{};
+  double late_at_s_ = 0.0;
   double change_share_ = 0.0;  ///< of the readings that differ from the one before
   double turn_share_ = 0.0;    ///< of those that change against the direction of the last change
   double last_change_K_ = 0.0;
