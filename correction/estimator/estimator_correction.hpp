@@ -326,8 +326,8 @@ class EstimatorCorrection {
   void widen_environments(double widest_K);
   /// Of a parameter's prior deviation, how many it may be at the moment.
   static double width_of(const Parameter& parameter, const Widths& widths);
-  /// The length that waits is further off than its variance allows for.
-  bool displacement_contradicts();
+  /// Heats that no source explains become wide where the length that waits is further off than its variance allows for.
+  void open_heats_by_length();
   bool update(double time_s);
   /// z from the filter, within its limits, and the state with it. Whether θ moved.
   bool follow_filter();

@@ -15,10 +15,13 @@ constexpr double by_chance = 3.0;  ///< deviations of what it leaves out that th
 constexpr double longest_lag_s = 120.0;
 constexpr double lag_missed = 0.3;  // of what an open lag does, the share that a straight line in it leaves out
 
-// A length tells of the nose what no sensor does: it opens unexplained heats to so many deviations of their prior, from
-// this squared innovation over its variance on.
+// A length tells of the nose what no sensor does. From the first of these squared innovations over their variance on it
+// opens unexplained heats to so many deviations of their prior, for a machine whose tool is touched off cuts with it,
+// and no sensor sees the heat of that. From the second on, where it is likelier with heats as wide than without, those
+// that were open already become wider.
 constexpr double disturbance_by_length = 8.0;
-constexpr double displacement_nis = 2.0;
+constexpr double opening_nis = 1.0;
+constexpr double widening_nis = 2.0;
 
 }  // namespace
 
@@ -137,12 +140,21 @@ void EstimatorCorrection::fuse_tares() {
   }
 }
 
-bool EstimatorCorrection::displacement_contradicts() {
-  if (!displacement_.pending) return false;
+void EstimatorCorrection::open_heats_by_length() {
+  if (!displacement_.pending) return;
   row_ = made_.displacement_row;
   const double variance_m2 = filter_.variance_of(row_) + made_.displacement_variance_m2;
   const double innovation_m = made_.displacement_at(filter_.mean());
-  return innovation_m * innovation_m > displacement_nis * variance_m2;
+  const double nis = innovation_m * innovation_m / variance_m2;
+  if (!(nis > opening_nis)) return;
+  keep_.setOnes();
+  growth_.setZero();
+  if (nis > widening_nis) {
+    widen_disturbances(disturbance_by_length);
+  } else {
+    widen_disturbances_to(std::max(open_.disturbance, disturbance_by_length));
+  }
+  filter_.widen(keep_, growth_);
 }
 
 bool EstimatorCorrection::update(double time_s) {
@@ -163,12 +175,7 @@ bool EstimatorCorrection::update(double time_s) {
   }
   heed_change();
   measure_displacement();
-  if (displacement_contradicts()) {
-    keep_.setOnes();
-    growth_.setZero();
-    widen_disturbances(disturbance_by_length);
-    filter_.widen(keep_, growth_);
-  }
+  open_heats_by_length();
   fuse_sensors(time_s);
   fuse_tares();
   fuse_displacement();

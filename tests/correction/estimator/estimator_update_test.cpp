@@ -108,9 +108,9 @@ TEST(UpdateNoise, of_readings_that_are_worse_than_they_say_grows_by_its_floor) {
 }
 
 /// The probe's own error is all that counts beside it: a millimetre, against the micrometres that the nose is open by.
-TEST(UpdateOfALength, opens_heats_from_twice_the_square_that_its_variance_allows_for) {
+TEST(UpdateOfALength, opens_heats_from_its_variance_on_and_widens_open_ones_from_twice_that) {
   const rom::Network network = plates();
-  for (const double nis : {1.9, 2.1}) {
+  for (const double nis : {0.9, 1.1, 1.9, 2.1}) {
     Pair pair(network, with_a_fixed_floor());
     pair.run_until(602.0);
     pair.valid.setConstant(false);
@@ -118,8 +118,10 @@ TEST(UpdateOfALength, opens_heats_from_twice_the_square_that_its_variance_allows
       const double length_m = pair.twin.outputs.deformations_m[0];
       pair.estimator.note_displacement(0, length_m + sign * 1e-3 * std::sqrt(nis), 1e-3);
       pair.run_until(pair.time_s + 10.0);
-      EXPECT_EQ(pair.estimator.heats_are_open(), nis > 2.0) << nis;
-      EXPECT_NEAR(pair.estimator.widths().disturbance, nis < 2.0 ? 1e-3 : (sign > 0.0 ? 8.0 : 24.0), 0.04) << nis;
+      EXPECT_EQ(pair.estimator.heats_are_open(), nis > 1.0) << nis;
+      const bool again = sign < 0.0;
+      const double width = nis < 1.0 ? 1e-3 : again && nis > 2.0 ? 24.0 : 8.0;
+      EXPECT_NEAR(pair.estimator.widths().disturbance, width, 0.04) << nis;
     }
   }
 }
