@@ -56,10 +56,14 @@ class CourseTracker {
     course_K_ = expected_K_ + alpha * off_K;
     if (h_s > 0.0) slope_K_per_s_ += beta * off_K / h_s;
     noise_K_ += noise_memory * (rms_per_mean * std::abs(off_K) - noise_K_);
-    noise_K_ = std::clamp(noise_K_, stated_noise_K / 3.0, 3.0 * stated_noise_K);
+    noise_K_ = noise_K(stated_noise_K);
     ++samples_;
   }
 
+  /// 1σ of a reading as learnt, between 1/3 and 3 times the stated one.
+  double noise_K(double stated_noise_K) const {
+    return std::clamp(noise_K_, stated_noise_K / 3.0, 3.0 * stated_noise_K);
+  }
   double expected_K() const { return expected_K_; }  ///< ê of this sample
   double limit_K() const { return limit_K_; }        ///< beyond which |d| is an outlier
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace spindle_twin::correction {
 namespace {
@@ -14,6 +15,13 @@ constexpr double rounding = 1.0 + 1e-6;   // steps of resolution are compared as
 constexpr double hardly = 1e-3;           // a live channel repeats itself for so long once in a thousand runs
 constexpr double change_memory = 0.02;    // share of a new reading: fifty readings
 constexpr double turns_to_changes = 1.5;  // of white noise two changes in three turn back
+
+/// ln of how much likelier n readings within one step are of a channel that stands than of one whose readings less the
+/// model have this sum of squares about their mean.
+double evidence(int samples, double spread_K2, const StuckDetector::ReadingGrain& grain) {
+  const double of_one_step = std::log(std::sqrt(2.0 * std::numbers::pi) * grain.noise_K / (2.0 * grain.resolution_K));
+  return 0.5 * spread_K2 / (grain.noise_K * grain.noise_K) + (samples - 1) * std::max(of_one_step, 0.0);
+}
 
 }  // namespace
 
@@ -49,24 +57,32 @@ void StuckDetector::put(double time_s, double reading_K, const Movements& model_
   bucket->low_K = std::min(bucket->low_K, reading_K);
   bucket->high_K = std::max(bucket->high_K, reading_K);
   ++bucket->samples;
+  const double off_K = reading_K - model_K[0];
+  bucket->sum_K += off_K;
+  bucket->square_K2 += off_K * off_K;
 }
 
-bool StuckDetector::observe(double time_s, double reading_K, const Movements& model_K, double resolution_K,
+bool StuckDetector::observe(double time_s, double reading_K, const Movements& model_K, const ReadingGrain& grain,
                             const HealthLimits& limits) {
+  const double resolution_K = grain.resolution_K;
   note_change(reading_K, resolution_K);
   follow_late(time_s, model_K, limits);
   put(time_s, reading_K, model_K, limits);
   const double needed_K = std::max(limits.stuck_K, limits.stuck_resolutions * resolution_K);
   double low_K = reading_K, high_K = reading_K;
   int samples = 0;
+  double sum_K = 0.0, square_K2 = 0.0;
   for (int back = 0; back < filled_; ++back) {
     const Bucket& then = ring_[static_cast<std::size_t>((newest_ - back + buckets) % buckets)];
     low_K = std::min(low_K, then.low_K);
     high_K = std::max(high_K, then.high_K);
     samples += then.samples;
+    sum_K += then.sum_K;
+    square_K2 += then.square_K2;
     if (high_K - low_K > resolution_K * rounding) return false;
     if (samples < least_samples || time_s - then.begin_s < least_window * limits.stuck_window_s) continue;
-    if (moved(then, model_K, needed_K)) return true;
+    const double spread_K2 = square_K2 - sum_K * sum_K / samples;
+    if (moved(then, model_K, needed_K) && evidence(samples, spread_K2, grain) >= limits.stuck_evidence) return true;
   }
   return false;
 }

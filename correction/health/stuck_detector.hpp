@@ -13,7 +13,10 @@ namespace spindle_twin::correction {
 /// it back on the mean of the last ten minutes; and the model that is never corrected; half the limit does for the last
 /// two. And half of that for what a sensor shows that follows u with the lag stuck_lag_s:
 ///   dy/dt = (u − y) / lag
-/// A late sensor stands still for a while where its place has begun to move, and may by chance have done so before. A
+/// And noise of deviation s would hardly hide the movement: with e = r − u over the n readings of the stretch,
+///   Σ (e − mean e)² / 2 s² + (n − 1) max(ln(√(2π) s / 2 q), 0) >= stuck_evidence
+/// which is how much likelier these readings are of a channel that stands than of one that follows.
+///   A late sensor stands still for a while where its place has begun to move, and may by chance have done so before. A
 /// steady spindle raises nothing, whatever the corrected model does, because the uncorrected one stands still. One step
 /// of q is allowed because a held analogue value flickers between two counts.
 ///   Besides, repeats() looks for runs of equal readings that a live channel with its usual share p of changes would
@@ -21,6 +24,12 @@ namespace spindle_twin::correction {
 /// noise, which turn back, count for p: a smooth rise that comes to its end is not stuck.
 class StuckDetector {
  public:
+  /// What readings differ by though their place stands still; both above 0.
+  struct ReadingGrain {
+    double resolution_K;
+    double noise_K;
+  };
+
   /// The place's temperature in the model: integrated, the same without steady corrections, never corrected. [K], from
   /// any zero.
   using Movements = std::array<double, 3>;
@@ -28,9 +37,9 @@ class StuckDetector {
   /// After a gap in the readings: nothing of what was before counts. May run in the cycle.
   void restart();
 
-  /// One reading at time_s; resolution_K > 0. True if the channel is stuck. May run in the cycle: no allocation, at
+  /// One reading at time_s. True if the channel is stuck. May run in the cycle: no allocation, at
   /// most twelve steps.
-  bool observe(double time_s, double reading_K, const Movements& model_K, double resolution_K,
+  bool observe(double time_s, double reading_K, const Movements& model_K, const ReadingGrain& grain,
                const HealthLimits& limits);
 
   /// The last readings are equal for longer than a live channel would. May run in the cycle.
@@ -42,6 +51,7 @@ class StuckDetector {
     double begin_s = 0.0, low_K = 0.0, high_K = 0.0;
     Movements model_K{}, late_K{};
     int samples = 0;
+    double sum_K = 0.0, square_K2 = 0.0;  ///< of e
   };
   void note_change(double reading_K, double resolution_K);
   void put(double time_s, double reading_K, const Movements& model_K, const HealthLimits& limits);

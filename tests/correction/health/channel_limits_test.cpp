@@ -282,6 +282,27 @@ TEST(Channel, that_follows_its_place_half_a_minute_late_is_not_stuck) {
   }
 }
 
+/// Read every ten seconds, a place that cools by 0.003 K/s may by chance give four equal readings.
+TEST(Channel, that_is_read_seldom_is_not_stuck_because_a_few_readings_agree) {
+  constexpr int coolings = 3000;
+  for (const std::uint64_t seed : {20261128u, 1u}) {
+    NoisyReadings read{std::mt19937_64(seed)};
+    int stuck = 0;
+    for (int cooling = 0; cooling < coolings; ++cooling) {
+      Fed fed;
+      double place_K = 310.0;
+      for (int k = 0; k < 80; ++k) {
+        fed.moved_K = k < 20 ? 0.0 : -0.035;
+        place_K += fed.moved_K;
+        fed.feed(read(place_K), 10.0);
+        if (fed.record().fault == HealthFault::stuck && fed.record().state == HealthState::failed) ++stuck;
+        if (fed.record().state == HealthState::failed) break;
+      }
+    }
+    EXPECT_EQ(stuck, 0) << "of " << coolings << ", seed " << seed;
+  }
+}
+
 /// The coolant's flow drops: the jacket warms by up to 0.05 K/s for minutes, and the model knows nothing of it. Where
 /// it is slow the third outlier may by its noise lie too near the first one: some 2 in 100; 9 where the course began
 /// anew as if the place stood still.

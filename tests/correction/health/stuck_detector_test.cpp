@@ -9,6 +9,7 @@ namespace spindle_twin::correction::test {
 namespace health_stuck_detector_test {
 
 constexpr double resolution_K = 0.01;
+constexpr StuckDetector::ReadingGrain grain{resolution_K, 0.03};
 
 TEST(StuckDetector, equal_readings_are_stuck_once_the_model_has_moved_far_enough_for_long_enough) {
   for (const double rate_K_per_s : {0.01, 0.002}) {
@@ -16,7 +17,7 @@ TEST(StuckDetector, equal_readings_are_stuck_once_the_model_has_moved_far_enough
     double found_s = -1.0;
     for (int t = 0; t < 600 && found_s < 0.0; ++t) {
       const double model_K = rate_K_per_s * t;
-      if (detector.observe(t, 300.0, {model_K, model_K, model_K}, resolution_K, {})) found_s = t;
+      if (detector.observe(t, 300.0, {model_K, model_K, model_K}, grain, {})) found_s = t;
     }
     // 0.1 K, and a quarter of the window; buckets begin every 10 s.
     EXPECT_GE(found_s, std::max(30.0, 0.1 / rate_K_per_s));
@@ -30,7 +31,7 @@ TEST(StuckDetector, a_model_that_takes_longer_than_two_minutes_for_a_tenth_of_a_
     bool found = false;
     for (int t = 0; t < 3600; ++t) {
       const double model_K = 0.1 / movement_s * t;
-      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, resolution_K, {});
+      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, grain, {});
     }
     EXPECT_EQ(found, movement_s < 120.0) << movement_s;
   }
@@ -43,7 +44,7 @@ TEST(StuckDetector, a_coarse_channel_needs_eight_steps_of_its_resolution) {
     bool found = false;
     for (int t = 0; t < 300; ++t) {
       const double model_K = moved_K * std::min(1.0, t / 60.0);
-      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, coarse_K, {});
+      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, {coarse_K, 0.03}, {});
     }
     EXPECT_EQ(found, moved_K > 8.0 * coarse_K) << moved_K;
   }
@@ -56,7 +57,7 @@ TEST(StuckDetector, all_three_forms_of_the_model_must_move_the_last_two_half_as_
     for (int t = 0; t < 300; ++t) {
       StuckDetector::Movements model_K{0.01 * t, 0.005 * t, 0.005 * t};
       if (stands < 3) model_K[stands] = 0.0;
-      found = found || detector.observe(t, 300.0, model_K, resolution_K, {});
+      found = found || detector.observe(t, 300.0, model_K, grain, {});
     }
     EXPECT_EQ(found, stands == 3) << stands;
   }
@@ -69,7 +70,7 @@ TEST(StuckDetector, one_step_of_resolution_is_no_movement_and_two_are) {
     for (int t = 0; t < 300; ++t) {
       const double model_K = 0.01 * t;
       const double reading_K = 300.0 + (t % 2) * steps * resolution_K;
-      found = found || detector.observe(t, reading_K, {model_K, model_K, model_K}, resolution_K, {});
+      found = found || detector.observe(t, reading_K, {model_K, model_K, model_K}, grain, {});
     }
     EXPECT_EQ(found, steps < 1.5);
   }
@@ -80,10 +81,10 @@ TEST(StuckDetector, a_live_channel_that_falls_silent_repeats_and_a_coarse_one_do
     StuckDetector detector;
     int t = 0;
     for (; t < 1000; ++t) {
-      detector.observe(t, 300.0 + 0.05 * ((t / changes_every) % 2), {}, resolution_K, {});
+      detector.observe(t, 300.0 + 0.05 * ((t / changes_every) % 2), {}, grain, {});
     }
     EXPECT_FALSE(detector.repeats());
-    for (int k = 0; k < 10; ++k) detector.observe(t++, 301.0, {}, resolution_K, {});
+    for (int k = 0; k < 10; ++k) detector.observe(t++, 301.0, {}, grain, {});
     EXPECT_EQ(detector.repeats(), changes_every == 1);
   }
 }
