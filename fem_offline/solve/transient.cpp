@@ -77,7 +77,7 @@ Eigen::VectorXd initial_temperatures(const AffineModel& model, double otherwise_
   return temperatures_K;
 }
 
-struct FeStepper::Impl {  // NOLINT(public-members): seen by this file alone
+struct FeStepper::Impl {
   Impl(const AffineModel& model, FeScheme scheme, const CholeskyAnalysis* shared)
       : system(model),
         analysed(shared),
