@@ -24,6 +24,7 @@ struct HealthChannel {
   double resolution_K = 0.01;  ///< smallest step of the reading
   double noise_K = 0.03;       ///< 1σ of a reading; what is learnt of it stays between 1/3 and 3 times this
   double interval_s = 0.0;     ///< between new readings where these are fewer than the samples
+  double lag_s = 0.0;          ///< with which it is said to follow its place
 };
 
 /// One reading, and what the model says of its place.

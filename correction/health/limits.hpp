@@ -34,10 +34,10 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double stuck_K = 0.1;            ///< the model has moved by this
   double stuck_resolutions = 8.0;  ///< and by so many steps of the channel's resolution
   double stuck_window_s = 120.0;   ///< within this time; a place in a spindle that moves does so in minutes
-  double stuck_evidence = 15.0;  ///< and noise hides that with odds of e^−15, as drift_limit: four readings may agree
-                                 ///< by chance
-  double stuck_lag_s = 30.0;     ///< as a sensor that follows its place so late would show it: twice the deviation
-                                 ///< of the lags that the estimator reckons with
+  double stuck_evidence = 15.0;    ///< and noise would hide that once in e^15 times, as for drift_limit: four readings
+                                   ///< may agree by chance
+  double stuck_lag_s = 30.0;       ///< and so would a sensor show it that is later by this than it is said to be: twice
+                                   ///< the deviation of the lags that the estimator reckons with
 
   // Drift and implausible readings: evidence that a channel contradicts all others (leave_one_out.hpp), −2 ln of a
   // ratio of likelihoods. 30 is odds of e^15; healthy channels reached 15 (measured), half of it.

@@ -18,9 +18,9 @@ constexpr double turns_to_changes = 1.5;  // of white noise two changes in three
 
 /// ln of how much likelier n readings within one step are of a channel that stands than of one whose readings less the
 /// model have this sum of squares about their mean.
-double evidence(int samples, double spread_K2, const StuckDetector::ReadingGrain& grain) {
-  const double of_one_step = std::log(std::sqrt(2.0 * std::numbers::pi) * grain.noise_K / (2.0 * grain.resolution_K));
-  return 0.5 * spread_K2 / (grain.noise_K * grain.noise_K) + (samples - 1) * std::max(of_one_step, 0.0);
+double evidence(int samples, double spread_K2, const StuckDetector::Sensor& sensor) {
+  const double of_one_step = std::log(std::sqrt(2.0 * std::numbers::pi) * sensor.noise_K / (2.0 * sensor.resolution_K));
+  return 0.5 * spread_K2 / (sensor.noise_K * sensor.noise_K) + (samples - 1) * std::max(of_one_step, 0.0);
 }
 
 }  // namespace
@@ -31,9 +31,9 @@ void StuckDetector::restart() {
   repeated_ = 0;
 }
 
-void StuckDetector::follow_late(double time_s, const Movements& model_K, const HealthLimits& limits) {
+void StuckDetector::follow_late(double time_s, const Movements& model_K, double lag_s) {
   if (filled_ == 0) late_K_ = model_K;
-  const double passed = filled_ == 0 ? 0.0 : 1.0 - std::exp(-(time_s - late_at_s_) / limits.stuck_lag_s);
+  const double passed = filled_ == 0 ? 0.0 : 1.0 - std::exp(-(time_s - late_at_s_) / lag_s);
   for (std::size_t u = 0; u < late_K_.size(); ++u) late_K_[u] += passed * (model_K[u] - late_K_[u]);
   late_at_s_ = time_s;
 }
@@ -62,11 +62,11 @@ void StuckDetector::put(double time_s, double reading_K, const Movements& model_
   bucket->square_K2 += off_K * off_K;
 }
 
-bool StuckDetector::observe(double time_s, double reading_K, const Movements& model_K, const ReadingGrain& grain,
+bool StuckDetector::observe(double time_s, double reading_K, const Movements& model_K, const Sensor& sensor,
                             const HealthLimits& limits) {
-  const double resolution_K = grain.resolution_K;
+  const double resolution_K = sensor.resolution_K;
   note_change(reading_K, resolution_K);
-  follow_late(time_s, model_K, limits);
+  follow_late(time_s, model_K, sensor.lag_s + limits.stuck_lag_s);
   put(time_s, reading_K, model_K, limits);
   const double needed_K = std::max(limits.stuck_K, limits.stuck_resolutions * resolution_K);
   double low_K = reading_K, high_K = reading_K;
@@ -82,7 +82,7 @@ bool StuckDetector::observe(double time_s, double reading_K, const Movements& mo
     if (high_K - low_K > resolution_K * rounding) return false;
     if (samples < least_samples || time_s - then.begin_s < least_window * limits.stuck_window_s) continue;
     const double spread_K2 = square_K2 - sum_K * sum_K / samples;
-    if (moved(then, model_K, needed_K) && evidence(samples, spread_K2, grain) >= limits.stuck_evidence) return true;
+    if (moved(then, model_K, needed_K) && evidence(samples, spread_K2, sensor) >= limits.stuck_evidence) return true;
   }
   return false;
 }

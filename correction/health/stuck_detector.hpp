@@ -11,7 +11,7 @@ namespace spindle_twin::correction {
 ///   max r − min r <= q    and    |u_now − u_then| >= max(stuck_K, stuck_resolutions · q)
 /// with each of three u: what the model has moved by integration; that, less the rate at which corrections have taken
 /// it back on the mean of the last ten minutes; and the model that is never corrected; half the limit does for the last
-/// two. And half of that for what a sensor shows that follows u with the lag stuck_lag_s:
+/// two. And half of that for what a sensor shows that follows u with its own lag and stuck_lag_s:
 ///   dy/dt = (u − y) / lag
 /// And noise of deviation s would hardly hide the movement: with e = r − u over the n readings of the stretch,
 ///   Σ (e − mean e)² / 2 s² + (n − 1) max(ln(√(2π) s / 2 q), 0) >= stuck_evidence
@@ -24,10 +24,11 @@ namespace spindle_twin::correction {
 /// noise, which turn back, count for p: a smooth rise that comes to its end is not stuck.
 class StuckDetector {
  public:
-  /// What readings differ by though their place stands still; both above 0.
-  struct ReadingGrain {
-    double resolution_K;
-    double noise_K;
+  /// What a sensor makes of its place's temperature.
+  struct Sensor {
+    double resolution_K;  ///< above 0
+    double noise_K;       ///< 1σ of a reading, above 0
+    double lag_s = 0.0;   ///< that it is said to have
   };
 
   /// The place's temperature in the model: integrated, the same without steady corrections, never corrected. [K], from
@@ -39,7 +40,7 @@ class StuckDetector {
 
   /// One reading at time_s. True if the channel is stuck. May run in the cycle: no allocation, at
   /// most twelve steps.
-  bool observe(double time_s, double reading_K, const Movements& model_K, const ReadingGrain& grain,
+  bool observe(double time_s, double reading_K, const Movements& model_K, const Sensor& sensor,
                const HealthLimits& limits);
 
   /// The last readings are equal for longer than a live channel would. May run in the cycle.
@@ -55,7 +56,7 @@ class StuckDetector {
   };
   void note_change(double reading_K, double resolution_K);
   void put(double time_s, double reading_K, const Movements& model_K, const HealthLimits& limits);
-  void follow_late(double time_s, const Movements& model_K, const HealthLimits& limits);
+  void follow_late(double time_s, const Movements& model_K, double lag_s);
   bool moved(const Bucket& since, const Movements& model_K, double needed_K) const;
 
   static constexpr int buckets = 12;

@@ -122,16 +122,16 @@ struct KrylovStepper::Impl {
   StretchLoads loads_of(std::span<const StretchPart> parts) {
     const Eigen::MatrixXd directions = directions_of(parts);
     StretchLoads loads;
+    loads.columns_W.resize(temperatures_K.size(), 1 + directions.cols());
     rom::BoundaryValues values = parts.front().values;
-    system.hold(values, 0.0);
-    const Eigen::VectorXd first_W = system.load_W();
-    loads.columns_W.resize(first_W.size(), 1 + directions.cols());
-    loads.columns_W.col(0) = first_W - system.conducted_W(temperatures_K);
     for (Eigen::Index i = 0; i < directions.cols(); ++i) {
       values.environment_K = parts.front().values.environment_K + directions.col(i);
       system.hold(values, 0.0);
-      loads.columns_W.col(1 + i) = system.load_W() - first_W;
+      loads.columns_W.col(1 + i) = system.load_W();
     }
+    system.hold(parts.front().values, 0.0);  // and so it stays for the stretch
+    loads.columns_W.rightCols(directions.cols()).colwise() -= system.load_W();
+    loads.columns_W.col(0) = system.load_W() - system.conducted_W(temperatures_K);
     loads.shares.resize(1 + directions.cols(), static_cast<Eigen::Index>(parts.size()));
     loads.shares.row(0).setOnes();
     for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -125,7 +125,7 @@ SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const
   for (std::size_t k = 0; k < count; ++k) {
     const SensorPlan& sensor = plan.sensors[k];
     channels.push_back({sensor.configured, sensor.min_K, sensor.max_K, sensor.resolution_K, sensor.noise_K,
-                        std::max(sensor.interval_s, plan.period_s)});
+                        std::max(sensor.interval_s, plan.period_s), sensor.lag_s});
   }
   correction::HealthLimits limits = *plan.health;
   // Only an estimator learns an offset anew.

@@ -125,7 +125,7 @@ TEST(Channel, one_spike_is_withheld_and_forgiven_and_the_fourth_in_ten_minutes_i
   EXPECT_EQ(one.record().fault, HealthFault::spikes);
 }
 
-TEST(Channel, a_stuck_channel_fails_within_two_minutes_of_a_moving_model) {
+TEST(Channel, a_stuck_channel_fails_within_two_minutes_of_a_moving_model_and_the_lag_of_a_sensor) {
   int failed = 0;
   int withheld = 0;
   for (int n = 0; n < moments; ++n) {

@@ -28,6 +28,17 @@ TEST(CourseTracker, follows_a_ramp_without_lag) {
   EXPECT_NEAR(course.expected_K(), 300.0 + 0.01 * 300, 1e-6);
 }
 
+TEST(CourseTracker, begins_anew_at_the_rate_that_is_known_and_judges_after_three) {
+  CourseTracker course = on_ramp(0.0, 50, {});
+  course.begin(305.0, 0.5, stated_noise_K);
+  for (int k = 1; k <= 3; ++k) {
+    course.carry_on(0.0, 2.0, {});
+    EXPECT_NEAR(course.expected_K(), 305.0 + 0.5 * 2.0 * k, 1e-9) << k;
+    EXPECT_EQ(course.is_outlier(400.0), k == 3) << k;
+    course.accept(305.0 + 0.5 * 2.0 * k, 2.0, stated_noise_K);
+  }
+}
+
 TEST(CourseTracker, gains_are_those_of_the_alpha_beta_tracker) {
   const HealthLimits limits;
   CourseTracker course = on_ramp(0.0, 10, limits);

@@ -11,7 +11,7 @@ namespace spindle_twin::correction::test {
 namespace health_stuck_detector_limits_test {
 
 constexpr double resolution_K = 0.01;
-constexpr StuckDetector::ReadingGrain grain{resolution_K, 0.03};
+constexpr StuckDetector::Sensor sensor{resolution_K, 0.03};
 
 StuckDetector::Movements all_move(double model_K) { return {model_K, model_K, model_K}; }
 
@@ -21,7 +21,7 @@ TEST(StuckDetector, needs_four_readings_however_long_they_take) {
     int readings = 0;
     while (readings < 20) {
       const double time_s = interval_s * readings++;
-      if (detector.observe(time_s, 300.0, all_move(0.01 * time_s), grain, {})) break;
+      if (detector.observe(time_s, 300.0, all_move(0.01 * time_s), sensor, {})) break;
     }
     EXPECT_EQ(readings, 4);
   }
@@ -32,7 +32,7 @@ TEST(StuckDetector, a_quarter_of_two_minutes_without_a_change_is_enough) {
   StuckDetector detector;
   int found_s = -1;
   for (int t = 0; t < 200 && found_s < 0; ++t) {
-    if (detector.observe(t, t < 5 ? 300.0 : 301.0, all_move(0.1 * t), grain, {})) found_s = t;
+    if (detector.observe(t, t < 5 ? 300.0 : 301.0, all_move(0.1 * t), sensor, {})) found_s = t;
   }
   EXPECT_EQ(found_s, 40);
 }
@@ -47,7 +47,7 @@ TEST(StuckDetector, movements_of_exactly_what_is_needed_will_do_half_of_it_for_t
       StuckDetector::Movements model_K{};
       if (t >= 20) model_K = {0.125, -0.0625, 0.0625};
       if (less < 3) model_K[less] *= 0.96875;
-      found = found || detector.observe(t, 300.0, model_K, grain, limits);
+      found = found || detector.observe(t, 300.0, model_K, sensor, limits);
     }
     EXPECT_EQ(found, less == 3) << less;
   }
@@ -55,24 +55,24 @@ TEST(StuckDetector, movements_of_exactly_what_is_needed_will_do_half_of_it_for_t
 
 TEST(StuckDetector, after_a_restart_nothing_counts_of_what_was_before) {
   StuckDetector detector;
-  for (int t = 0; t < 1000; ++t) detector.observe(t, 300.0 + 0.05 * (t % 2), all_move(0.01 * t), grain, {});
+  for (int t = 0; t < 1000; ++t) detector.observe(t, 300.0 + 0.05 * (t % 2), all_move(0.01 * t), sensor, {});
   int t = 1000;
-  for (; t < 1025; ++t) EXPECT_FALSE(detector.observe(t, 300.0, all_move(0.01 * t), grain, {}));
+  for (; t < 1025; ++t) EXPECT_FALSE(detector.observe(t, 300.0, all_move(0.01 * t), sensor, {}));
   detector.restart();
   const int begin = t += 100;
   for (; t <= begin + 30; ++t) {
-    EXPECT_EQ(detector.observe(t, 300.0, all_move(0.01 * t), grain, {}), t == begin + 30) << t - begin;
+    EXPECT_EQ(detector.observe(t, 300.0, all_move(0.01 * t), sensor, {}), t == begin + 30) << t - begin;
   }
 }
 
 TEST(StuckDetector, after_a_restart_the_first_reading_repeats_none) {
   StuckDetector detector;
   int t = 0;
-  for (; t < 2000; ++t) detector.observe(t, 300.0 + 0.05 * (t % 2), {}, grain, {});
-  detector.observe(t++, 300.05, {}, grain, {});
+  for (; t < 2000; ++t) detector.observe(t, 300.0 + 0.05 * (t % 2), {}, sensor, {});
+  detector.observe(t++, 300.05, {}, sensor, {});
   detector.restart();
   for (int readings = 1; readings <= 4; ++readings) {
-    detector.observe(t++, 300.05, {}, grain, {});
+    detector.observe(t++, 300.05, {}, sensor, {});
     EXPECT_EQ(detector.repeats(), readings == 4) << readings;
   }
 }
@@ -80,20 +80,20 @@ TEST(StuckDetector, after_a_restart_the_first_reading_repeats_none) {
 TEST(StuckDetector, of_a_channel_that_changes_each_time_three_repeats_are_too_many) {
   StuckDetector detector;
   int t = 0;
-  for (; t < 2000; ++t) detector.observe(t, 300.0 + 0.05 * (t % 2), {}, grain, {});
+  for (; t < 2000; ++t) detector.observe(t, 300.0 + 0.05 * (t % 2), {}, sensor, {});
   for (int repeats = 1; repeats <= 10; ++repeats) {
-    detector.observe(t++, 300.05, {}, grain, {});
+    detector.observe(t++, 300.05, {}, sensor, {});
     EXPECT_EQ(detector.repeats(), repeats >= 3) << repeats;
   }
-  detector.observe(t++, 300.15, {}, grain, {});
+  detector.observe(t++, 300.15, {}, sensor, {});
   EXPECT_FALSE(detector.repeats()) << "it lives";
 }
 
 TEST(StuckDetector, what_flickers_by_one_step_of_resolution_does_not_change) {
   StuckDetector detector;
   int t = 0;
-  for (; t < 2000; ++t) detector.observe(t, 300.0 + resolution_K * (t % 2), {}, grain, {});
-  for (int n = 0; n < 20; ++n) detector.observe(t++, 300.0, {}, grain, {});
+  for (; t < 2000; ++t) detector.observe(t, 300.0 + resolution_K * (t % 2), {}, sensor, {});
+  for (int n = 0; n < 20; ++n) detector.observe(t++, 300.0, {}, sensor, {});
   EXPECT_FALSE(detector.repeats());
 }
 
@@ -101,9 +101,9 @@ TEST(StuckDetector, a_smooth_rise_that_comes_to_its_end_is_not_stuck) {
   for (const double direction : {1.0, -1.0}) {
     StuckDetector detector;
     int t = 0;
-    for (; t < 1000; ++t) detector.observe(t, 300.0 + direction * 0.05 * t, {}, grain, {});
+    for (; t < 1000; ++t) detector.observe(t, 300.0 + direction * 0.05 * t, {}, sensor, {});
     for (int n = 0; n < 200; ++n) {
-      detector.observe(t++, 300.0 + direction * 50.0, {}, grain, {});
+      detector.observe(t++, 300.0 + direction * 50.0, {}, sensor, {});
       EXPECT_FALSE(detector.repeats());
     }
   }
@@ -139,12 +139,12 @@ TEST(StuckDetector, repeats_that_a_live_channel_would_have_once_in_a_thousand_ru
       double reading_K = 300.0;
       int t = 0, repeated = 0;
       const auto rises = [&](double share) { return share < 0.0 ? shares.last_K < 0.0 : unit(random) < share; };
-      detector.observe(t++, reading_K, {}, grain, {});
+      detector.observe(t++, reading_K, {}, sensor, {});
       for (; t < 400; ++t) {
         const double change_K = t < 300 && unit(random) > pause ? (rises(up) ? 0.1 : -0.1) : 0.0;
         const bool withheld = detector.repeats();
         reading_K += change_K;
-        detector.observe(t, reading_K, {}, grain, {});
+        detector.observe(t, reading_K, {}, sensor, {});
         if (!withheld) {
           shares.note(change_K);
         } else if (change_K != 0.0) {

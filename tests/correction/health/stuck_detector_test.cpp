@@ -9,7 +9,7 @@ namespace spindle_twin::correction::test {
 namespace health_stuck_detector_test {
 
 constexpr double resolution_K = 0.01;
-constexpr StuckDetector::ReadingGrain grain{resolution_K, 0.03};
+constexpr StuckDetector::Sensor sensor{resolution_K, 0.03};
 
 TEST(StuckDetector, equal_readings_are_stuck_once_the_model_has_moved_far_enough_for_long_enough) {
   for (const double rate_K_per_s : {0.01, 0.002}) {
@@ -17,11 +17,30 @@ TEST(StuckDetector, equal_readings_are_stuck_once_the_model_has_moved_far_enough
     double found_s = -1.0;
     for (int t = 0; t < 600 && found_s < 0.0; ++t) {
       const double model_K = rate_K_per_s * t;
-      if (detector.observe(t, 300.0, {model_K, model_K, model_K}, grain, {})) found_s = t;
+      if (detector.observe(t, 300.0, {model_K, model_K, model_K}, sensor, {})) found_s = t;
     }
     // 0.1 K, and a quarter of the window; buckets begin every 10 s.
     EXPECT_GE(found_s, std::max(30.0, 0.1 / rate_K_per_s));
     EXPECT_LE(found_s, std::max(30.0, 0.1 / rate_K_per_s) + 10.0);
+  }
+}
+
+/// The model goes on by 0.12 K at once; a sensor of lag τ would show 0.05 K of it after τ ln(0.12/0.07), τ 30 s more
+/// than it is said to be.
+TEST(StuckDetector, waits_for_what_a_sensor_of_its_lag_would_show) {
+  for (const double lag_s : {0.0, 60.0, 120.0, 300.0}) {
+    const double shown_s = (lag_s + 30.0) * std::log(0.12 / 0.07);
+    StuckDetector detector;
+    double found_s = -1.0;
+    for (int t = 0; t < 300 && found_s < 0.0; ++t) {
+      const double model_K = t < 40 ? 0.0 : 0.12;
+      if (detector.observe(t, 300.0, {model_K, model_K, model_K}, {resolution_K, 0.03, lag_s}, {})) found_s = t - 39;
+    }
+    if (shown_s > 110.0) {
+      EXPECT_LT(found_s, 0.0) << lag_s << ": longer than the window";
+    } else {
+      EXPECT_NEAR(found_s, shown_s, 1.0) << lag_s;
+    }
   }
 }
 
@@ -31,7 +50,7 @@ TEST(StuckDetector, a_model_that_takes_longer_than_two_minutes_for_a_tenth_of_a_
     bool found = false;
     for (int t = 0; t < 3600; ++t) {
       const double model_K = 0.1 / movement_s * t;
-      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, grain, {});
+      found = found || detector.observe(t, 300.0, {model_K, model_K, model_K}, sensor, {});
     }
     EXPECT_EQ(found, movement_s < 120.0) << movement_s;
   }
@@ -57,7 +76,7 @@ TEST(StuckDetector, all_three_forms_of_the_model_must_move_the_last_two_half_as_
     for (int t = 0; t < 300; ++t) {
       StuckDetector::Movements model_K{0.01 * t, 0.005 * t, 0.005 * t};
       if (stands < 3) model_K[stands] = 0.0;
-      found = found || detector.observe(t, 300.0, model_K, grain, {});
+      found = found || detector.observe(t, 300.0, model_K, sensor, {});
     }
     EXPECT_EQ(found, stands == 3) << stands;
   }
@@ -70,7 +89,7 @@ TEST(StuckDetector, one_step_of_resolution_is_no_movement_and_two_are) {
     for (int t = 0; t < 300; ++t) {
       const double model_K = 0.01 * t;
       const double reading_K = 300.0 + (t % 2) * steps * resolution_K;
-      found = found || detector.observe(t, reading_K, {model_K, model_K, model_K}, grain, {});
+      found = found || detector.observe(t, reading_K, {model_K, model_K, model_K}, sensor, {});
     }
     EXPECT_EQ(found, steps < 1.5);
   }
@@ -81,10 +100,10 @@ TEST(StuckDetector, a_live_channel_that_falls_silent_repeats_and_a_coarse_one_do
     StuckDetector detector;
     int t = 0;
     for (; t < 1000; ++t) {
-      detector.observe(t, 300.0 + 0.05 * ((t / changes_every) % 2), {}, grain, {});
+      detector.observe(t, 300.0 + 0.05 * ((t / changes_every) % 2), {}, sensor, {});
     }
     EXPECT_FALSE(detector.repeats());
-    for (int k = 0; k < 10; ++k) detector.observe(t++, 301.0, {}, grain, {});
+    for (int k = 0; k < 10; ++k) detector.observe(t++, 301.0, {}, sensor, {});
     EXPECT_EQ(detector.repeats(), changes_every == 1);
   }
 }
