@@ -49,6 +49,11 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
       misfits.push_back(in_words("%s, held out: %.2f um rms, at most %.2f um", channel.name.c_str(),
                                  rom::um_per_m * channel.rms, rom::um_per_m * limits.held_out_m));
     }
+    if (std::abs(channel.held_out->off) > limits.held_out_mean * channel.held_out->deviation) {
+      misfits.push_back(in_words("%s, held out: on average %.3f %s off where the fit is sure to %.3f %s",
+                                 channel.name.c_str(), scale * channel.held_out->off, unit,
+                                 scale * channel.held_out->deviation, unit));
+    }
     if (channel.rms > limits.times_expected * channel.expected_rms) {
       misfits.push_back(in_words("%s, held out: %.3f %s rms where the fit allows for %.3f %s", channel.name.c_str(),
                                  scale * channel.rms, unit, scale * channel.expected_rms, unit));
@@ -93,7 +98,7 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
   const TestFit first = fit_tests({network, predictor, options, seen}, nullptr, say("fit of the first three quarters"));
   CalibrationResult result;
   const FitTask task{network, predictor, options, tests};
-  result.held_out = channels_from(task, judge_tests(task, first.z, first.covariance), seen_share);
+  result.held_out = held_out_channels(task, first, seen_share);
   SeveralStarts several = fit_from_several(task, first.z, say("fit of all readings"));
   result.fit = std::move(several.fit);
   result.starts = std::move(several.starts);

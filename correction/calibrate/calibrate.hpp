@@ -6,6 +6,7 @@
 
 #include "correction/calibrate/asked_heat.hpp"
 #include "correction/calibrate/fit.hpp"
+#include "correction/calibrate/hold_out.hpp"
 #include "correction/calibrate/several_starts.hpp"
 #include "correction/calibration/calibration.hpp"
 
@@ -14,8 +15,9 @@ namespace spindle_twin::correction {
 /// What a calibration must keep to be written without a person's word.
 struct CalibrateLimits {
   double held_out_m = 2e-6;     ///< rms of a probe in the part of a test that the fit has not seen
+  double held_out_mean = 3.0;   ///< deviations of the mean of any channel there
   double chi_square = 1.15;     ///< per reading
-  double times_expected = 2.0;  ///< rms of any held-out channel, of what the fit itself allows for
+  double times_expected = 3.0;  ///< rms of any channel there, of what the fit itself allows for
   double asked_heat = 4.0;      ///< deviations of a heat that readings ask for and no source explains
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,16 +12,23 @@
 
 namespace spindle_twin::correction {
 
+/// How far readings that a fit has not seen lie from what it foresees, on average. K or m.
+struct HeldOutMean {
+  double off = 0.0;        ///< positive: the readings are higher
+  double deviation = 0.0;  ///< 1σ
+};
+
 /// What is left of the readings of one channel in one test.
 struct ChannelFit {
   std::string name;
   std::size_t test = 0;
   int channel = 0;
   std::size_t readings = 0;
-  double rms = 0.0;           ///< of reading − model − offset; K or m
-  double expected_rms = 0.0;  ///< what residual covariance and posterior allow for
-  double lag_1 = 0.0;         ///< autocorrelation of neighbouring residuals
-  std::size_t outliers = 0;   ///< readings that count less
+  double rms = 0.0;                     ///< of reading − model − offset; K or m
+  double expected_rms = 0.0;            ///< what residual covariance and posterior allow for
+  double lag_1 = 0.0;                   ///< autocorrelation of neighbouring residuals
+  std::size_t outliers = 0;             ///< readings that count less
+  std::optional<HeldOutMean> held_out;  ///< of readings that are held out (held_out_channels)
 };
 
 /// Tests and what they are fitted with; all of it must outlive this.

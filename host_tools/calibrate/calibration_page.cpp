@@ -30,6 +30,9 @@ Json fits_json(const correction::CalibrateOptions& options, const std::vector<co
                     {"expected_rms", scale * channel.expected_rms},
                     {"autocorrelation", channel.lag_1},
                     {"outliers", channel.outliers}});
+    if (!channel.held_out) continue;
+    list.back()["mean"] = scale * channel.held_out->off;
+    list.back()["mean_deviation"] = scale * channel.held_out->deviation;
   }
   return list;
 }

@@ -65,6 +65,9 @@ nlohmann::ordered_json channels_json(const correction::CalibrateOptions& options
                     {"expected_rms" + unit, scale * channel.expected_rms},
                     {"autocorrelation", channel.lag_1},
                     {"outliers", channel.outliers}});
+    if (!channel.held_out) continue;
+    list.back()["mean" + unit] = scale * channel.held_out->off;
+    list.back()["mean_deviation" + unit] = scale * channel.held_out->deviation;
   }
   return list;
 }
@@ -104,13 +107,19 @@ void print_json(const correction::CalibrateOptions& options, const correction::C
 
 void print_channels(const char* title, const correction::CalibrateOptions& options,
                     const std::vector<correction::ChannelFit>& channels) {
-  std::printf("\n%-44s %8s %10s %10s %9s %9s\n", title, "readings", "rms", "expected", "lag 1", "outliers");
+  const bool are_held_out = !channels.empty() && channels.front().held_out;
+  std::printf("\n%-44s %8s %10s %10s %9s %9s%s\n", title, "readings", "rms", "expected", "lag 1", "outliers",
+              are_held_out ? "      mean        +-" : "");
   for (const correction::ChannelFit& channel : channels) {
     const bool probe = is_probe(options, channel);
     const double scale = probe ? rom::um_per_m : 1.0;
     const std::string name = fmt::format("{}, log {} [{}]", channel.name, channel.test + 1, probe ? "um" : "K");
-    std::printf("%-44s %8zu %10.3f %10.3f %9.2f %9zu\n", name.c_str(), channel.readings, scale * channel.rms,
+    std::printf("%-44s %8zu %10.3f %10.3f %9.2f %9zu", name.c_str(), channel.readings, scale * channel.rms,
                 scale * channel.expected_rms, channel.lag_1, channel.outliers);
+    if (channel.held_out) {
+      std::printf(" %9.3f %9.3f", scale * channel.held_out->off, scale * channel.held_out->deviation);
+    }
+    std::printf("\n");
   }
 }
 

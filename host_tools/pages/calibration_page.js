@@ -48,11 +48,13 @@ function showTests() {
   });
 }
 
-function showFits(id, channels) {
-  addRow(byId(id), ["channel", "readings", "rms", "expected", wide("lag 1"), wide("outliers")], "th");
+// `more`: columns between, each a title and the key of its value.
+function showFits(id, channels, more = []) {
+  const columns = [["rms", "rms"], ["expected", "expected_rms"], ...more];
+  addRow(byId(id), ["channel", "readings", ...columns.map(([title]) => title), wide("lag 1"), wide("outliers")], "th");
   for (const one of channels) {
-    addRow(byId(id), [`${one.name}, log ${one.log}`, one.readings, ...[one.rms, one.expected_rms].map(value =>
-      `${fixed(value, 3)} ${one.unit}`), wide(fixed(one.autocorrelation, 2)), wide(one.outliers)]);
+    addRow(byId(id), [`${one.name}, log ${one.log}`, one.readings, ...columns.map(([, key]) =>
+      `${fixed(one[key], 3)} ${one.unit}`), wide(fixed(one.autocorrelation, 2)), wide(one.outliers)]);
   }
 }
 
@@ -67,5 +69,5 @@ function showParameters() {
 writeHead();
 showTests();
 showFits("fit", data.fit);
-showFits("held-out", data.held_out);
+showFits("held-out", data.held_out, [["mean", "mean"], ["±", "mean_deviation"]]);
 showParameters();

@@ -265,8 +265,9 @@ test("parameters, chi-square, fit and hold-out of a calibration are those of the
     assert.deepEqual(rows.map(row => row[0]), ["front_seat, log 1", "winding_sensor, log 1", "nose, log 1"]);
     channels.forEach((channel, i) => {
       const unit = channel.name === "nose" ? "um" : "K";
-      const told = [channel.readings, channel[`rms_${unit}`], channel[`expected_rms_${unit}`], channel.autocorrelation,
-        channel.outliers];
+      const means = id === "fit" ? [] : [channel[`mean_${unit}`], channel[`mean_deviation_${unit}`]];
+      const told = [channel.readings, channel[`rms_${unit}`], channel[`expected_rms_${unit}`], ...means,
+        channel.autocorrelation, channel.outliers];
       told.forEach((value, k) => close(number(rows[i][k + 1]), value, 0.0051, `${id}, ${channel.name}, column ${k + 1}`));
     });
   }

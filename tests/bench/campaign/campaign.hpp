@@ -34,6 +34,7 @@ struct Conditions {
   double lag_s = 0.0;                  ///< of the sensors, first order; the twin is told
   bool standstill = false;             ///< the spindle stands through the third quarter of the run
   double speed_exponent = 0.0;         ///< 1σ of what the heats' speed exponents are wrong by
+  double expansion = 0.0;              ///< 1σ of ln of how much more the machine expands than the twin believes
   std::vector<DriveBlock> drive = {};  ///< empty: drawn
   Eigen::VectorXd theta = {};          ///< hidden parameters of a machine that is known already; empty: drawn
 };

@@ -77,7 +77,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
       case correction::ParameterKind::start:
         break;
       case correction::ParameterKind::expansion:
-        normal(random);  // all draws behind it stay those of a seed; the FE model expands as the twin believes
+        truth.theta[i] = conditions.expansion * normal(random);
         break;
       case correction::ParameterKind::speed_exponent:
         truth.theta[i] = conditions.speed_exponent * normal(random);
@@ -109,6 +109,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
   const auto rotor = std::find_if(model.parts.begin(), model.parts.end(),
                                   [](const fem_offline::FePart& part) { return part.name == "rotor"; });
   Eigen::VectorXd theta = truth.theta;
+  const double expansion = parameters.expansion_factor(theta);
   std::size_t block = 0;
   for (Eigen::Index k = 0; k < samples; ++k) {
     const double time_s = static_cast<double>(k) * step_s;
@@ -142,7 +143,7 @@ Truth make_truth(const fem_offline::AffineModel& model, const correction::Parame
       truth.measured_K(k, s) = sensors_K[s] + offsets_K[s] + noise_K * normal(random);
     }
     const Eigen::VectorXd& nose = model.deformations.front().row_m_per_K;
-    truth.nose_m[k] = nose.dot(now_K) - nose.sum() * boundaries.reference_temperature_K;
+    truth.nose_m[k] = expansion * (nose.dot(now_K) - nose.sum() * boundaries.reference_temperature_K);
     truth.touch_off_m[k] = truth.nose_m[k] + touch_off_m * normal(random);
     truth.rotor_K[k] = now_K(rotor->dofs).maxCoeff();
 

@@ -30,6 +30,7 @@ Conditions conditions_of_test(const TestPlan& plan) {
   of_test.run_s = plan.test_s;
   of_test.lag_s = sensor_lag_s;
   of_test.speed_exponent = speed_exponent;
+  of_test.expansion = plan.expansion;
   of_test.drive = base_drive(plan.test_s);
   return of_test;
 }

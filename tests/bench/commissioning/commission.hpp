@@ -47,6 +47,7 @@ struct Commissioned {
 struct TestPlan {
   double test_s = 7200.0;
   double service_s = 14400.0;
+  double expansion = 0.05;  ///< 1σ of ln of how much more a machine expands than the twin believes
   bool touch_offs = false;  ///< each half hour instead of a probe
 };
 

@@ -85,6 +85,7 @@ int judge(const correction::ParameterModel& parameters, const Commissioned& mach
 int check_hidden_pairs(const rom::Network& network, const fem_offline::AffineModel& truth_model, int threads) {
   TestPlan plan;
   plan.service_s = day_s;
+  plan.expansion = 0.0;  // of these two in the twin campaign
   std::array<Commissioned, hiding_seeds.size()> machines;
   in_parallel(threads, static_cast<int>(machines.size()), [&](int i) {
     const auto at = static_cast<std::size_t>(i);

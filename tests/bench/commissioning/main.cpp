@@ -161,6 +161,8 @@ int main(int argc, char** argv) {
   add_options(line, options, "machines, for each of A and B", "one machine of A with coarse models");
   line.add("--test-s", options.plan.test_s, "length of the test");
   line.add("--service-s", options.plan.service_s, "length of a day of service");
+  line.add("--expansion", options.plan.expansion,
+           "deviation of how much more a machine expands than the twin believes");
   line.add_flag("--touch-offs", options.plan.touch_offs, "a touch-off each half hour instead of the probe");
   line.add_flag("--hidden-pairs", options.hidden_pairs,
                 "only the two spindles of the twin campaign in which a contact and a heat hide each other");
