@@ -42,7 +42,7 @@ struct CalibrateOptions {                // NOLINT(public-members): a table of o
   std::vector<EstimatorSensor> sensors;  ///< permanent and temporary ones
   double lag_deviation_s = 14.0;
   double interval_s = 60.0;          ///< between the readings of a channel that count
-  double held_s = 10.0;              ///< over which readings are averaged
+  double held_s = 60.0;              ///< over which readings are averaged
   double longest_step_s = 20.0;      ///< of the model (test_steps)
   double probe_noise_m = 1e-6;       ///< of one reading
   double probe_drift_m = 0.5e-6;     ///< slow, over memory_s

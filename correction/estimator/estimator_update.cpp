@@ -228,11 +228,9 @@ void EstimatorCorrection::widen_offset(Eigen::Index sensor, double deviation_K) 
 }
 
 void EstimatorCorrection::note_tare(Eigen::Index sensor, double shift_K, double deviation_K) {
-  row_ = filter_.mean();
-  row_[offset_at(sensor)] -= shift_K;
-  filter_.set_mean(row_);
+  filter_.shift(offset_at(sensor), -shift_K);
   channels_[static_cast<std::size_t>(sensor)].clear();
-  records_[static_cast<std::size_t>(sensor)].offset_K = row_[offset_at(sensor)];
+  records_[static_cast<std::size_t>(sensor)].offset_K = filter_.mean()[offset_at(sensor)];
   tare_deviation_K_[sensor] = deviation_K;
   begin_another_record();
 }

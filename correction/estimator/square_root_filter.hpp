@@ -21,6 +21,8 @@ class SquareRootFilter {
   void set_mean(const Eigen::VectorXd& mean) { mean_ = mean; }
   /// Only the first entries.
   void set_first(const Eigen::VectorXd& first) { mean_.head(first.size()) = first; }
+  /// Only entry i: z_i ← z_i + by.
+  void shift(Eigen::Index i, double by) { mean_[i] += by; }
 
   /// z ← centre + keep (z − centre), P ← diag(keep) P diag(keep) + diag(variance). keep in (0, 1], variance >= 0.
   void pass_time(const Eigen::VectorXd& centre, const Eigen::VectorXd& keep, const Eigen::VectorXd& variance);

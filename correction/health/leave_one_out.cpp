@@ -47,16 +47,9 @@ void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
 }
 
 void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K) {
-  for (SquareRootFilter& filter : filters_) {
-    row_ = filter.mean();
-    row_[estimator.parameters().count() + sensor] -= shift_K;
-    filter.set_mean(row_);
-  }
-  for (Kept& kept : kept_) {
-    row_ = kept.filter.mean();
-    row_[estimator.parameters().count() + sensor] -= shift_K;
-    kept.filter.set_mean(row_);
-  }
+  const Eigen::Index offset = estimator.parameters().count() + sensor;
+  for (SquareRootFilter& filter : filters_) filter.shift(offset, -shift_K);
+  for (Kept& kept : kept_) kept.filter.shift(offset, -shift_K);
 }
 
 void LeaveOneOut::update(const EstimatorCorrection& estimator) {

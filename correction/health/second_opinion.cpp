@@ -72,9 +72,7 @@ void SecondOpinion::widen_offset(const EstimatorCorrection& estimator, Eigen::In
 }
 
 void SecondOpinion::shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K) {
-  row_ = filter_.mean();
-  row_[estimator.parameters().count() + sensor] -= shift_K;
-  filter_.set_mean(row_);
+  filter_.shift(estimator.parameters().count() + sensor, -shift_K);
 }
 
 void SecondOpinion::put_alternative(const EstimatorCorrection& estimator, Eigen::MatrixXd& alternatives) const {

@@ -122,8 +122,10 @@ TEST(Calibrate, a_probe_that_slips_is_named_by_the_part_that_was_held_out) {
   const CalibrationResult result = calibrate(network, options, {test}, {});
   ASSERT_FALSE(result.misfits.empty());
   EXPECT_FALSE(result.calibration.accepted);
-  EXPECT_NE(result.misfits.back().find(network.deformations[0].name + ", held out: "), std::string::npos)
-      << result.misfits.back();
+  const bool named = std::any_of(result.misfits.begin(), result.misfits.end(), [&](const std::string& misfit) {
+    return misfit.starts_with(network.deformations[0].name + ", held out: on average ");
+  });
+  EXPECT_TRUE(named) << result.misfits.front();
 }
 
 TEST(Calibrate, a_parameter_beyond_what_is_believed_is_bounded_and_named) {

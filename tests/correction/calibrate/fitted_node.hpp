@@ -16,6 +16,7 @@ struct FittedNode {
     options.sensors = key_point_sensors(network, {});
     options.priors = test_priors(options.priors);
     options.starts = 1;
+    options.held_s = 10.0;
     options.interval_s = 20.0;
     options.lag_deviation_s = 1e-3;  // below no lag at all readings would not follow it
   }

@@ -20,6 +20,7 @@ struct SteadyNode {
   explicit SteadyNode(double length_s = 198.0) : network(rom::tests::make_single_node()) {
     options.sensors = key_point_sensors(network, {});
     options.interval_s = 0.0;
+    options.held_s = 10.0;
     test.name = "monday";
     test.start_K = steady_K;
     for (double time_s = 0.0; time_s <= length_s; time_s += 3.0) {

@@ -137,7 +137,7 @@ TEST(TestOptions, of_a_calibration_are_those_that_are_stated) {
   const CalibrateOptions options;
   EXPECT_EQ(options.lag_deviation_s, 14.0);
   EXPECT_EQ(options.interval_s, 60.0);
-  EXPECT_EQ(options.held_s, 10.0);
+  EXPECT_EQ(options.held_s, 60.0);
   EXPECT_EQ(options.longest_step_s, 20.0);
   EXPECT_EQ(options.probe_noise_m, 1e-6);
   EXPECT_EQ(options.probe_drift_m, 0.5e-6);
