@@ -115,6 +115,24 @@ correction::Calibration calibrated(const rom::Network& network, const correction
   return found.calibration;
 }
 
+/// What was found of each parameter less what it is, in its deviations; contacts as they are in the middle of the test.
+std::vector<double> off_by(const correction::ParameterModel& parameters, const Truth& tested,
+                           const correction::Calibration& found) {
+  std::vector<double> off;
+  for (std::size_t i = 0; i < found.names.size(); ++i) {
+    for (Eigen::Index k = 0; k < parameters.count(); ++k) {
+      const correction::Parameter& parameter = parameters.list()[static_cast<std::size_t>(k)];
+      if (parameter.name != found.names[i]) continue;
+      const bool is_contact = parameter.kind == correction::ParameterKind::contact;
+      const double middle_s = 0.5 * tested.conditions.run_s;
+      const double truth = tested.theta[k] + (is_contact ? drift(tested.conditions, middle_s) : 0.0);
+      const auto slot = static_cast<Eigen::Index>(i);
+      off.push_back((found.mean[slot] - truth) / found.root.row(slot).norm());
+    }
+  }
+  return off;
+}
+
 }  // namespace
 
 Commissioned commission(const rom::Network& network, const fem_offline::AffineModel& truth_model, std::uint64_t seed,
@@ -124,11 +142,11 @@ Commissioned commission(const rom::Network& network, const fem_offline::AffineMo
   result.heats = heats;
   const correction::ParameterModel parameters(network, priors_of(heats));
   const Truth tested = make_truth(truth_model, parameters, seed, heats, conditions_of_test(plan));
-  result.theta = tested.theta;
   for (std::size_t set = 0; set < permanent_sensors.size(); ++set) {
     const int sensors = permanent_sensors[set];
     result.calibrations[set] = calibrated(network, log_of(network, tested, sensors, plan),
                                           calibrate_options(network, sensors, heats), set, result);
+    result.off[set] = off_by(parameters, tested, result.calibrations[set]);
   }
   for (std::size_t d = 0; d < drifts.size(); ++d) {
     const Eigen::VectorXd theta = drifted(parameters, tested.theta, drifts[d], seed + day_stream + d);

@@ -40,7 +40,7 @@ struct Commissioned {
   std::array<bool, permanent_sensors.size()> refused{};  ///< by the limits of calibrate
   std::array<correction::Calibration, permanent_sensors.size()> calibrations;
   std::array<std::vector<correction::StartedFit>, permanent_sensors.size()> starts;
-  Eigen::VectorXd theta;  ///< hidden parameters at the start of the test
+  std::array<std::vector<double>, permanent_sensors.size()> off;  ///< of each parameter in its deviations
   std::array<Service, drifts.size()> days;
 };
 

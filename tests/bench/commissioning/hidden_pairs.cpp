@@ -17,26 +17,6 @@ constexpr std::array<std::uint64_t, 2> hiding_seeds{1026, 2002};
 constexpr double day_s = 7200.0;
 constexpr double least_inside = 0.9;  // of a day's samples, and of a machine's hidden parameters
 
-/// Off by how many of its deviations; contacts as they are in the middle of the test.
-std::vector<double> off_by(const correction::ParameterModel& parameters, const Commissioned& machine, std::size_t set,
-                           const TestPlan& plan) {
-  const correction::Calibration& found = machine.calibrations[set];
-  Conditions of_test;
-  of_test.run_s = plan.test_s;
-  std::vector<double> off;
-  for (std::size_t i = 0; i < found.names.size(); ++i) {
-    for (Eigen::Index k = 0; k < parameters.count(); ++k) {
-      const correction::Parameter& parameter = parameters.list()[static_cast<std::size_t>(k)];
-      if (parameter.name != found.names[i]) continue;
-      const bool is_contact = parameter.kind == correction::ParameterKind::contact;
-      const double truth = machine.theta[k] + (is_contact ? drift(of_test, 0.5 * plan.test_s) : 0.0);
-      const auto slot = static_cast<Eigen::Index>(i);
-      off.push_back((found.mean[slot] - truth) / found.root.row(slot).norm());
-    }
-  }
-  return off;
-}
-
 bool hides(const std::string& name) {
   return name == "heat front_bearings" ||
          (name.starts_with("contact") && name.find("front_balls") != std::string::npos);
@@ -47,8 +27,7 @@ int keeps(const char* what, double reached, double least) {
   return reached >= least ? 0 : 1;
 }
 
-int judge(const correction::ParameterModel& parameters, const Commissioned& machine, std::size_t set,
-          const TestPlan& plan) {
+int judge(const Commissioned& machine, std::size_t set) {
   const Service& day = machine.days[0];
   std::printf(
       "  %d sensors: nose %.2f um without a test (inside %.2f), %.2f um with it, sigma %.2f; %d runs of the model\n",
@@ -59,7 +38,7 @@ int judge(const correction::ParameterModel& parameters, const Commissioned& mach
     std::printf("  %.2f %.2f%s", start.cost, start.apart, start.is_other ? " (another minimum)" : "");
   }
   std::printf("\n");
-  const std::vector<double> off = off_by(parameters, machine, set, plan);
+  const std::vector<double>& off = machine.off[set];
   double inside = 0.0, hiding = 0.0, hiding_inside = 0.0;
   for (std::size_t i = 0; i < off.size(); ++i) {
     const std::string& name = machine.calibrations[set].names[i];
@@ -91,11 +70,10 @@ int check_hidden_pairs(const rom::Network& network, const fem_offline::AffineMod
     const auto at = static_cast<std::size_t>(i);
     machines[at] = commission(network, truth_model, hiding_seeds[at], HeatErrors::independent, plan);
   });
-  const correction::ParameterModel parameters(network, priors_of(HeatErrors::independent));
   int missed = 0;
   for (const Commissioned& machine : machines) {
     std::printf("spindle %llu\n", static_cast<unsigned long long>(machine.seed));
-    for (std::size_t set = 0; set < permanent_sensors.size(); ++set) missed += judge(parameters, machine, set, plan);
+    for (std::size_t set = 0; set < permanent_sensors.size(); ++set) missed += judge(machine, set);
   }
   std::printf("%d limits missed\n", missed);
   return missed;

@@ -62,6 +62,21 @@ void print_tables(const std::vector<Commissioned>& machines) {
   }
 }
 
+void print_parameters(const std::vector<Commissioned>& machines) {
+  std::printf("\nhidden parameters that the test found, off in their own sigma\n");
+  for (std::size_t set = 0; set < permanent_sensors.size(); ++set) {
+    std::vector<double> squares, inside;
+    for (const Commissioned& machine : machines) {
+      for (const double off : machine.off[set]) {
+        squares.push_back(off * off);
+        inside.push_back(std::abs(off) <= 2.0 ? 1.0 : 0.0);
+      }
+    }
+    std::printf("  %d sensors: rms %.2f, inside +-2 sigma %.3f of %zu\n", permanent_sensors[set],
+                std::sqrt(mean_of(squares)), mean_of(inside), inside.size());
+  }
+}
+
 /// Limits of one drift with one set of sensors.
 struct Allowed {
   double median_um, worst_um, gain;
@@ -147,6 +162,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "\n");
   });
   print_tables(machines);
+  print_parameters(machines);
   return options.is_short ? check_short(machines) : print_limits(machines);
 }
 
