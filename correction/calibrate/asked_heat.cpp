@@ -18,22 +18,34 @@ CalibrateOptions with_heats(CalibrateOptions options) {
 
 double AskedHeat::deviations() const { return std::abs(heat_W) / deviation_W; }
 
-std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) {
+HeatResponses heat_responses(const FitTask& task, const TestFit& fit) {
   const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
   const CalibrateOptions options = with_heats(task.options);
   const TestPredictor predictor(task.network, options);
   const ParameterModel& parameters = predictor.parameters();
-  if (!parameters.has_disturbances()) return {};
-  const Eigen::Index groups = parameters.group_count(), first = parameters.disturbance(0);
+  HeatResponses responses;
+  if (!parameters.has_disturbances()) return responses;
+  for (const auto& group : parameters.groups()) responses.groups.push_back(group.name);
+  for (std::size_t test = 0; test < task.tests.size(); ++test) {
+    const Eigen::VectorXd theta = task.predictor.parameters().as_in(parameters, unknowns.theta(fit.z, test));
+    const TestPrediction at = predictor.predict(task.tests[test], theta, unknowns.lag_s(fit.z));
+    responses.of_test.emplace_back(at.sensitivities.middleCols(parameters.disturbance(0), parameters.group_count()));
+  }
+  return responses;
+}
+
+std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) {
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const HeatResponses responses = heat_responses(task, fit);
+  const auto groups = static_cast<Eigen::Index>(responses.groups.size());
+  if (groups == 0) return {};
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(groups, groups);
   Eigen::MatrixXd shared = Eigen::MatrixXd::Zero(unknowns.count(), groups);
   Eigen::MatrixXd known_too = Eigen::MatrixXd::Identity(unknowns.count(), unknowns.count());  // I + L₀ᵀ Jᵀ W⁻¹ J L₀
   Eigen::VectorXd score = Eigen::VectorXd::Zero(groups);
   for (std::size_t test = 0; test < task.tests.size(); ++test) {
-    const Eigen::VectorXd theta = task.predictor.parameters().as_in(parameters, unknowns.theta(fit.z, test));
-    const TestPrediction at = predictor.predict(task.tests[test], theta, unknowns.lag_s(fit.z));
     const Eigen::LLT<Eigen::MatrixXd> weight(fit.weights[test]);
-    const Eigen::MatrixXd rows = weight.matrixL().solve(at.sensitivities.middleCols(first, groups));
+    const Eigen::MatrixXd rows = weight.matrixL().solve(responses.of_test[test]);
     const Eigen::MatrixXd known = weight.matrixL().solve(unknowns.rows(fit.readings[test], test) * unknowns.root());
     known_too.noalias() += known.transpose() * known;
     own.noalias() += rows.transpose() * rows;
@@ -48,8 +60,7 @@ std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) 
   for (Eigen::Index g = 0; g < groups; ++g) {
     const double heat_W = score[g] / information(g, g);
     if (!(std::abs(heat_W) <= most_W)) continue;
-    asked.push_back(
-        {parameters.groups()[static_cast<std::size_t>(g)].name, heat_W, 1.0 / std::sqrt(information(g, g))});
+    asked.push_back({responses.groups[static_cast<std::size_t>(g)], heat_W, 1.0 / std::sqrt(information(g, g))});
   }
   std::stable_sort(asked.begin(), asked.end(),
                    [](const AskedHeat& a, const AskedHeat& b) { return a.deviations() > b.deviations(); });

@@ -16,6 +16,14 @@ struct AskedHeat {
   double deviations() const;  ///< |heat| in its deviations
 };
 
+/// d(model)/dw of each reading, w a watt into one group all through the tests.
+struct HeatResponses {
+  std::vector<std::string> groups;       ///< their parts; empty where the network has none
+  std::vector<Eigen::MatrixXd> of_test;  ///< of each test at the fit's z, readings x groups
+};
+/// One run of the model per test. Throws as TestPredictor::predict.
+HeatResponses heat_responses(const FitTask& task, const TestFit& fit);
+
 /// What a fit with one more unknown w, a watt into a group, would find for it, to first order at the fit (score test,
 /// Rao 1948): with a = d(model)/dw of each reading, what is left r, W, and J = d(model)/du of the fit's own unknowns,
 ///   I = aᵀ W⁻¹ a − (aᵀ W⁻¹ J) (1 + Jᵀ W⁻¹ J)⁻¹ (Jᵀ W⁻¹ a),   w = aᵀ W⁻¹ r / I,   σ² = 1 / I

@@ -41,7 +41,7 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
     misfits.push_back(in_words("all readings together: chi-square %.2f per reading, at most %.2f",
                                result.fit.chi_square_per_reading, limits.chi_square));
   }
-  for (const ChannelFit& channel : result.held_out) {
+  for (const ChannelFit& channel : result.held_out.channels) {
     const bool is_probe = channel.channel >= static_cast<int>(options.sensors.size());
     const double scale = is_probe ? rom::um_per_m : 1.0;
     const char* unit = is_probe ? "um" : "K";
@@ -57,6 +57,16 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
     if (channel.rms > limits.times_expected * channel.expected_rms) {
       misfits.push_back(in_words("%s, held out: %.3f %s rms where the fit allows for %.3f %s", channel.name.c_str(),
                                  scale * channel.rms, unit, scale * channel.expected_rms, unit));
+    }
+  }
+  if (result.held_out.heat) {
+    const auto& [before, after] = *result.held_out.heat;
+    const bool agree = (before.heat_W > 0.0) == (after.heat_W > 0.0);
+    if (agree && before.deviations() > limits.asked_before && after.deviations() > limits.asked_after) {
+      misfits.push_back(
+          in_words("held out: before it readings ask for %.0f W +- %.0f W in %s that no source explains, "
+                   "in it for %.0f W +- %.0f W",
+                   before.heat_W, before.deviation_W, before.group.c_str(), after.heat_W, after.deviation_W));
     }
   }
   for (const AskedHeat& heat : result.asked) {
@@ -98,7 +108,7 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
   const TestFit first = fit_tests({network, predictor, options, seen}, nullptr, say("fit of the first three quarters"));
   CalibrationResult result;
   const FitTask task{network, predictor, options, tests};
-  result.held_out = held_out_channels(task, first, seen_share);
+  result.held_out = hold_out(task, first, seen_share);
   SeveralStarts several = fit_from_several(task, first.z, say("fit of all readings"));
   result.fit = std::move(several.fit);
   result.starts = std::move(several.starts);

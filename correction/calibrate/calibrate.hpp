@@ -17,6 +17,8 @@ struct CalibrateLimits {
   double held_out_m = 2e-6;     ///< rms of a probe in the part of a test that the fit has not seen
   double held_out_mean = 3.0;   ///< deviations of the mean of any channel there
   double chi_square = 1.15;     ///< per reading
+  double asked_before = 3.0;    ///< deviations of a heat that first parts ask for and no source explains, and
+  double asked_after = 1.64;    ///< of the same heat in what is held out, which by chance is so once in twenty
   double times_expected = 3.0;  ///< rms of any channel there, of what the fit itself allows for
   double asked_heat = 4.0;      ///< deviations of a heat that readings ask for and no source explains
 };
@@ -24,7 +26,7 @@ struct CalibrateLimits {
 struct CalibrationResult {
   Calibration calibration;             ///< without file names, hash and time
   TestFit fit;                         ///< of all readings
-  std::vector<ChannelFit> held_out;    ///< the last part, predicted by a fit of what is before it
+  HoldOut held_out;                    ///< the last part, predicted by a fit of what is before it
   std::vector<StartedFit> starts;      ///< of the fit of all readings
   std::vector<AskedHeat> asked;        ///< the surest first
   std::vector<std::string> misfits;    ///< in words, each with channel and number; empty: it fits

@@ -76,7 +76,7 @@ Json calibration_page_data(const rom::Network& network, const correction::Calibr
             {"promised_um", rom::um_per_m * calibration.promised_m},
             {"misfits", result.misfits},
             {"fit", fits_json(options, result.fit.channels)},
-            {"held_out", fits_json(options, result.held_out)}};
+            {"held_out", fits_json(options, result.held_out.channels)}};
   for (std::size_t test = 0; test < calibration.logs.size(); ++test) {
     Json channels = Json::array();
     for (const correction::ChannelFit& channel : result.fit.channels) {

@@ -101,7 +101,15 @@ void print_json(const correction::CalibrateOptions& options, const correction::C
                                   {"determined", deviation <= 0.9 * calibration.prior_deviation[slot]}});
   }
   json["channels"] = channels_json(options, result.fit.channels);
-  json["held_out"] = channels_json(options, result.held_out);
+  if (result.held_out.heat) {
+    const auto& [before, after] = *result.held_out.heat;
+    json["held_out_heat"] = {{"group", before.group},
+                             {"before_W", before.heat_W},
+                             {"before_deviation_W", before.deviation_W},
+                             {"in_it_W", after.heat_W},
+                             {"in_it_deviation_W", after.deviation_W}};
+  }
+  json["held_out"] = channels_json(options, result.held_out.channels);
   std::printf("%s\n", json.dump(2).c_str());
 }
 
@@ -158,10 +166,17 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   }
   std::printf("\n%zu of %zu parameters are not determined by this test.\n", open, calibration.names.size());
   print_channels("what the fit leaves of", options, result.fit.channels);
-  print_channels("last quarter, predicted from the rest", options, result.held_out);
+  print_channels("last quarter, predicted from the rest", options, result.held_out.channels);
   std::printf("\nchi-square per reading %.2f (1: model and readings are as good as assumed)\n",
               result.fit.chi_square_per_reading);
   print_starts(options, result.starts);
+  if (result.held_out.heat) {
+    const auto& [before, after] = *result.held_out.heat;
+    std::printf(
+        "the surest that readings before the last quarter ask for: %.1f W +- %.1f W in %s; the last quarter: "
+        "%.1f W +- %.1f W\n",
+        before.heat_W, before.deviation_W, before.group.c_str(), after.heat_W, after.deviation_W);
+  }
   if (!result.asked.empty()) {
     const correction::AskedHeat& surest = result.asked.front();
     std::printf("heat that no source explains, the surest: %.1f W +- %.1f W in %s\n", surest.heat_W, surest.deviation_W,

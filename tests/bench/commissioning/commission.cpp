@@ -111,7 +111,7 @@ correction::Calibration calibrated(const rom::Network& network, const correction
   result.chi_square[set] = found.fit.chi_square_per_reading;
   result.refused[set] = !found.misfits.empty();
   result.probe_um[set] = probe_rms_um(found.fit.channels, options.sensors.size());
-  result.hold_out_um[set] = probe_rms_um(found.held_out, options.sensors.size());
+  result.hold_out_um[set] = probe_rms_um(found.held_out.channels, options.sensors.size());
   return found.calibration;
 }
 

@@ -75,7 +75,7 @@ Outcome commission_wrong(const rom::Network& twin, const fem_offline::AffineMode
       correction::calibrate(twin, calibrate_options(twin, six, heats), {log_of(twin, tested, six, plan)}, {});
   Outcome outcome;
   if (!found.asked.empty()) outcome.asked_deviations = found.asked.front().deviations();
-  outcome.hold_out_um = probe_rms_um(found.held_out, six);
+  outcome.hold_out_um = probe_rms_um(found.held_out.channels, six);
   outcome.reported = std::any_of(found.misfits.begin(), found.misfits.end(), is_of_hold_out);
   outcome.found_W = found_cutting_W(found.calibration);
 

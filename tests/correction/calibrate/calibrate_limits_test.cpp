@@ -15,7 +15,7 @@
 namespace spindle_twin::correction::test {
 namespace calibrate_calibrate_limits_test {
 
-constexpr CalibrateLimits without_limits{1e9, 1e9, 1e9, 1e9, 1e9};
+constexpr CalibrateLimits without_limits{1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9};
 
 struct CalibratedNode : testing::Test {
   CalibratedNode() : predictor(node.network, node.options) { node.read(predictor, 0.15, 2e-6); }
@@ -32,6 +32,8 @@ TEST(CalibrationLimits, are_those_that_are_stated) {
   EXPECT_EQ(limits.chi_square, 1.15);
   EXPECT_EQ(limits.held_out_mean, 3.0);
   EXPECT_EQ(limits.times_expected, 3.0);
+  EXPECT_EQ(limits.asked_before, 3.0);
+  EXPECT_EQ(limits.asked_after, 1.64);
   EXPECT_EQ(limits.asked_heat, 4.0);
   const DriftOptions drift;
   EXPECT_EQ(drift.heat, 0.05);
@@ -53,9 +55,9 @@ TEST_F(CalibratedNode, names_what_is_beyond_a_limit_and_nothing_that_is_at_it) {
   const double chi_square = result.fit.chi_square_per_reading;
   EXPECT_TRUE(misfits(&CalibrateLimits::chi_square, chi_square).empty());
   ASSERT_EQ(misfits(&CalibrateLimits::chi_square, 0.999 * chi_square).size(), 1U);
-  ASSERT_EQ(result.held_out.size(), 4U) << "a sensor and a probe in each of two tests";
+  ASSERT_EQ(result.held_out.channels.size(), 4U) << "a sensor and a probe in each of two tests";
   double worst_m = 0.0, worst_share = 0.0, farthest = 0.0;
-  for (const ChannelFit& channel : result.held_out) {
+  for (const ChannelFit& channel : result.held_out.channels) {
     if (channel.channel == 1) worst_m = std::max(worst_m, channel.rms);
     worst_share = std::max(worst_share, channel.rms / channel.expected_rms);
     farthest = std::max(farthest, std::abs(channel.held_out->off) / channel.held_out->deviation);
@@ -82,7 +84,7 @@ TEST_F(CalibratedNode, says_of_each_channel_that_is_too_far_off_what_was_allowed
   const CalibrationResult result = judged(limits);
   ASSERT_EQ(result.misfits.size(), 4U);
   for (std::size_t k = 0; k < 4; ++k) {
-    const ChannelFit& channel = result.held_out[k];
+    const ChannelFit& channel = result.held_out.channels[k];
     const bool is_probe = channel.channel == 1;
     const double scale = is_probe ? 1e6 : 1.0;
     const char* unit = is_probe ? "um" : "K";
@@ -96,10 +98,10 @@ TEST_F(CalibratedNode, says_of_each_channel_that_is_too_far_off_what_was_allowed
   const CalibrationResult of_means = judged(limits);
   ASSERT_EQ(of_means.misfits.size(), 4U);
   for (std::size_t k = 0; k < 4; ++k) {
-    const bool is_probe = of_means.held_out[k].channel == 1;
+    const bool is_probe = of_means.held_out.channels[k].channel == 1;
     const double scale = is_probe ? 1e6 : 1.0;
     const char* unit = is_probe ? "um" : "K";
-    const HeldOutMean& mean = *of_means.held_out[k].held_out;
+    const HeldOutMean& mean = *of_means.held_out.channels[k].held_out;
     char text[400];
     std::snprintf(text, sizeof text, "%s, held out: on average %.3f %s off where the fit is sure to %.3f %s",
                   is_probe ? "nose" : "body", scale * mean.off, unit, scale * mean.deviation, unit);

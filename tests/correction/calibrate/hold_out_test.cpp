@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 #include <vector>
 
+#include "correction/calibrate/calibrate.hpp"
 #include "correction/calibrate/residual_covariance.hpp"
 #include "tests/correction/calibrate/fitted_node.hpp"
+#include "tests/correction/calibrate/recorded_run.hpp"
 
 namespace spindle_twin::correction::test {
 namespace calibrate_hold_out_test {
@@ -39,7 +43,7 @@ struct AllReadings {
           residual_covariance(at.readings[test], task.predictor.parameters(), task.options);
       const double from_s = before * task.tests[test].length_s();
       for (Eigen::Index r = 0; r < some; ++r) {
-        const bool is_seen = at.readings[test].readings[static_cast<std::size_t>(r)].time_s < from_s;
+        const bool is_seen = at.readings[test].readings[static_cast<std::size_t>(r)].time_s <= from_s;
         (is_seen ? known : held).push_back(first + r);
       }
       first += some;
@@ -67,7 +71,7 @@ TEST(HoldOut, mean_and_deviation_are_those_of_the_joint_normal_of_all_readings_g
   const Eigen::LLT<Eigen::MatrixXd> root(of_known);
   const Eigen::VectorXd off = all.residual(all.held) - mixed * root.solve(all.residual(all.known));
   const Eigen::MatrixXd spread = all.covariance(all.held, all.held) - mixed * root.solve(mixed.transpose());
-  const std::vector<ChannelFit> channels = held_out_channels(task, seen, before);
+  const std::vector<ChannelFit> channels = hold_out(task, seen, before).channels;
   ASSERT_EQ(channels.size(), 4U) << "a sensor and a probe in each of two tests";
   const auto of_first_test = static_cast<Eigen::Index>(all.at.left[0].size());
   for (const ChannelFit& channel : channels) {
@@ -129,11 +133,11 @@ TEST(HoldOut, means_of_machines_from_the_priors_spread_as_foreseen_and_a_probe_t
     std::vector<ThermalTest> tests = drawn_tests(node, predictor, 700 + static_cast<std::uint64_t>(machine));
     const FitTask task{node.network, predictor, node.options, tests};
     const TestFit seen = fit_of_first_part(task);
-    const HeldOutMean probe = held_out_channels(task, seen, before).back().held_out.value();
+    const HeldOutMean probe = hold_out(task, seen, before).channels.back().held_out.value();
     squares += std::pow(probe.off / probe.deviation, 2);
     EXPECT_LT(std::abs(probe.off), 4.0 * probe.deviation) << "machine " << machine;
     tests[0].deformation_m.bottomRows(80).array() += 3e-6;
-    const HeldOutMean slipped = held_out_channels(task, seen, before).back().held_out.value();
+    const HeldOutMean slipped = hold_out(task, seen, before).channels.back().held_out.value();
     EXPECT_GT(slipped.off, probe.off);
     told += slipped.off > 3.0 * slipped.deviation ? 1 : 0;
   }
@@ -141,6 +145,78 @@ TEST(HoldOut, means_of_machines_from_the_priors_spread_as_foreseen_and_a_probe_t
   EXPECT_GT(spread, 0.75);
   EXPECT_LT(spread, 1.25);
   EXPECT_GT(told, machines * 3 / 4);
+}
+
+/// A test of plates() with the parameters of `seed`, and a heat in its second group that no source explains.
+ThermalTest recorded_with(const rom::Network& network, const CalibrateOptions& options, std::uint64_t seed,
+                          double heat_W) {
+  EstimatorPriors priors = options.priors;
+  priors.disturbance = 0.01;
+  const ParameterModel parameters(network, priors);
+  Eigen::VectorXd truth = drawn(parameters, seed);
+  for (Eigen::Index g = 0; g < parameters.group_count(); ++g) truth[parameters.disturbance(g)] = 0.0;
+  truth[parameters.disturbance(1)] = heat_W;
+  RecordedRun run;
+  run.seed = seed + 1;
+  return record(network, parameters, truth, run);
+}
+
+TEST(HoldOut, what_first_parts_and_the_last_ones_say_of_a_heat_is_together_what_all_readings_say) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = calibrate_options(network);
+  const TestPredictor predictor(network, options);
+  const std::vector<ThermalTest> tests{recorded_with(network, options, 31, 2.0),
+                                       recorded_with(network, options, 31, 2.0)};
+  const FitTask task{network, predictor, options, tests};
+  const TestFit seen = fit_of_first_part(task);
+  const HoldOut found = hold_out(task, seen, before);
+  ASSERT_TRUE(found.heat);
+  const AskedHeat &first = found.heat->before, &last = found.heat->after;
+  const AllReadings all(task, seen);
+  const HeatResponses responses = heat_responses(task, all.at);
+  const auto group = std::find(responses.groups.begin(), responses.groups.end(), first.group);
+  ASSERT_NE(group, responses.groups.end());
+  EXPECT_EQ(last.group, first.group);
+  Eigen::VectorXd response(all.residual.size());
+  response << responses.of_test[0].col(group - responses.groups.begin()),
+      responses.of_test[1].col(group - responses.groups.begin());
+  const Eigen::VectorXd weighed = Eigen::LLT<Eigen::MatrixXd>(all.covariance).solve(response);
+  const double before_per_W2 = std::pow(first.deviation_W, -2), after_per_W2 = std::pow(last.deviation_W, -2);
+  EXPECT_NEAR(before_per_W2 + after_per_W2, weighed.dot(response), 1e-3 * weighed.dot(response));
+  EXPECT_GT(after_per_W2, 0.005 * before_per_W2) << "the last parts tell something";
+  EXPECT_NEAR(before_per_W2 * first.heat_W + after_per_W2 * last.heat_W, weighed.dot(all.residual),
+              0.02 * std::sqrt(weighed.dot(response)));
+}
+
+TEST(HoldOut, reports_a_heat_that_both_parts_ask_for_beyond_their_limits_and_none_on_which_they_disagree) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = calibrate_options(network);
+  const auto reported = [](const CalibrationResult& result) {
+    return std::any_of(result.misfits.begin(), result.misfits.end(), [&](const std::string& misfit) {
+      return misfit.starts_with("held out: before it readings ask for ") &&
+             misfit.find(" in " + result.held_out.heat->before.group + " ") != std::string::npos;
+    });
+  };
+  const std::vector<ThermalTest> with_heat{recorded_with(network, options, 63, 10.0)};
+  CalibrateLimits limits;
+  const CalibrationResult found = calibrate(network, options, with_heat, limits);
+  ASSERT_TRUE(found.held_out.heat);
+  const auto& [first, last] = *found.held_out.heat;
+  EXPECT_NEAR(first.heat_W, 10.0, 3.0 * first.deviation_W);
+  EXPECT_GT(first.deviations(), 3.0);
+  EXPECT_GT(last.heat_W, 0.0);
+  for (const double share : {0.999, 1.001}) {
+    limits = {};
+    limits.asked_after = share * last.deviations();
+    EXPECT_EQ(reported(calibrate(network, options, with_heat, limits)), share < 1.0);
+    limits.asked_after = 0.0;
+    limits.asked_before = share * first.deviations();
+    EXPECT_EQ(reported(calibrate(network, options, with_heat, limits)), share < 1.0);
+  }
+  limits.asked_before = limits.asked_after = 0.0;
+  const CalibrationResult disagreeing = calibrate(network, options, {recorded_with(network, options, 62, 0.0)}, limits);
+  ASSERT_LT(disagreeing.held_out.heat->before.heat_W * disagreeing.held_out.heat->after.heat_W, 0.0);
+  EXPECT_FALSE(reported(disagreeing));
 }
 
 }  // namespace calibrate_hold_out_test
