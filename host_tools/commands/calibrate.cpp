@@ -170,17 +170,15 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   std::printf("\nchi-square per reading %.2f (1: model and readings are as good as assumed)\n",
               result.fit.chi_square_per_reading);
   print_starts(options, result.starts);
-  if (result.held_out.heat) {
-    const auto& [before, after] = *result.held_out.heat;
-    std::printf(
-        "the surest that readings before the last quarter ask for: %.1f W +- %.1f W in %s; the last quarter: "
-        "%.1f W +- %.1f W\n",
-        before.heat_W, before.deviation_W, before.group.c_str(), after.heat_W, after.deviation_W);
-  }
   if (!result.asked.empty()) {
     const correction::AskedHeat& surest = result.asked.front();
     std::printf("heat that no source explains, the surest: %.1f W +- %.1f W in %s\n", surest.heat_W, surest.deviation_W,
                 surest.group.c_str());
+  }
+  if (result.held_out.heat) {
+    const auto& [before, after] = *result.held_out.heat;
+    std::printf("  before the last quarter: %.1f W +- %.1f W in %s; in the last quarter: %.1f W +- %.1f W\n",
+                before.heat_W, before.deviation_W, before.group.c_str(), after.heat_W, after.deviation_W);
   }
   std::printf("promised after this drive: nose within %.2f um (1 sigma), drift since the test included\n",
               rom::um_per_m * calibration.promised_m);

@@ -48,13 +48,16 @@ function showTests() {
   });
 }
 
-// `more`: columns between, each a title and the key of its value.
-function showFits(id, channels, more = []) {
-  const columns = [["rms", "rms"], ["expected", "expected_rms"], ...more];
-  addRow(byId(id), ["channel", "readings", ...columns.map(([title]) => title), wide("lag 1"), wide("outliers")], "th");
+// `means`: how far off on average, in the place of what is less asked for where there is little room.
+function showFits(id, channels, means) {
+  const less = means ? wide : text => text;
+  const mean = one => means ? [one.mean, one.mean_deviation].map(value => `${fixed(value, 3)} ${one.unit}`) : [];
+  addRow(byId(id), ["channel", less("readings"), "rms", less("expected"), ...means ? ["mean", "±"] : [],
+    wide("lag 1"), wide("outliers")], "th");
   for (const one of channels) {
-    addRow(byId(id), [`${one.name}, log ${one.log}`, one.readings, ...columns.map(([, key]) =>
-      `${fixed(one[key], 3)} ${one.unit}`), wide(fixed(one.autocorrelation, 2)), wide(one.outliers)]);
+    addRow(byId(id), [`${one.name}, log ${one.log}`, less(one.readings), `${fixed(one.rms, 3)} ${one.unit}`,
+      less(`${fixed(one.expected_rms, 3)} ${one.unit}`), ...mean(one), wide(fixed(one.autocorrelation, 2)),
+      wide(one.outliers)]);
   }
 }
 
@@ -68,6 +71,6 @@ function showParameters() {
 
 writeHead();
 showTests();
-showFits("fit", data.fit);
-showFits("held-out", data.held_out, [["mean", "mean"], ["±", "mean_deviation"]]);
+showFits("fit", data.fit, false);
+showFits("held-out", data.held_out, true);
 showParameters();
