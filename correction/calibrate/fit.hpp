@@ -28,7 +28,7 @@ struct ChannelFit {
   double expected_rms = 0.0;            ///< what residual covariance and posterior allow for
   double lag_1 = 0.0;                   ///< autocorrelation of neighbouring residuals
   std::size_t outliers = 0;             ///< readings that count less
-  std::optional<HeldOutMean> held_out;  ///< of readings that are held out (held_out_channels)
+  std::optional<HeldOutMean> held_out;  ///< of readings that are held out (hold_out)
 };
 
 /// Tests and what they are fitted with; all of it must outlive this.
