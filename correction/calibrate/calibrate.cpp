@@ -64,7 +64,7 @@ std::vector<std::string> find_misfits(const CalibrationResult& result, const Cal
     const bool agree = (before.heat_W > 0.0) == (after.heat_W > 0.0);
     if (agree && before.deviations() > limits.asked_before && after.deviations() > limits.asked_after) {
       misfits.push_back(
-          in_words("held out: before it readings ask for %.0f W +- %.0f W in %s that no source explains, "
+          in_words("held out: before the last quarter readings ask for %.0f W +- %.0f W in %s that no source explains, "
                    "in it for %.0f W +- %.0f W",
                    before.heat_W, before.deviation_W, before.group.c_str(), after.heat_W, after.deviation_W));
     }

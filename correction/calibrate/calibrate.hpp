@@ -34,9 +34,10 @@ struct CalibrationResult {
   std::vector<TestPrediction> before;  ///< of each test with the priors' means
 };
 
-/// Steps: fit the first part of each test; predict the last part and compare; fit all; ask for heats that no source
-/// explains; judge. A parameter beyond its limits (Parameter) is set to them, and is a misfit. Throws rom::InputError
-/// as fit_tests does. Not for the cycle. `progress`: what is being done, and how often the model has run.
+/// Steps: fit the first part of each test; predict the last part, compare, and try on it the heat that the first asks
+/// for; fit all; ask for heats that no source explains; judge. A parameter beyond its limits (Parameter) is set to
+/// them, and is a misfit. Throws rom::InputError as fit_tests does. Not for the cycle. `progress`: what is being done,
+/// and how often the model has run.
 CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions& options,
                             const std::vector<ThermalTest>& tests, const CalibrateLimits& limits,
                             const std::function<void(const char*, int)>& progress = {});

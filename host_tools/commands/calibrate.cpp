@@ -106,8 +106,8 @@ void print_json(const correction::CalibrateOptions& options, const correction::C
     json["held_out_heat"] = {{"group", before.group},
                              {"before_W", before.heat_W},
                              {"before_deviation_W", before.deviation_W},
-                             {"in_it_W", after.heat_W},
-                             {"in_it_deviation_W", after.deviation_W}};
+                             {"last_quarter_W", after.heat_W},
+                             {"last_quarter_deviation_W", after.deviation_W}};
   }
   json["held_out"] = channels_json(options, result.held_out.channels);
   std::printf("%s\n", json.dump(2).c_str());

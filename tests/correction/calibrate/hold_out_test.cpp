@@ -193,7 +193,7 @@ TEST(HoldOut, reports_a_heat_that_both_parts_ask_for_beyond_their_limits_and_non
   const CalibrateOptions options = calibrate_options(network);
   const auto reported = [](const CalibrationResult& result) {
     return std::any_of(result.misfits.begin(), result.misfits.end(), [&](const std::string& misfit) {
-      return misfit.starts_with("held out: before it readings ask for ") &&
+      return misfit.starts_with("held out: before the last quarter readings ask for ") &&
              misfit.find(" in " + result.held_out.heat->before.group + " ") != std::string::npos;
     });
   };
