@@ -16,6 +16,8 @@ from ports import wait_until
 from running_daemon import PROGRAMS, RunningDaemon, float32, main
 
 SENSORS = ("sleeve_inner", "sleeve_middle", "sleeve_outer")
+FASTER_THAN_TOLD = ((0, 7000, 6000), (2400, 12000, 10300), (4800, 3500, 3000))  # from time_s on: real rpm, told rpm
+RUNS_WHILE_TOLD_TO_STAND = ((0, 6000, 6000), (2400, 3000, 0))
 
 
 class Calibrate(RunningDaemon):
@@ -28,11 +30,11 @@ class Calibrate(RunningDaemon):
     def tool(self, *arguments):
         return subprocess.run([PROGRAMS["tool"], *map(str, arguments)], capture_output=True, text=True, timeout=120)
 
-    def thermal_test(self, name, probe=lambda time_s, nose_um: nose_um + 40.0):
-        """Two hours of a machine whose heats are larger than its network says: it runs faster than it tells."""
+    def thermal_test(self, name, probe=lambda time_s, nose_um: nose_um + 40.0, drives=FASTER_THAN_TOLD):
+        """Two hours of a machine whose heats are not what its network says: it runs at other speeds than it tells."""
         real = self.folder / "schedule.csv"
-        real.write_text("time_s,speed_rpm,load,ambient_degC,coolant_degC\n0,7000,1,20,20\n2400,12000,1,20,20\n"
-                        "4800,3500,1,20,20\n7200,3500,1,20,20\n")
+        rows = [f"{time_s},{real_rpm},1,20,20\n" for time_s, real_rpm, _ in (*drives, (7200, *drives[-1][1:]))]
+        real.write_text("time_s,speed_rpm,load,ambient_degC,coolant_degC\n" + "".join(rows))
         run = self.folder / "run.csv"
         made = self.tool("simulate", self.rom, "--schedule", real, "-o", run)
         self.assertEqual(made.returncode, 0, made.stderr)
@@ -41,7 +43,7 @@ class Calibrate(RunningDaemon):
                  + ",".join(f"measured.{sensor}_degC" for sensor in SENSORS) + ",measured.nose_um"]
         for row in csv.DictReader(run.read_text().splitlines()):
             time_s = float(row["time_s"])
-            told_rpm = 6000 if time_s < 2400 else 10300 if time_s < 4800 else 3000
+            told_rpm = next(told for from_s, _, told in reversed(drives) if time_s >= from_s)
             readings = [f"{float(row[sensor + '_degC']) + chance.gauss(0, 0.02):.4f}" for sensor in SENSORS]
             nose_um = probe(time_s, float(row["nose_um"])) + chance.gauss(0, 1)
             lines.append(f"{time_s},{told_rpm},1,20,20,{','.join(readings)},{nose_um:.3f}")
@@ -111,6 +113,22 @@ class Calibrate(RunningDaemon):
         self.assertEqual(self.tool("calibrate", self.rom, log, "-o", file, "--accept").returncode, 0)
         self.configure(f'calibration = "{file.name}"\n')
         self.assertIn("although it missed its limits", self.check().stdout)
+
+    def test_a_heat_that_no_source_explains_is_asked_for_before_the_last_quarter_and_tried_on_it(self):
+        log = self.thermal_test("untold.csv", drives=RUNS_WHILE_TOLD_TO_STAND)
+        refused = self.tool("calibrate", self.rom, log, "-o", self.folder / "untold.calibration", "--json")
+        self.assertEqual(refused.returncode, 3, refused.stderr)
+        said = json.loads(refused.stdout)
+        heat = said["held_out_heat"]
+        for part in ("before", "last_quarter"):
+            self.assertGreater(heat[f"{part}_W"], 3 * heat[f"{part}_deviation_W"])
+        self.assertIn(f"held out: before the last quarter readings ask for {heat['before_W']:.0f} W +- "
+                      f"{heat['before_deviation_W']:.0f} W in {heat['group']} that no source explains, in it for "
+                      f"{heat['last_quarter_W']:.0f} W +- {heat['last_quarter_deviation_W']:.0f} W", said["misfits"])
+        self.assertIn(heat["group"], {asked["group"] for asked in said["asked_heats"]})
+        for channel in said["held_out"]:
+            unit = "um" if channel["name"] == "nose" else "K"
+            self.assertGreater(channel[f"mean_{unit}"], 3 * channel[f"mean_deviation_{unit}"], channel["name"])
 
     def test_what_is_no_calibration_of_this_spindle_ends_in_one_line_that_names_it(self):
         file, _ = self.calibrated()
