@@ -54,13 +54,15 @@ void Channel::fail_by_evidence(HealthFault fault, double misfit_K, double deviat
   review_.begin(time_s_, misfit_K, deviation_K, model_in_doubt);
 }
 
-void Channel::fail_swapped(int partner) {
+void Channel::fail_swapped(int partner, bool sure) {
   fail(HealthFault::swapped, true);
   record_.partner = partner;
+  reads_for_partner_ = sure;
 }
 
 KeptHealth Channel::kept() const {
-  return {is_out() ? record_.fault : HealthFault::none, latched_, record_.partner, record_.failures};
+  return {is_out() ? record_.fault : HealthFault::none, latched_, record_.partner, record_.failures,
+          reads_for_partner_};
 }
 
 void Channel::resume(const KeptHealth& from) {
@@ -69,10 +71,11 @@ void Channel::resume(const KeptHealth& from) {
   record_.failures = std::max(0, from.failures - 1);  // the failure itself is counted again
   fail(from.fault, from.latched);
   record_.partner = from.partner;
+  reads_for_partner_ = from.read_for_partner;
 }
 
 void Channel::acknowledge() {
-  latched_ = false;
+  latched_ = reads_for_partner_ = false;
   review_.dismiss();
   record_.failures = 0;
 }
@@ -80,7 +83,7 @@ void Channel::acknowledge() {
 void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   sample_ = sample;
   time_s_ = time_s;
-  record_.usable = record_.returned = off_course_ = false;
+  record_.usable = record_.returned = record_.read_for_partner = off_course_ = false;
   model_.add(sample.moved_K, h_s);
   elapsed_s_ += h_s;
   moved_K_ += sample.moved_K;
@@ -208,6 +211,7 @@ void Channel::judge_return(double elapsed_s) {
     without_sign_s_ += elapsed_s;
   }
   course_.accept(detrended_K_, elapsed_s, plan_.noise_K);
+  record_.read_for_partner = reads_for_partner() && without_sign_s_ > 0.0;
   if (latched_ || without_sign_s_ <= 0.0) return;
   if (without_sign_s_ < limits_.return_after_s) {
     meet(ChannelEvent::calm);

@@ -62,6 +62,17 @@ void ExchangeDetector::note_reading(std::size_t channel, double reading_K, doubl
   }
 }
 
+void ExchangeDetector::forget(std::size_t channel) {
+  const Eigen::Index i = index(channel);
+  seen_s_[i] = 0.0;
+  for (Scale& scale : scales_) {
+    scale.reading_filters[channel] = {};
+    scale.reading_square_K2[i] = scale.model_fourth_K4[i] = 0.0;
+    scale.product_K2.row(i).setZero();
+    scale.model_square_K2.row(i).setZero();
+  }
+}
+
 ExchangeDetector::Fit ExchangeDetector::fit(const Scale& scale, Eigen::Index reading, Eigen::Index place) {
   const double square_K2 = scale.reading_square_K2[reading], product_K2 = scale.product_K2(reading, place);
   const double model_K2 = scale.model_square_K2(reading, place);

@@ -40,6 +40,9 @@ class ExchangeDetector {
   /// its running means are carried on. May run in the cycle: 3 n products.
   void note_reading(std::size_t channel, double reading_K, double elapsed_s, bool counts, const HealthLimits& limits);
 
+  /// Its readings are of another place from now on: their movement is gathered anew. May run in the cycle.
+  void forget(std::size_t channel);
+
   /// The pair among the channels in use that is exchanged with most evidence, none without an uncorrected model. May
   /// run in the cycle: n² logarithms.
   Pair find(const std::vector<bool>& in_use, const HealthLimits& limits) const;

@@ -68,6 +68,7 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double swap_gain = 0.35;        ///< 1σ of ln of a gain: heats and films are unknown by a third
   double swap_memory_s = 3600.0;  ///< of what has been seen
   double swap_least_s = 180.0;    ///< three of the shortest scale
+  bool read_swapped = true;       ///< each for the other's place, until acknowledged
   // Exchange by evidence (isolation.hpp), measured.
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
   double exchange_alike = 0.65;    ///< the smaller misfit of the larger
@@ -108,6 +109,8 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
           limits.rejected);
     visit({"swap_K", "rms movement from which on a gain counts for telling swapped sensors", kelvin}, limits.swap_K);
     visit({"swap_limit", "evidence that two sensors are swapped, as drift_limit", ratio}, limits.swap_limit);
+    visit({"read_swapped", "such sensors are read for each other's places until acknowledged; false: not at all"},
+          limits.read_swapped);
     visit({"return_after_s", "without any sign of the fault", seconds}, limits.return_after_s);
     visit({"return_offset_K",
            "what its offset may then be, besides what it shows; a drift of up to 3 times this opens it first", kelvin},

@@ -33,6 +33,7 @@ struct HealthRecord {
   bool returned = false;                   ///< became good again with this sample: its offset is not known any more
   double return_offset_deviation_K = 0.0;  ///< then: 1σ of its offset
   int partner = -1;                        ///< of a swapped channel
+  bool read_for_partner = false;           ///< then: this reading may be used for the partner's place
   int failures = 0;                        ///< since the start or the acknowledgement
   int spikes = 0;                          ///< since the start
   double since_s = 0.0;                    ///< time of the last change of state
@@ -44,6 +45,7 @@ struct KeptHealth {
   bool latched = false;                   ///< out until acknowledged
   int partner = -1;
   int failures = 0;
+  bool read_for_partner = false;  ///< until acknowledged
 };
 
 }  // namespace spindle_twin::correction

@@ -48,9 +48,34 @@ void SensorHealth::follow_what_most_do() {
   }
 }
 
+void SensorHealth::fail_pair(std::size_t one, std::size_t other, bool sure) {
+  const bool read = sure && limits_.read_swapped;
+  channels_[one].fail_swapped(static_cast<int>(other), read);
+  channels_[other].fail_swapped(static_cast<int>(one), read);
+}
+
 void SensorHealth::fail_pair(std::size_t one, std::size_t other) {
-  channels_[one].fail_swapped(static_cast<int>(other));
-  channels_[other].fail_swapped(static_cast<int>(one));
+  fail_pair(one, other, exchange_.evidence(one, other, limits_) > limits_.swap_support);
+}
+
+std::size_t SensorHealth::reader_of(std::size_t place) const {
+  const int partner = record(place).partner;
+  if (partner < 0) return place;
+  const Channel& reader = channels_[static_cast<std::size_t>(partner)];
+  const bool reads = reader.reads_for_partner() && reader.record().partner == static_cast<int>(place);
+  return reads ? static_cast<std::size_t>(partner) : place;
+}
+
+HealthVerdict SensorHealth::separate(const std::vector<HealthUpdate>& updates) {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const std::size_t reader = reader_of(i);
+    const bool settled = time_s_ - record(i).since_s > limits_.settle_s;
+    if (reader == i || !settled || !(updates[i].evidence > limits_.drift_limit)) continue;
+    channels_[i].end_reading_for_partner();
+    channels_[reader].end_reading_for_partner();
+    return {static_cast<int>(i), static_cast<int>(reader)};
+  }
+  return {};
 }
 
 void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, double h_s) {
@@ -66,7 +91,7 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
       if (!in_use_[i] || !in_use_[j] || !channels_[i].exchanged_courses_with(channels_[j])) continue;
-      fail_pair(i, j);
+      fail_pair(i, j, true);
       in_use_[i] = in_use_[j] = false;
     }
   }
@@ -84,6 +109,11 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
     considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
   }
   const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
+  const HealthVerdict separated = separate(updates);
+  if (separated.failed >= 0) {
+    note_restart();
+    return separated;
+  }
   if (untold_.one >= 0) {
     const HealthVerdict told{untold_.one, untold_.other};
     untold_ = {};
@@ -128,7 +158,10 @@ HealthVerdict SensorHealth::note_suspect(int channel, double misfit_K, double de
 void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }
 
 void SensorHealth::acknowledge() {
-  for (Channel& channel : channels_) channel.acknowledge();
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (record(i).partner >= 0) exchange_.forget(i);
+    channels_[i].acknowledge();
+  }
   isolation_.acknowledge();
 }
 

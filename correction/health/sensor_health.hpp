@@ -47,7 +47,13 @@ class SensorHealth {
   /// which the estimator goes back in time, is such a beginning by itself. May run in the cycle.
   void note_restart();
 
-  /// Latched channels may return, by way of the probation; counters of failures begin anew. May run in the cycle.
+  /// The channel that shows the place of this one: itself, or the one that it is swapped with and that is read for it
+  /// until acknowledge() (HealthLimits::read_swapped); whether its last sample may be used says its record. May run in
+  /// the cycle.
+  std::size_t reader_of(std::size_t place) const;
+
+  /// Latched channels may return, by way of the probation; counters of failures begin anew, and so does what is known
+  /// of the movement of swapped ones. May run in the cycle.
   void acknowledge();
 
   KeptHealth kept(std::size_t channel) const { return channels_[channel].kept(); }
@@ -64,7 +70,12 @@ class SensorHealth {
  private:
   void follow_what_most_do();
   void find_exchanged(const std::vector<HealthSample>& samples, double h_s);
+  /// Both fail as swapped; where it is `sure` that each shows the other's place, they are read for it.
+  void fail_pair(std::size_t one, std::size_t other, bool sure);
+  /// Sure where they have moved like each other's places, too.
   void fail_pair(std::size_t one, std::size_t other);
+  /// A pair that is read for each other's places and does not fit there either: neither is read any more.
+  HealthVerdict separate(const std::vector<HealthUpdate>& updates);
 
   HealthLimits limits_;
   std::vector<Channel> channels_;

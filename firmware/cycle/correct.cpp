@@ -21,7 +21,7 @@ void add_estimator(const rom::Network& network, const CyclePlan& plan,
     if (!sensor.configured) continue;
     const rom::KeyPoint& point = network.key_points[k];
     options.sensors.push_back({point.name, point.row, sensor.noise_K, sensor.offset_deviation_K, sensor.lag_s});
-    corrector.channels.push_back({k, sensor.interval_s, 0});
+    corrector.channels.push_back({k, sensor.interval_s, k, false, 0});
   }
   if (options.sensors.empty() && network.key_points.empty()) return;  // nowhere to look at
   corrector.estimator.emplace(network, std::move(options), std::move(shared));
@@ -38,9 +38,10 @@ bool is_new(const CorrectorChannel& channel, double clock_rate, const Sensed& re
 void take_readings(const SensedInputs& sensed, const Judgement& judgement, Corrector& corrector) {
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
     CorrectorChannel& channel = corrector.channels[c];
-    const Sensed& reading = sensed.sensors[channel.key_point];
-    const bool take =
-        judgement.sensors[channel.key_point] == SensorQuality::good && is_new(channel, corrector.clock_rate, reading);
+    const Sensed& reading = sensed.sensors[channel.reader];
+    const bool is_own = channel.reader == channel.key_point;
+    const bool good = is_own ? judgement.sensors[channel.key_point] == SensorQuality::good : channel.reads;
+    const bool take = good && is_new(channel, corrector.clock_rate, reading);
     const auto row = static_cast<Eigen::Index>(c);
     corrector.measured.valid[row] = take;
     corrector.measured.value_K[row] = reading.value;

@@ -22,6 +22,8 @@ struct Period {
 struct CorrectorChannel {
   std::size_t key_point = 0;
   double interval_s = 0.0;
+  std::size_t reader = 0;  ///< key point whose sensor shows this place: the same, or that of the one it is swapped with
+  bool reads = false;      ///< then: the reading at hand may be used
   std::int64_t taken_ns = 0;  ///< time of the reading that it took last; 0: none yet
 };
 

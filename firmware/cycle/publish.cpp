@@ -163,7 +163,10 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
   snapshot.unexplained_heat_group = static_cast<std::int16_t>(heat.group);
   snapshot.unexplained_heat_W = heat.group < 0 ? not_a_value : heat.heat_W;
   for (std::size_t c = 0; c < corrector.channels.size(); ++c) {
-    copy(estimator.record(static_cast<Eigen::Index>(c)), snapshot.sensor_update[corrector.channels[c].key_point]);
+    const CorrectorChannel& channel = corrector.channels[c];
+    ChannelUpdate& update = snapshot.sensor_update[channel.key_point];
+    copy(estimator.record(static_cast<Eigen::Index>(c)), update);
+    if (channel.reader != channel.key_point) update.flags |= bits(Update::by_partner);
   }
   snapshot.displacement_count = corrector.displacements.count;
   if (corrector.displacements.count > 0) copy(estimator.displacement_record(), snapshot.displacement_update);

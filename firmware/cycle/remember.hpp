@@ -20,7 +20,8 @@ struct Remembered {            // NOLINT(public-members): a checkpoint as it is 
   double tare_m = 0.0;
   double trial_away_m = 0.0;  ///< how far a trial had the compensation from where it is wanted; Compensation::away_m()
   correction::SensorTare sensor_tare;  ///< per key point
-  /// Four of each key point: SensorFault that it is out for, whether until acknowledged, its partner, its failures.
+  /// Four of each key point: SensorFault that it is out for, whether until acknowledged (2: and read for its
+  /// partner's place meanwhile), its partner, its failures.
   /// Empty where no health is watched.
   std::vector<double> sensor_health;
   std::array<double, signal_count> signals = not_values;

@@ -11,6 +11,7 @@ static_assert(bits(TareWait::sensors) == bits(correction::TareWait::sensors));
 static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::implausible));
 
 constexpr std::size_t kept_of_a_sensor = 4;  ///< numbers
+constexpr double read_for_partner = 2.0;     ///< the second: out until acknowledged, and read for the partner's place
 
 /// Of the reading as it came in: the tare, and what the estimator has learnt besides.
 double known_offset_K(const SensorWatch& watch, const Corrector& corrector, std::size_t key_point) {
@@ -54,15 +55,33 @@ void withhold(std::size_t k, const SensedInputs& sensed, SensorWatch& watch, Jud
   --judgement.good;
 }
 
+void widen_offset(Eigen::Index channel, double deviation_K, SensorWatch& watch, Corrector& corrector) {
+  corrector.estimator->widen_offset(channel, deviation_K);
+  watch.others->widen_offset(*corrector.estimator, channel, deviation_K);
+  watch.opinion->widen_offset(*corrector.estimator, channel, deviation_K);
+  if (watch.heat) watch.heat->follow(*corrector.estimator);
+}
+
 /// A sensor that has just returned may come back with another offset.
 void widen_returned(std::size_t k, SensorWatch& watch, Corrector& corrector) {
   const correction::HealthRecord& record = watch.health->record(k);
   const Eigen::Index channel = record.returned && watch.others ? channel_at(corrector, k) : -1;
-  if (channel < 0) return;
-  corrector.estimator->widen_offset(channel, record.return_offset_deviation_K);
-  watch.others->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
-  watch.opinion->widen_offset(*corrector.estimator, channel, record.return_offset_deviation_K);
-  if (watch.heat) watch.heat->follow(*corrector.estimator);
+  if (channel >= 0) widen_offset(channel, record.return_offset_deviation_K, watch, corrector);
+}
+
+/// Of two that are swapped, each may be read for the other's place, which has another sensor's offset then.
+void note_readers(SensorWatch& watch, Corrector& corrector) {
+  for (std::size_t c = 0; watch.others && c < corrector.channels.size(); ++c) {
+    CorrectorChannel& channel = corrector.channels[c];
+    const std::size_t reader = watch.health->reader_of(channel.key_point);
+    const bool is_own = reader == channel.key_point;
+    if (reader != channel.reader && !is_own) {
+      const double deviation_K = corrector.estimator->sensors()[c].offset_deviation_K;
+      widen_offset(static_cast<Eigen::Index>(c), deviation_K, watch, corrector);
+    }
+    channel.reader = reader;
+    channel.reads = !is_own && watch.health->record(reader).read_for_partner;
+  }
 }
 
 void rest(const WatchInputs& inputs, const Judgement& judgement, SensorWatch& watch) {
@@ -159,15 +178,17 @@ void watch_sensors(const WatchInputs& inputs, SensorWatch& watch, Corrector& cor
       withhold(k, inputs.sensed, watch, judgement);
       widen_returned(k, watch, corrector);
     }
+    note_readers(watch, corrector);
   }
   rest(inputs, judgement, watch);
   note_corrected(inputs.network, inputs.model, watch);
 }
 
-void watch_gap(const WatchInputs& inputs, SensorWatch& watch, const Corrector& corrector, const Judgement& judgement) {
+void watch_gap(const WatchInputs& inputs, SensorWatch& watch, Corrector& corrector, const Judgement& judgement) {
   if (watch.health) {
     sample(inputs, corrector, judgement, watch);
     watch.health->step(watch.samples.health, inputs.period.start_s, inputs.period.advance_s);
+    note_readers(watch, corrector);
   }
   note_corrected(inputs.network, inputs.model, watch);
 }
@@ -208,7 +229,7 @@ void keep_health(const SensorWatch& watch, std::vector<double>& to) {
     const correction::KeptHealth kept = watch.health->kept(k);
     double* of = to.data() + kept_of_a_sensor * k;
     of[0] = static_cast<double>(kept.fault);
-    of[1] = kept.latched ? 1.0 : 0.0;
+    of[1] = kept.read_for_partner ? read_for_partner : kept.latched ? 1.0 : 0.0;
     of[2] = kept.partner;
     of[3] = kept.failures;
   }
@@ -228,7 +249,7 @@ void resume_health(const std::vector<double>& from, SensorWatch& watch) {
   for (std::size_t k = 0; k < watch.health->count(); ++k) {
     const double* of = from.data() + kept_of_a_sensor * k;
     watch.health->resume(k, {static_cast<correction::HealthFault>(of[0]), of[1] != 0.0, static_cast<int>(of[2]),
-                             static_cast<int>(of[3])});
+                             static_cast<int>(of[3]), of[1] == read_for_partner});
   }
 }
 

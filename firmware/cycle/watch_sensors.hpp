@@ -57,6 +57,14 @@ struct WatchInputs {
   const Period& period;
 };
 
+/// What an update is judged by.
+struct UpdateInputs {
+  const rom::Network& network;
+  const rom::OperatingState& operating;
+  double now_s = 0.0;                  ///< model time
+  const Model* uncorrected = nullptr;  ///< that nothing corrects; null: none runs
+};
+
 /// Allocates. Throws rom::InputError for a limit out of range.
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector);
 
@@ -79,12 +87,11 @@ void watch_sensors(const WatchInputs& inputs, SensorWatch& watch, Corrector& cor
 
 /// Time in which nobody looked at a sensor, none of which is `good` in the judgement: what the model moved in it
 /// belongs to each sensor's course. Runs in the cycle, once the model runs.
-void watch_gap(const WatchInputs& inputs, SensorWatch& watch, const Corrector& corrector, const Judgement& judgement);
+void watch_gap(const WatchInputs& inputs, SensorWatch& watch, Corrector& corrector, const Judgement& judgement);
 
 /// After correct(): what the update said of each sensor. The estimator goes over to the filter without a sensor that
 /// failed by it, which changes the model's state. Runs in the cycle.
-void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
-                  Corrector& corrector);
+void watch_update(const UpdateInputs& inputs, Model& model, SensorWatch& watch, Corrector& corrector);
 
 /// An order from the PLC; false where a tare is not offered. Runs in the cycle.
 bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,

@@ -51,6 +51,16 @@ TEST(ExchangeDetector, two_that_move_as_each_others_model_are_exchanged_whatever
   EXPECT_LT(found_s, 1200);
 }
 
+TEST(ExchangeDetector, what_was_seen_of_one_that_is_forgotten_counts_no_more) {
+  TwoPlaces crossed;
+  crossed.exchanged = true;
+  ASSERT_GT(crossed.found_within(7200), 0);
+  crossed.detector.forget(1);
+  EXPECT_TRUE(std::isinf(crossed.detector.evidence(0, 1, {})));
+  crossed.exchanged = false;
+  EXPECT_EQ(crossed.found_within(crossed.t + 7200), -1);
+}
+
 TEST(ExchangeDetector, small_movements_need_longer_and_none_says_nothing) {
   for (const double rise_K : {1.0, 0.0}) {
     TwoPlaces crossed;

@@ -49,6 +49,65 @@ TEST(WatchUpdate, two_that_are_exchanged_fail_as_each_others_partners_and_the_th
   }
 }
 
+/// Whether each of the two reads the other's place, as it is published.
+bool read_crossed(const Watched& run) {
+  const auto by_partner = [&](std::size_t k) {
+    return (run.last.sensor_update[k].flags & bits(Update::by_partner)) != 0;
+  };
+  return by_partner(0) && by_partner(2) && !by_partner(1);
+}
+
+TEST(WatchUpdate, two_that_are_exchanged_are_read_for_each_others_places_until_somebody_acknowledges) {
+  const rom::Network network = tests::small_network();
+  std::array<double, 2> deviation_m{};
+  for (const bool read : {false, true}) {
+    CyclePlan plan = estimated();
+    plan.health->read_swapped = read;
+    Watched run(network, plan, 0.8);
+    bool mended = false;
+    run.tamper = [&](int, DeviceFrame& frame) {
+      if (!mended) std::swap(frame.sensors[0].value, frame.sensors[2].value);
+    };
+    run.until(10);
+    run.heap_calls = 0;  // of the first cycles
+    until_one_fails(run, 1200);
+    ASSERT_EQ(run.last.sensors_failed, 2);
+    run.until(7200);
+    EXPECT_EQ(run.last.sensors_failed, 2) << "they stay failed";
+    EXPECT_EQ(run.last.state, State::degraded);
+    EXPECT_EQ(read_crossed(run), read);
+    EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]);
+    deviation_m[read ? 1 : 0] = run.last.deformation_deviation_m[0];
+    EXPECT_EQ(run.heap_calls, 0);
+    mended = true;
+    run.give(SensorOrder::acknowledge, 900);
+    EXPECT_EQ(run.last.sensors_failed, 0);
+    EXPECT_FALSE(read_crossed(run));
+    EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]);
+  }
+  EXPECT_LT(deviation_m[1], 0.8 * deviation_m[0]) << "of three sensors more is known than of one";
+}
+
+TEST(WatchUpdate, two_that_are_read_for_each_other_are_so_after_a_restart_as_well) {
+  const rom::Network network = tests::small_network();
+  const auto exchange = [](int, DeviceFrame& frame) { std::swap(frame.sensors[0].value, frame.sensors[2].value); };
+  Watched before(network, estimated(), 0.8);
+  before.tamper = exchange;
+  before.until(2400);
+  ASSERT_TRUE(read_crossed(before));
+  Remembered remembered;
+  before.cycle.remember(remembered);
+  Watched after(network, estimated(), 0.8);
+  after.tamper = exchange;
+  ASSERT_NE(after.cycle.resume(remembered, 0.0), Resumed::nothing);
+  after.machine.model.stepper->set_temperatures(before.machine.model.stepper->temperatures_K());
+  predict(network, after.machine.model);
+  after.until(30);
+  EXPECT_EQ(after.last.sensors_failed, 2);
+  EXPECT_TRUE(read_crossed(after));
+  EXPECT_TRUE((after.last.sensor_update[0].flags & bits(Update::fused)) != 0);
+}
+
 /// No filter has done without both: what is left of the first minutes is what was known before them.
 TEST(WatchUpdate, two_that_were_exchanged_from_the_start_on_take_the_estimate_back_to_its_priors) {
   const rom::Network network = tests::small_network();
