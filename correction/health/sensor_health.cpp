@@ -66,13 +66,15 @@ std::size_t SensorHealth::reader_of(std::size_t place) const {
   return reads ? static_cast<std::size_t>(partner) : place;
 }
 
-HealthVerdict SensorHealth::separate(const std::vector<HealthUpdate>& updates) {
+template <class Contradicted>
+HealthVerdict SensorHealth::separate(Contradicted&& is_contradicted) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const std::size_t reader = reader_of(i);
     const bool settled = time_s_ - record(i).since_s > limits_.settle_s;
-    if (reader == i || !settled || !(updates[i].evidence > limits_.drift_limit)) continue;
+    if (reader == i || !settled || !is_contradicted(i)) continue;
     channels_[i].end_reading_for_partner();
     channels_[reader].end_reading_for_partner();
+    note_restart();
     return {static_cast<int>(i), static_cast<int>(reader)};
   }
   return {};
@@ -109,11 +111,8 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
     considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
   }
   const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
-  const HealthVerdict separated = separate(updates);
-  if (separated.failed >= 0) {
-    note_restart();
-    return separated;
-  }
+  const HealthVerdict separated = separate([&](std::size_t i) { return updates[i].evidence > limits_.drift_limit; });
+  if (separated.failed >= 0) return separated;
   if (untold_.one >= 0) {
     const HealthVerdict told{untold_.one, untold_.other};
     untold_ = {};
@@ -135,6 +134,8 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
 }
 
 HealthVerdict SensorHealth::note_contradiction() {
+  const HealthVerdict separated = separate([](std::size_t) { return true; });
+  if (separated.failed >= 0) return separated;
   for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const int partner = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;

@@ -31,8 +31,9 @@ class SensorHealth {
   /// One sample per channel at time_s, h_s >= 0 after the one before (0 at the first). May run in the cycle.
   void step(const std::vector<HealthSample>& samples, double time_s, double h_s);
 
-  /// The readings have contradicted the estimate for a minute: two channels each of which has moved like the other's
-  /// place since the start are the reason where there are such, and fail as swapped. May run in the cycle.
+  /// The readings have contradicted the estimate for a minute. The reason are two that are read for each other's
+  /// places, where there are such, and they are not any more; else two channels each of which has moved like the
+  /// other's place since the start, and they fail as swapped. May run in the cycle.
   HealthVerdict note_contradiction();
 
   /// As Isolation::judge_suspect(): the channel fails by drift, its offset is to be opened, or neither. May run in the
@@ -74,8 +75,9 @@ class SensorHealth {
   void fail_pair(std::size_t one, std::size_t other, bool sure);
   /// Sure where they have moved like each other's places, too.
   void fail_pair(std::size_t one, std::size_t other);
-  /// A pair that is read for each other's places and does not fit there either: neither is read any more.
-  HealthVerdict separate(const std::vector<HealthUpdate>& updates);
+  /// A pair that is read for each other's places, one of which is contradicted there: neither is read any more.
+  template <class Contradicted>
+  HealthVerdict separate(Contradicted&& is_contradicted);
 
   HealthLimits limits_;
   std::vector<Channel> channels_;

@@ -137,6 +137,18 @@ TEST(ReadForPartner, ends_where_the_others_contradict_it_behind_the_time_in_whic
   }
 }
 
+TEST(ReadForPartner, ends_with_a_contradiction_behind_that_time) {
+  Exchanged run(drive_seed);
+  ASSERT_TRUE(run.found());
+  EXPECT_EQ(run.drive.health.note_contradiction().failed, -1) << "it settles";
+  run.go_on(1000.0);
+  const HealthVerdict verdict = run.drive.health.note_contradiction();
+  EXPECT_EQ(verdict.failed, 3);
+  EXPECT_EQ(verdict.partner, 4);
+  EXPECT_TRUE(run.own());
+  EXPECT_EQ(run.drive.failed(), 2);
+}
+
 TEST(ReadForPartner, two_that_only_others_say_are_swapped_are_not) {
   SensorHealth health(std::vector<HealthChannel>(4, {true, 253.15, 423.15}), {});
   std::vector<HealthSample> samples(4, {true, 300.0, 300.0});

@@ -88,6 +88,22 @@ TEST(WatchUpdate, two_that_are_exchanged_are_read_for_each_others_places_until_s
   EXPECT_LT(deviation_m[1], 0.8 * deviation_m[0]) << "of three sensors more is known than of one";
 }
 
+TEST(WatchUpdate, two_that_somebody_exchanges_back_without_a_word_are_not_read_for_each_other_any_more) {
+  const rom::Network network = tests::small_network();
+  Watched run(network, estimated(), 0.8);
+  run.tamper = [](int n, DeviceFrame& frame) {
+    if (n < 5400) std::swap(frame.sensors[0].value, frame.sensors[2].value);
+  };
+  run.until(5400);
+  ASSERT_TRUE(read_crossed(run));
+  while (run.n < 7200 && read_crossed(run)) run.until(run.n + 1);
+  EXPECT_LT(run.n, 5400 + 300);
+  EXPECT_EQ(run.last.sensors_failed, 2);
+  run.until(9000);
+  EXPECT_FALSE(read_crossed(run));
+  EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]);
+}
+
 TEST(WatchUpdate, two_that_are_read_for_each_other_are_so_after_a_restart_as_well) {
   const rom::Network network = tests::small_network();
   const auto exchange = [](int, DeviceFrame& frame) { std::swap(frame.sensors[0].value, frame.sensors[2].value); };
