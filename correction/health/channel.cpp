@@ -54,10 +54,9 @@ void Channel::fail_by_evidence(HealthFault fault, double misfit_K, double deviat
   review_.begin(time_s_, misfit_K, deviation_K, model_in_doubt);
 }
 
-void Channel::fail_swapped(int partner, bool sure) {
+void Channel::fail_swapped(int partner) {
   fail(HealthFault::swapped, true);
   record_.partner = partner;
-  reads_for_partner_ = sure;
 }
 
 KeptHealth Channel::kept() const {
@@ -75,7 +74,7 @@ void Channel::resume(const KeptHealth& from) {
 }
 
 void Channel::acknowledge() {
-  latched_ = reads_for_partner_ = false;
+  latched_ = reads_for_partner_ = refused_ = false;
   review_.dismiss();
   record_.failures = 0;
 }

@@ -59,13 +59,19 @@ class Channel {
   /// Fails because its readings do not fit those of all others, by misfit_K with 1σ deviation_K > 0. Drift latches, but
   /// only after its review (misfit_review.hpp), and never where the model was in doubt.
   void fail_by_evidence(HealthFault fault, double misfit_K, double deviation_K, bool model_in_doubt);
-  /// Fails because it shows the temperature of `partner`, the other one's index. Latched; where it is `sure` that it
-  /// does, its readings may be used for that place until acknowledge().
-  void fail_swapped(int partner, bool sure);
-  /// It is out for that, and shows its partner's place.
-  bool reads_for_partner() const { return reads_for_partner_ && is_out() && record_.fault == HealthFault::swapped; }
+  /// Fails because it shows the temperature of `partner`, the other one's index. Latched.
+  void fail_swapped(int partner);
+  /// It is out for that.
+  bool is_swapped() const { return latched_ && is_out() && record_.fault == HealthFault::swapped; }
+  /// It is sure that it shows its partner's place: its readings may be used for that until acknowledge(), if that has
+  /// not been ended.
+  void read_for_partner() { reads_for_partner_ = !refused_; }
+  bool reads_for_partner() const { return reads_for_partner_ && is_swapped(); }
   /// It does not show its partner's place either: its readings are not used for that any more.
-  void end_reading_for_partner() { reads_for_partner_ = false; }
+  void end_reading_for_partner() {
+    reads_for_partner_ = false;
+    refused_ = true;
+  }
   KeptHealth kept() const;
   /// Before the first sample: is as out as it was. Whatever it is out for, it returns by the way of the probation.
   void resume(const KeptHealth& from);
@@ -122,7 +128,7 @@ class Channel {
   double without_sign_s_ = 0;  ///< of a fault
   double row_began_s_ = 0.0;   ///< of outliers
   bool latched_ = false;
-  bool reads_for_partner_ = false;
+  bool reads_for_partner_ = false, refused_ = false;
 };
 
 }  // namespace spindle_twin::correction

@@ -1,5 +1,6 @@
 #include "correction/health/sensor_health.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace spindle_twin::correction {
@@ -48,14 +49,24 @@ void SensorHealth::follow_what_most_do() {
   }
 }
 
-void SensorHealth::fail_pair(std::size_t one, std::size_t other, bool sure) {
-  const bool read = sure && limits_.read_swapped;
-  channels_[one].fail_swapped(static_cast<int>(other), read);
-  channels_[other].fail_swapped(static_cast<int>(one), read);
+void SensorHealth::fail_pair(std::size_t one, std::size_t other) {
+  channels_[one].fail_swapped(static_cast<int>(other));
+  channels_[other].fail_swapped(static_cast<int>(one));
 }
 
-void SensorHealth::fail_pair(std::size_t one, std::size_t other) {
-  fail_pair(one, other, exchange_.evidence(one, other, limits_) > limits_.swap_support);
+void SensorHealth::cross(std::size_t one, std::size_t other) {
+  if (!limits_.read_swapped) return;
+  channels_[one].read_for_partner();
+  channels_[other].read_for_partner();
+}
+
+void SensorHealth::cross_whom_movement_shows() {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const auto other = static_cast<std::size_t>(std::max(record(i).partner, 0));
+    const bool pair = other > i && channels_[i].is_swapped() && channels_[other].is_swapped();
+    if (!pair || record(other).partner != static_cast<int>(i) || channels_[i].reads_for_partner()) continue;
+    if (exchange_.evidence(i, other, limits_) > limits_.swap_limit) cross(i, other);
+  }
 }
 
 std::size_t SensorHealth::reader_of(std::size_t place) const {
@@ -88,18 +99,22 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
     const Channel& channel = channels_[i];
     in_use_[i] = channel.in_use();
     if (!channel.reads() || channel.off_course()) continue;
-    exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), in_use_[i], limits_);
+    const bool counts = in_use_[i] || channel.is_swapped();
+    exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), counts, limits_);
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
       if (!in_use_[i] || !in_use_[j] || !channels_[i].exchanged_courses_with(channels_[j])) continue;
-      fail_pair(i, j, true);
+      fail_pair(i, j);
+      cross(i, j);
       in_use_[i] = in_use_[j] = false;
     }
   }
+  cross_whom_movement_shows();
   const ExchangeDetector::Pair pair = exchange_.find(in_use_, limits_);
   if (pair.one < 0) return;
   fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
+  cross(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
   untold_ = pair;
 }
 

@@ -71,10 +71,11 @@ class SensorHealth {
  private:
   void follow_what_most_do();
   void find_exchanged(const std::vector<HealthSample>& samples, double h_s);
-  /// Both fail as swapped; where it is `sure` that each shows the other's place, they are read for it.
-  void fail_pair(std::size_t one, std::size_t other, bool sure);
-  /// Sure where they have moved like each other's places, too.
   void fail_pair(std::size_t one, std::size_t other);
+  /// Each is read for the other's place, if that is wanted.
+  void cross(std::size_t one, std::size_t other);
+  /// Those that failed as swapped for what others say, once they have moved like each other's places by themselves.
+  void cross_whom_movement_shows();
   /// A pair that is read for each other's places, one of which is contradicted there: neither is read any more.
   template <class Contradicted>
   HealthVerdict separate(Contradicted&& is_contradicted);

@@ -132,7 +132,7 @@ TEST(Channel, that_was_implausible_returns_elsewhere_too_where_its_misfit_has_go
 TEST(Channel, that_was_swapped_or_failed_for_good_waits_for_the_acknowledgement) {
   Fed swapped, latched, own;
   for (Fed* fed : {&swapped, &latched, &own}) fed->feed_for(200, 300.0);
-  swapped.channel.fail_swapped(3, true);
+  swapped.channel.fail_swapped(3);
   EXPECT_EQ(swapped.record().partner, 3);
   latched.channel.fail(HealthFault::implausible, true);
   own.channel.fail(HealthFault::implausible, false);

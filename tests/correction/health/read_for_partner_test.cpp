@@ -165,6 +165,19 @@ TEST(ReadForPartner, two_that_only_others_say_are_swapped_are_not) {
   EXPECT_EQ(health.reader_of(0), 0U);
 }
 
+TEST(ReadForPartner, two_that_a_contradiction_says_are_swapped_are_once_movement_alone_would_say_so) {
+  HealthLimits limits;
+  limits.swap_limit = 100.0;
+  Exchanged run(drive_seed, limits);
+  while (run.drive.health.note_contradiction().failed < 0 && run.drive.time_s < 7200.0) run.go_on(1.0);
+  ASSERT_EQ(run.drive.failed(), 2);
+  EXPECT_TRUE(run.own());
+  while (run.own() && run.drive.time_s < 7200.0) run.go_on(1.0);
+  EXPECT_TRUE(run.crossed());
+  EXPECT_EQ(run.drive.health.note_update(std::vector<HealthUpdate>(6, {true, 0.0, 0})).failed, -1)
+      << "what the estimator learnt from them is forgotten already";
+}
+
 TEST(ReadForPartner, is_kept_and_wants_both_of_the_pair) {
   for (const bool other_too : {true, false}) {
     SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15}), {});
