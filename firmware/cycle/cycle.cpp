@@ -33,7 +33,7 @@ const Snapshot& Cycle::step(const DeviceFrame& frame, const PlcCommand& command,
     take_probes(plan_, sensed_, snapshot_.tare_m, corrector_);
     const CorrectedInputs inputs =
         correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, period_s}, model_, corrector_);
-    watch_update(update_inputs(), model_, watch_, corrector_);
+    watch_update(network_, operating_, model_, watch_, corrector_);
     note(integrate(network_, inputs.operating, inputs.factors, period_s, model_));
     predict(network_, model_, inputs.factors.expansion);
     if (plan_.compare_uncorrected) {

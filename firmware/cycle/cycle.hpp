@@ -95,9 +95,6 @@ class Cycle {
  private:
   bool ready_to_start();
   void start_from(double temperature_K);
-  UpdateInputs update_inputs() const {
-    return {network_, operating_, snapshot_.model_time_s, plan_.compare_uncorrected ? &uncorrected_ : nullptr};
-  }
   void start();
   std::optional<Eigen::VectorXd> stand_still(double gap_s, const std::atomic<bool>* stop);
   /// Through gap_s of model time without a reading. Gives the time since sensors were looked at last. Once started.

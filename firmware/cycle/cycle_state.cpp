@@ -75,7 +75,7 @@ double Cycle::catch_up(double gap_s) {
     watch_gap({network_, plan_, sensed_, model_, uncorrected_, since}, watch_, corrector_, judgement_);
     const CorrectedInputs inputs =
         correct(sensed_, judgement_, operating_, {snapshot_.model_time_s, advance_s}, model_, corrector_);
-    watch_update(update_inputs(), model_, watch_, corrector_);
+    watch_update(network_, operating_, model_, watch_, corrector_);
     integrate(network_, inputs.operating, inputs.factors, advance_s, model_);
     predict(network_, model_, inputs.factors.expansion);
     if (plan_.compare_uncorrected) {

@@ -57,14 +57,6 @@ struct WatchInputs {
   const Period& period;
 };
 
-/// What an update is judged by.
-struct UpdateInputs {
-  const rom::Network& network;
-  const rom::OperatingState& operating;
-  double now_s = 0.0;                  ///< model time
-  const Model* uncorrected = nullptr;  ///< that nothing corrects; null: none runs
-};
-
 /// Allocates. Throws rom::InputError for a limit out of range.
 SensorWatch make_watch(const rom::Network& network, const CyclePlan& plan, const Corrector& corrector);
 
@@ -91,7 +83,8 @@ void watch_gap(const WatchInputs& inputs, SensorWatch& watch, Corrector& correct
 
 /// After correct(): what the update said of each sensor. The estimator goes over to the filter without a sensor that
 /// failed by it, which changes the model's state. Runs in the cycle.
-void watch_update(const UpdateInputs& inputs, Model& model, SensorWatch& watch, Corrector& corrector);
+void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+                  Corrector& corrector);
 
 /// An order from the PLC; false where a tare is not offered. Runs in the cycle.
 bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement& judgement, SensorWatch& watch,

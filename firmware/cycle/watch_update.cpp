@@ -10,9 +10,7 @@ namespace {
 struct Watched {
   const rom::Network& network;
   const rom::OperatingState& operating;
-  double now_s;  ///< model time
   Model& model;
-  const Model* uncorrected;
   SensorWatch& watch;
   Corrector& corrector;
   correction::EstimatorCorrection& estimator;
@@ -49,24 +47,10 @@ bool explained_by_heat(const Watched& of) {
   return true;
 }
 
-/// All that the estimator has learnt, it has learnt from two sensors at the wrong places, too: it starts anew, from the
-/// model that nothing has corrected.
-void start_from_uncorrected(const Watched& of) {
-  of.model.stepper->set_temperatures(of.uncorrected->stepper->temperatures_K());
-  of.estimator.reset(of.now_s, of.model.stepper->temperatures_K(), of.operating);
-  watch_anew(of.estimator, of.watch);
-  with_biases(of.operating, of.corrector);
-  note_corrected(of.network, of.model, of.watch);
-}
-
-/// No filter has done without the two that were swapped: the estimate starts anew where they may have been so from the
-/// start, and goes back to what it was before where that is longer ago than movement is remembered.
+/// No filter has done without the two that were swapped: the estimate goes back to its priors where they may have been
+/// so from the start, and to what it was before where that is longer ago than movement is remembered.
 void leave_pair_out(const Watched& of) {
   const bool young = of.estimator.age_s() < of.watch.health->limits().swap_memory_s;
-  if (young && of.uncorrected != nullptr) {
-    start_from_uncorrected(of);
-    return;
-  }
   of.estimator.adopt(young ? of.estimator.prior() : of.watch.others->before(of.estimator), of.operating);
   of.watch.opinion->drop();
   follow_estimator(of.estimator, of.watch);
@@ -185,12 +169,12 @@ void watch_anew(const correction::EstimatorCorrection& estimator, SensorWatch& w
   if (watch.heat) watch.heat->follow(estimator);
 }
 
-void watch_update(const UpdateInputs& inputs, Model& model, SensorWatch& watch, Corrector& corrector) {
-  note_corrected(inputs.network, model, watch);
+void watch_update(const rom::Network& network, const rom::OperatingState& operating, Model& model, SensorWatch& watch,
+                  Corrector& corrector) {
+  note_corrected(network, model, watch);
   if (!watch.others) return;
   correction::EstimatorCorrection& estimator = *corrector.estimator;
-  const Watched of{inputs.network, inputs.operating, inputs.now_s, model, inputs.uncorrected,
-                   watch,          corrector,        estimator};
+  const Watched of{network, operating, model, watch, corrector, estimator};
   if (corrector.enabled && !watch.seen.was_enabled) watch_anew(estimator, watch);
   if (corrector.enabled != watch.seen.was_enabled) watch.health->note_restart();
   watch.seen.was_enabled = corrector.enabled;
