@@ -30,8 +30,9 @@ export function sensorWords(words, registers, point) {
     const why = hasFault ? meaning(words, "sensor_fault", fault) : meaning(words, "sensor_state", state);
     said.push(`${plain(state)}: ${why}`);
   }
-  if (registers.sensor_update.set[point]?.includes("by_partner")) said.push(meaning(words, "sensor_update", "by_partner"));
-  if (registers.sensor_update.set[point]?.includes("rejected")) {
+  const update = registers.sensor_update.set[point] ?? [];
+  if (update.includes("by_partner")) said.push(meaning(words, "sensor_update", "by_partner"));
+  if (update.includes("rejected")) {
     said.push(`${meaning(words, "sensor_update", "rejected")} (test ratio ${registers.sensor_test_ratio.values[point]})`);
   }
   return said.length ? said.join("; ") : "good";
