@@ -17,6 +17,10 @@ bool is_new(const Log& log, double age_s) {
   return !log.cycle_s || std::isnan(age_s) || age_s < of_a_cycle * *log.cycle_s;
 }
 
+bool is_reading(const LogRow& row, std::size_t sensor) {
+  return std::isfinite(row.measured_K[sensor]) && !row.disbelieved[sensor];
+}
+
 /// The lengths of a log, rows x deformation outputs.
 Eigen::MatrixXd lengths_of(const rom::Network& network, const Log& log) {
   const auto rows = static_cast<Eigen::Index>(log.rows.size());
@@ -48,8 +52,8 @@ double first_mean_K(const rom::Network& network, const Log& log) {
   double sum_K = 0.0;
   int count = 0;
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
-    const auto first = std::find_if(log.rows.begin(), log.rows.end(),
-                                    [&](const LogRow& row) { return std::isfinite(row.measured_K[k]); });
+    const auto first =
+        std::find_if(log.rows.begin(), log.rows.end(), [&](const LogRow& row) { return is_reading(row, k); });
     if (!log.has_sensor[k] || first == log.rows.end()) continue;
     sum_K += first->measured_K[k];
     ++count;
@@ -79,13 +83,25 @@ correction::ThermalTest read_thermal_test(const rom::Network& network, const Log
     test.operating.push_back(operating);
     for (Eigen::Index k = 0; k < sensors; ++k) {
       const auto sensor = static_cast<std::size_t>(k);
-      if (log.has_sensor[sensor] && is_new(log, row.age_s[sensor])) test.measured_K(r, k) = row.measured_K[sensor];
+      if (!log.has_sensor[sensor] || !is_reading(row, sensor) || !is_new(log, row.age_s[sensor])) continue;
+      test.measured_K(r, k) = row.measured_K[sensor];
     }
   }
   test.deformation_m = lengths_of(network, log);
   const double mean_K = first_mean_K(network, log);
   test.start_K = start_degC ? *start_degC + firmware::zero_degC_K : mean_K;
   return test;
+}
+
+std::vector<int> readings_left_out(const rom::Network& network, const Log& log) {
+  std::vector<int> count(network.key_points.size(), 0);
+  for (const LogRow& row : log.rows) {
+    for (std::size_t k = 0; k < count.size(); ++k) {
+      const bool is_new_one = std::isfinite(row.measured_K[k]) && is_new(log, row.age_s[k]);
+      if (is_new_one && row.disbelieved[k]) ++count[k];
+    }
+  }
+  return count;
 }
 
 }  // namespace spindle_twin::host_tools

@@ -72,7 +72,25 @@ nlohmann::ordered_json channels_json(const correction::CalibrateOptions& options
   return list;
 }
 
-void print_json(const correction::CalibrateOptions& options, const correction::CalibrationResult& result) {
+/// Readings of a sensor that the daemon did not believe.
+struct LeftOut {
+  std::string log, sensor;
+  int readings = 0;
+};
+
+/// Says them to stderr, so that a fit with fewer readings than a person counts surprises nobody.
+void add_left_out(const rom::Network& network, const Log& log, std::vector<LeftOut>& list) {
+  const std::vector<int> count = readings_left_out(network, log);
+  for (std::size_t k = 0; k < count.size(); ++k) {
+    if (count[k] == 0) continue;
+    list.push_back({log.file, network.key_points[k].name, count[k]});
+    std::fprintf(stderr, "%s: %d readings of %s are left out, which the daemon did not believe\n", log.file.c_str(),
+                 count[k], network.key_points[k].name.c_str());
+  }
+}
+
+void print_json(const correction::CalibrateOptions& options, const std::vector<LeftOut>& left_out,
+                const correction::CalibrationResult& result) {
   const correction::Calibration& calibration = result.calibration;
   nlohmann::ordered_json json{{"spindle", calibration.spindle},
                               {"logs", calibration.logs},
@@ -83,6 +101,10 @@ void print_json(const correction::CalibrateOptions& options, const correction::C
                               {"fits", result.misfits.empty()},
                               {"misfits", result.misfits},
                               {"start_seed", options.start_seed}};
+  json["left_out"] = nlohmann::ordered_json::array();
+  for (const LeftOut& each : left_out) {
+    json["left_out"].push_back({{"log", each.log}, {"sensor", each.sensor}, {"readings", each.readings}});
+  }
   for (const correction::StartedFit& start : result.starts) {
     json["starts"].push_back({{"cost", start.cost}, {"apart", start.apart}, {"other_minimum", start.is_other}});
   }
@@ -191,9 +213,11 @@ void run_calibrate(const CalibrateCommand& command) {
   if (!command.page.empty()) rom::check_writable(command.page, "--html");
   const rom::RomFile file = rom::read_rom_file(command.network);
   std::vector<correction::ThermalTest> tests;
-  for (const std::string& log : command.logs) {
-    tests.push_back(
-        read_thermal_test(file.network, read_log(log, file.network, command.longest_gap_s), command.start_degC));
+  std::vector<LeftOut> left_out;
+  for (const std::string& name : command.logs) {
+    const Log log = read_log(name, file.network, command.longest_gap_s);
+    tests.push_back(read_thermal_test(file.network, log, command.start_degC));
+    add_left_out(file.network, log, left_out);
   }
   correction::CalibrateOptions options = test_options(file.network, command.config);
   options.probe_noise_m = command.probe_noise_um * rom::m_per_um;
@@ -208,7 +232,7 @@ void run_calibrate(const CalibrateCommand& command) {
   if (shows) std::fprintf(stderr, "\r%60s\r", "");
   result.calibration.network_sha256 = file.sha256;
   result.calibration.made_unix_s = static_cast<double>(std::time(nullptr));
-  command.json ? print_json(options, result) : print_table(options, result);
+  command.json ? print_json(options, left_out, result) : print_table(options, result);
   if (!command.page.empty()) {
     rom::write_whole_file(command.page,
                           fill_page(calibration_page_text, calibration_page_data(file.network, options, result)));

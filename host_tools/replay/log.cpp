@@ -81,6 +81,14 @@ void take(const std::vector<double>& values, Unit unit, std::size_t slot, std::a
   for (std::size_t i = 0; i < rows.size(); ++i) (rows[i].*field)[slot] = values[i] * unit.factor + unit.shift;
 }
 
+/// Of a sensor's states; empty where no health was watched.
+void take_disbelief(const std::vector<double>& states, std::size_t sensor, std::vector<LogRow>& rows) {
+  constexpr auto good = static_cast<double>(firmware::bits(firmware::SensorState::good));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].disbelieved[sensor] = std::isfinite(states[i]) && states[i] != good;
+  }
+}
+
 void read_values(const rom::CsvTable& table, const rom::Network& network, Log& log) {
   for (const SignalColumn& column : signal_columns(network)) {
     const std::size_t s = column.signal;
@@ -102,6 +110,8 @@ void read_values(const rom::CsvTable& table, const rom::Network& network, Log& l
     take(table.column(table.has(raw) ? raw : name), celsius, k, &LogRow::raw_K, log.rows);
     const std::string age = "age." + network.key_points[k].name + "_s";
     if (table.has(age)) take(table.column(age), {}, k, &LogRow::age_s, log.rows);
+    const std::string state = "sensor_state." + network.key_points[k].name;
+    if (table.has(state)) take_disbelief(table.column(state), k, log.rows);
   }
   for (std::size_t d = 0; d < network.deformations.size(); ++d) {
     const std::string probe = "probe." + network.deformations[d].name + "_m";

@@ -23,7 +23,8 @@ struct LogRow {  // NOLINT(public-members): one for each column of a log
   std::array<double, firmware::slots::deformations>
       deformation_m{};  ///< measured: a probe, or from outside for judging only
   // Of a history:
-  std::int64_t missed = 0;  ///< periods without a cycle before this one
+  std::array<bool, firmware::slots::key_points> disbelieved{};  ///< the daemon did not use the sensor's reading
+  std::int64_t missed = 0;                                      ///< periods without a cycle before this one
   bool connected = true;
   bool correction_enabled = true;
   std::int64_t clock_ns = 0;        ///< when the cycle began

@@ -192,6 +192,28 @@ class Calibrate(RunningDaemon):
         readings = {channel["name"]: channel["readings"] for channel in json.loads(made.stdout)["channels"]}
         self.assertEqual(set(readings), {*SENSORS, "nose"})
         self.assertGreaterEqual(readings["nose"], 5)
+        self.break_wire(self.folder / "history.csv", "sleeve_inner")
+        broken = self.tool("calibrate", self.rom, self.folder / "history.csv", "--json")
+        self.assertRegex(broken.stderr, r"history\.csv: \d+ readings of sleeve_inner are left out, which the daemon did not believe")
+        said = json.loads(broken.stdout)
+        self.assertEqual([each["sensor"] for each in said["left_out"]], ["sleeve_inner"])
+        self.assertGreater(said["left_out"][0]["readings"], 10)
+        fewer = {channel["name"]: channel for channel in said["channels"]}
+        self.assertLess(fewer["sleeve_inner"]["readings"], fewer["sleeve_outer"]["readings"])
+        self.assertLess(fewer["sleeve_inner"]["rms_K"], 50)  # of 850 degC
+
+    def break_wire(self, history, sensor):
+        """In the second half of it, as the daemon writes it then; before, and of the others, all is believed."""
+        rows = list(csv.DictReader(history.read_text().splitlines()))
+        for row in rows:
+            row.update({f"sensor_state.{each}": "0" for each in SENSORS})
+        for row in rows[len(rows) // 2:]:
+            row[f"measured.{sensor}_degC"] = row[f"raw.{sensor}_degC"] = "850"
+            row[f"sensor_state.{sensor}"] = "2"
+        with history.open("w", newline="") as file:
+            table = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)
 
     def test_bad_logs_end_in_one_line(self):
         log = self.folder / "bad.csv"
