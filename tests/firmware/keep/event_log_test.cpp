@@ -57,6 +57,18 @@ TEST(EventLogLines, of_faults_those_that_came_and_those_that_went) {
   EXPECT_EQ(log.told(now), "info fault integrator_failed, history_lost is over\n");
 }
 
+TEST(EventLogLines, of_a_sensor_that_is_swapped_the_other_one_is_said) {
+  Log log;
+  Snapshot now;
+  log.told(now);
+  now.sensor_health[0] = {SensorState::failed, SensorFault::swapped, 2};
+  EXPECT_EQ(log.told(now), "warning sensor sleeve_inner: failed, swapped with sleeve_outer\n");
+  now.sensor_health[0] = {};
+  log.told(now);
+  now.sensor_health[0] = {SensorState::failed, SensorFault::open, 2};
+  EXPECT_EQ(log.told(now), "warning sensor sleeve_inner: failed, open\n");
+}
+
 TEST(EventLogLines, a_sensor_is_said_when_it_fails_and_when_it_is_believed_again) {
   Log log;
   Snapshot now;
