@@ -116,8 +116,8 @@ class Deploy(RunningDaemon):
         end = time.monotonic() + 60
         while self.exchange() != ACCEPTED:
             self.assertLess(time.monotonic(), end, self.log_text())
-            words = self.read(8, 2) + self.read(NOSE, 2)
-            sequence, nose = words[0] << 16 | words[1], float32(*words[2:])
+            words = self.read(8, NOSE + 2 - 8)  # in one request: both of one cycle
+            sequence, nose = words[0] << 16 | words[1], float32(*words[-2:])
             if last and sequence > last[0]:
                 largest = max(largest, abs(nose - last[1]) / (sequence - last[0]))
             last = sequence, nose
