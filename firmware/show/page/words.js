@@ -17,6 +17,12 @@ export const hasBit = (words, register, value, name) =>
 
 export const plain = name => name.replaceAll("_", " ");
 
+// The key point that a swapped sensor shows.
+function partnerOf(registers, point) {
+  const partner = Object.keys(registers.sensor_quality.names)[registers.sensor_partner.values[point] ?? -1];
+  return partner === undefined ? "" : `; the other one: ${partner}`;
+}
+
 // Whether a sensor is believed and, where not, why.
 export function sensorWords(words, registers, point) {
   const quality = registers.sensor_quality.names[point];
@@ -28,7 +34,7 @@ export function sensorWords(words, registers, point) {
   if (state !== null && state !== "good") {
     const hasFault = fault !== null && fault !== "none";
     const why = hasFault ? meaning(words, "sensor_fault", fault) : meaning(words, "sensor_state", state);
-    said.push(`${plain(state)}: ${why}`);
+    said.push(`${plain(state)}: ${why}${partnerOf(registers, point)}`);
   }
   const update = registers.sensor_update.set[point] ?? [];
   if (update.includes("by_partner")) said.push(meaning(words, "sensor_update", "by_partner"));
