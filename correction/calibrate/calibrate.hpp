@@ -18,7 +18,7 @@ struct CalibrateLimits {
   double held_out_mean = 3.0;   ///< deviations of the mean of any channel there
   double chi_square = 1.15;     ///< per reading
   double asked_before = 3.0;    ///< deviations of a heat that first parts ask for and no source explains, and
-  double asked_after = 1.64;    ///< of the same heat in what is held out, which by chance is so once in twenty
+  double asked_after = 1.0;     ///< of the same heat in what is held out, which by chance is so once in six
   double times_expected = 3.0;  ///< rms of any channel there, of what the fit itself allows for
   double asked_heat = 4.0;      ///< deviations of a heat that readings ask for and no source explains
 };

@@ -33,7 +33,7 @@ TEST(CalibrationLimits, are_those_that_are_stated) {
   EXPECT_EQ(limits.held_out_mean, 3.0);
   EXPECT_EQ(limits.times_expected, 3.0);
   EXPECT_EQ(limits.asked_before, 3.0);
-  EXPECT_EQ(limits.asked_after, 1.64);
+  EXPECT_EQ(limits.asked_after, 1.0);
   EXPECT_EQ(limits.asked_heat, 4.0);
   const DriftOptions drift;
   EXPECT_EQ(drift.heat, 0.05);
