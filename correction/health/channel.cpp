@@ -70,7 +70,7 @@ void Channel::resume(const KeptHealth& from) {
   record_.failures = std::max(0, from.failures - 1);  // the failure itself is counted again
   fail(from.fault, from.latched);
   record_.partner = from.partner;
-  reads_for_partner_ = from.read_for_partner;
+  if (from.read_for_partner) begin_reading_for_partner();
 }
 
 void Channel::acknowledge() {

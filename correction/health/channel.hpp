@@ -63,9 +63,9 @@ class Channel {
   void fail_swapped(int partner);
   /// It is out for that.
   bool is_swapped() const { return latched_ && is_out() && record_.fault == HealthFault::swapped; }
-  /// It is sure that it shows its partner's place: its readings may be used for that until acknowledge(), if that has
-  /// not been ended.
-  void read_for_partner() { reads_for_partner_ = !refused_; }
+  /// It is sure that it shows its partner's place: its readings may be used for that until acknowledge(), where that is
+  /// wanted (HealthLimits::read_swapped) and has not been ended.
+  void begin_reading_for_partner() { reads_for_partner_ = limits_.read_swapped && !refused_; }
   bool reads_for_partner() const { return reads_for_partner_ && is_swapped(); }
   /// It does not show its partner's place either: its readings are not used for that any more.
   void end_reading_for_partner() {

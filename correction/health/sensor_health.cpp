@@ -54,18 +54,17 @@ void SensorHealth::fail_pair(std::size_t one, std::size_t other) {
   channels_[other].fail_swapped(static_cast<int>(one));
 }
 
-void SensorHealth::cross(std::size_t one, std::size_t other) {
-  if (!limits_.read_swapped) return;
-  channels_[one].read_for_partner();
-  channels_[other].read_for_partner();
+void SensorHealth::begin_reading_for_each_other(std::size_t one, std::size_t other) {
+  channels_[one].begin_reading_for_partner();
+  channels_[other].begin_reading_for_partner();
 }
 
-void SensorHealth::cross_whom_movement_shows() {
+void SensorHealth::heed_movement_of_swapped() {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const auto other = static_cast<std::size_t>(std::max(record(i).partner, 0));
     const bool pair = other > i && channels_[i].is_swapped() && channels_[other].is_swapped();
     if (!pair || record(other).partner != static_cast<int>(i) || channels_[i].reads_for_partner()) continue;
-    if (exchange_.evidence(i, other, limits_) > limits_.swap_limit) cross(i, other);
+    if (exchange_.evidence(i, other, limits_) > limits_.swap_limit) begin_reading_for_each_other(i, other);
   }
 }
 
@@ -78,7 +77,7 @@ std::size_t SensorHealth::reader_of(std::size_t place) const {
 }
 
 template <class Contradicted>
-HealthVerdict SensorHealth::separate(Contradicted&& is_contradicted) {
+HealthVerdict SensorHealth::end_reading_where(Contradicted&& is_contradicted) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const std::size_t reader = reader_of(i);
     const bool settled = time_s_ - record(i).since_s > limits_.settle_s;
@@ -106,19 +105,22 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
       if (!in_use_[i] || !in_use_[j] || !channels_[i].exchanged_courses_with(channels_[j])) continue;
       fail_pair(i, j);
-      cross(i, j);
+      begin_reading_for_each_other(i, j);
       in_use_[i] = in_use_[j] = false;
     }
   }
-  cross_whom_movement_shows();
   const ExchangeDetector::Pair pair = exchange_.find(in_use_, limits_);
-  if (pair.one < 0) return;
-  fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
-  cross(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
-  untold_ = pair;
+  if (pair.one >= 0) {
+    fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
+    untold_ = pair;
+  }
+  heed_movement_of_swapped();
 }
 
 HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt) {
+  const HealthVerdict ended =
+      end_reading_where([&](std::size_t i) { return updates[i].evidence > limits_.drift_limit; });
+  if (ended.failed >= 0) return ended;
   for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     considered_[i] = updates[i];
@@ -126,8 +128,6 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
     considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
   }
   const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
-  const HealthVerdict separated = separate([&](std::size_t i) { return updates[i].evidence > limits_.drift_limit; });
-  if (separated.failed >= 0) return separated;
   if (untold_.one >= 0) {
     const HealthVerdict told{untold_.one, untold_.other};
     untold_ = {};
@@ -149,8 +149,8 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
 }
 
 HealthVerdict SensorHealth::note_contradiction() {
-  const HealthVerdict separated = separate([](std::size_t) { return true; });
-  if (separated.failed >= 0) return separated;
+  const HealthVerdict ended = end_reading_where([](std::size_t) { return true; });
+  if (ended.failed >= 0) return ended;
   for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const int partner = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;

@@ -72,13 +72,13 @@ class SensorHealth {
   void follow_what_most_do();
   void find_exchanged(const std::vector<HealthSample>& samples, double h_s);
   void fail_pair(std::size_t one, std::size_t other);
-  /// Each is read for the other's place, if that is wanted.
-  void cross(std::size_t one, std::size_t other);
-  /// Those that failed as swapped for what others say, once they have moved like each other's places by themselves.
-  void cross_whom_movement_shows();
+  void begin_reading_for_each_other(std::size_t one, std::size_t other);
+  /// Two that have failed as swapped, for whatever reason, are read for each other's places once they have moved like
+  /// them.
+  void heed_movement_of_swapped();
   /// A pair that is read for each other's places, one of which is contradicted there: neither is read any more.
   template <class Contradicted>
-  HealthVerdict separate(Contradicted&& is_contradicted);
+  HealthVerdict end_reading_where(Contradicted&& is_contradicted);
 
   HealthLimits limits_;
   std::vector<Channel> channels_;

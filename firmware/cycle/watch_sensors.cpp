@@ -76,7 +76,8 @@ void note_readers(SensorWatch& watch, Corrector& corrector) {
     const std::size_t reader = watch.health->reader_of(channel.key_point);
     const bool is_own = reader == channel.key_point;
     if (reader != channel.reader && !is_own) {
-      const double deviation_K = corrector.estimator->sensors()[c].offset_deviation_K;
+      const auto of_reader = static_cast<std::size_t>(channel_at(corrector, reader));
+      const double deviation_K = corrector.estimator->sensors()[of_reader].offset_deviation_K;
       widen_offset(static_cast<Eigen::Index>(c), deviation_K, watch, corrector);
     }
     channel.reader = reader;

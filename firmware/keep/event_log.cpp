@@ -104,9 +104,8 @@ void EventLog::note_sensors(const Snapshot& now, std::int64_t now_ns) {
     const auto held_back = sensors_.pass(now_ns);
     if (!held_back) continue;
     if (failed) {
-      const auto partner = static_cast<std::size_t>(std::max<std::int16_t>(health.partner, 0));
-      const bool has_partner =
-          health.fault == SensorFault::swapped && health.partner >= 0 && partner < key_points_.size();
+      const auto partner = static_cast<std::size_t>(health.partner);  // -1, none: beyond all
+      const bool has_partner = health.fault == SensorFault::swapped && partner < key_points_.size();
       spdlog::warn("sensor {}: failed, {}{}{}", key_points_[k], name_of(sensor_fault_codes, bits(health.fault)),
                    has_partner ? " with " + key_points_[partner] : "", LogLimit::also(*held_back));
     } else {

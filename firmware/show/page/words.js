@@ -19,6 +19,7 @@ export const plain = name => name.replaceAll("_", " ");
 
 // The key point that a swapped sensor shows.
 function partnerOf(registers, point) {
+  if (registers.sensor_fault.names[point] !== "swapped") return "";
   const partner = Object.keys(registers.sensor_quality.names)[registers.sensor_partner.values[point] ?? -1];
   return partner === undefined ? "" : `; the other one: ${partner}`;
 }

@@ -178,6 +178,17 @@ TEST(ReadForPartner, two_that_a_contradiction_says_are_swapped_are_once_movement
       << "what the estimator learnt from them is forgotten already";
 }
 
+TEST(ReadForPartner, what_was_kept_begins_again_only_where_it_is_wanted) {
+  for (const bool wanted : {true, false}) {
+    HealthLimits limits;
+    limits.read_swapped = wanted;
+    SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15}), limits);
+    health.resume(0, {HealthFault::swapped, true, 2, 1, true});
+    health.resume(2, {HealthFault::swapped, true, 0, 1, true});
+    EXPECT_EQ(health.reader_of(0), wanted ? 2U : 0U);
+  }
+}
+
 TEST(ReadForPartner, is_kept_and_wants_both_of_the_pair) {
   for (const bool other_too : {true, false}) {
     SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15}), {});
