@@ -37,10 +37,12 @@ class ExchangeDetector {
   /// readings. [K], from any zero. May run in the cycle.
   void note_model(std::size_t channel, double uncorrected_K, double h_s);
   /// A reading that is on its course, elapsed_s >= 0 after the one before. `counts`: the channel is in use; else only
-  /// its running means are carried on. May run in the cycle: 3 n products.
+  /// its running means are carried on. After swap_gap_s without a reading, where they come more often, it is forgotten.
+  /// May run in the cycle: 3 n products.
   void note_reading(std::size_t channel, double reading_K, double elapsed_s, bool counts, const HealthLimits& limits);
 
-  /// Its readings are of another place from now on: their movement is gathered anew. May run in the cycle.
+  /// Its readings may be of another place from now on: their movement is gathered anew, from that of the model at its
+  /// own place on. May run in the cycle.
   void forget(std::size_t channel);
 
   /// The pair among the channels in use that is exchanged with most evidence, none without an uncorrected model. May
@@ -56,7 +58,8 @@ class ExchangeDetector {
   /// First-order high-pass: what is left of x when its running mean over tau is taken away.
   class HighPass {
    public:
-    double pass(double x, double h_s, double tau_s);
+    /// `first`: what is left of the first x.
+    double pass(double x, double h_s, double tau_s, double first = 0.0);
 
    private:
     double mean_ = 0.0;
@@ -81,7 +84,8 @@ class ExchangeDetector {
 
   std::array<Scale, scales_s.size()> scales_;
   Eigen::VectorXd noise_K_;
-  Eigen::VectorXd seen_s_;  // time that the sums of a channel stand for
+  Eigen::VectorXd seen_s_;      // time that the sums of a channel stand for
+  Eigen::VectorXd interval_s_;  // between its readings, as a rule
 };
 
 }  // namespace spindle_twin::correction

@@ -36,14 +36,37 @@ void LeaveOneOut::keep_all(const SquareRootFilter& filter) {
   }
 }
 
-void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
+void LeaveOneOut::begin_anew(const EstimatorCorrection& estimator) {
   for (SquareRootFilter& filter : filters_) {
     filter.set_mean(estimator.filter().mean());
     filter.set_root(estimator.filter().root());
   }
   std::fill(misfits_.begin(), misfits_.end(), Misfit{});
-  keep_all(estimator.filter());
   age_s_ = 0.0;
+}
+
+void LeaveOneOut::follow(const EstimatorCorrection& estimator) {
+  begin_anew(estimator);
+  keep_all(estimator.filter());
+}
+
+void LeaveOneOut::follow_loosened(const EstimatorCorrection& estimator) {
+  begin_anew(estimator);
+  const ParameterModel& parameters = estimator.parameters();
+  const Eigen::Index end = parameters.count(), first = end - parameters.starts();
+  keep_.setOnes();
+  for (Kept& kept : kept_) {
+    // The start is now: what it has done until now is in the state, and as unknown as the estimator says.
+    row_ = kept.filter.mean();
+    growth_.setZero();
+    for (Eigen::Index i = first; i < end; ++i) {
+      const double now = estimator.filter().deviation(i), then = kept.filter.deviation(i);
+      row_[i] = estimator.filter().mean()[i];
+      growth_[i] = std::max(0.0, now * now - then * then);
+    }
+    kept.filter.set_mean(row_);
+    kept.filter.pass_time(estimator.prior().mean(), keep_, growth_);
+  }
 }
 
 void LeaveOneOut::shift_offset(const EstimatorCorrection& estimator, Eigen::Index sensor, double shift_K) {

@@ -39,6 +39,9 @@ class LeaveOneOut {
   /// All filters become copies of the estimator's own, and all evidence is dropped; after the estimator was reset,
   /// restored, switched on or changed. May run in the cycle.
   void follow(const EstimatorCorrection& estimator);
+  /// The same after the estimator was loosened, but before() still gives what was before that: it was not wrong where
+  /// two sensors turn out to be exchanged. May run in the cycle.
+  void follow_loosened(const EstimatorCorrection& estimator);
   /// Takes the estimator's last update into all filters; once after each. May run in the cycle: m (m − 1) rank-one
   /// updates and m Cholesky factors of m sensors.
   void update(const EstimatorCorrection& estimator);
@@ -80,6 +83,7 @@ class LeaveOneOut {
   };
   /// Takes the last update into the filter without the sensor; gives its J.
   double update_one(const EstimatorCorrection& estimator, Eigen::Index sensor);
+  void begin_anew(const EstimatorCorrection& estimator);
   void keep_all(const SquareRootFilter& filter);
 
   std::vector<SquareRootFilter> filters_;

@@ -117,7 +117,8 @@ void heed_loosening(const Watched& of) {
   const bool settled = of.estimator.age_s() > limits.settle_s && watch.opinion->sensor() < 0;
   const Eigen::Index suspect = settled ? watch.others->most_doubtful(limits.exchange_evidence) : -1;
   if (suspect >= 0) watch.opinion->begin(suspect, *watch.others);
-  follow_estimator(of.estimator, watch);
+  watch.others->follow_loosened(of.estimator);
+  if (watch.heat) watch.heat->follow(of.estimator);
   const bool swapped = watch.health->note_contradiction().partner >= 0;
   watch.health->note_restart();
   if (swapped) leave_pair_out(of);

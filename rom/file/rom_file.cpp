@@ -32,6 +32,14 @@ std::span<const std::uint8_t> payload_of(const std::vector<std::uint8_t>& bytes,
   return std::span(bytes).subspan(header::size, length);
 }
 
+/// What a person who gives a description in a network's place has left out; empty where it is no description.
+std::string way_to_one(const std::string& file) {
+  return file.ends_with(".toml")
+             ? "; `spindle-twin build` makes one of a spindle's description, `spindle-twin assemble` "
+               "of a network written by hand"
+             : "";
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_network(const Network& network) {
@@ -51,7 +59,7 @@ RomFile decode_rom_file(const std::vector<std::uint8_t>& bytes, const std::strin
   const std::size_t shared = std::min(bytes.size(), header::magic.size());
   if (bytes.empty() ||
       !std::equal(header::magic.begin(), header::magic.begin() + static_cast<std::ptrdiff_t>(shared), bytes.begin())) {
-    throw InputError(where, "", "not a .rom file");
+    throw InputError(where, "", "not a .rom file" + way_to_one(file));
   }
   if (bytes.size() < header::size) {
     throw InputError(where, "header", "truncated: " + std::to_string(bytes.size()) + " of 52 bytes");

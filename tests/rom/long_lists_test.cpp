@@ -100,6 +100,12 @@ TEST(RomFile, a_cut_header_says_how_much_of_it_is_there) {
   EXPECT_EQ(cut_to(3), "x.rom: header: truncated: 3 of 52 bytes");
   EXPECT_EQ(cut_to(0), "x.rom: not a .rom file");
   EXPECT_EQ(refusal_of([&] { decode_rom_file({'S', 'P', 'A'}, "x.rom"); }), "x.rom: not a .rom file");
+  EXPECT_EQ(
+      refusal_of([&] {
+        decode_rom_file({'[', 's', 'p'}, "x.toml");
+      }),
+      "x.toml: not a .rom file; `spindle-twin build` makes one of a spindle's description, `spindle-twin assemble` "
+      "of a network written by hand");
 }
 
 }  // namespace long_lists_test

@@ -60,8 +60,9 @@ inline void expect_as_recorded(const std::string& name, const std::string& now, 
       ADD_FAILURE() << path << ":" << number << "\n  was  " << line_then << "\n  now  " << line_now;
     }
   }
-  EXPECT_FALSE(std::getline(lines, line_now)) << path << " ends before: " << line_now;
-  EXPECT_EQ(different, 0) << "lines that changed, of " << number;
+  EXPECT_FALSE(std::getline(lines, line_now))
+      << path << " ends before: " << line_now << "; how to record anew: tests/recorded/README.md";
+  EXPECT_EQ(different, 0) << "lines that changed, of " << number << "; how to record anew: tests/recorded/README.md";
   EXPECT_GT(number, 0) << path << " is empty";
 }
 

@@ -141,6 +141,44 @@ TEST(WatchUpdate, two_that_were_exchanged_from_the_start_on_take_the_estimate_ba
   EXPECT_NEAR(heat_deviation(run), 1.0, 0.02);
 }
 
+/// The exchange is made while both are unplugged and the spindle stands: no sample shows it, and what they moved like
+/// before says nothing any more. What was learnt of the machine hours ago was not learnt from the exchange.
+TEST(WatchUpdate, two_that_are_exchanged_while_unplugged_are_found_and_what_was_learnt_before_is_kept) {
+  const rom::Network network = tests::small_network();
+  CyclePlan plan = estimated();
+  plan.signals[0].source = plan.signals[1].source = SignalSource::device;
+  constexpr int out = 5400, back = 9000;
+  for (const double heat : {0.8, 1.3}) {
+    Watched run(network, plan, heat);
+    run.tamper = [&](int n, DeviceFrame& frame) {
+      const bool runs = n < out || n >= back;
+      run.machine.operating.speed_rpm = runs ? plan.signals[0].value : 0.0;
+      run.machine.operating.load = runs ? 1.0 : 0.0;
+      frame.signals[0] = {run.machine.operating.speed_rpm, at_s(n)};
+      frame.signals[1] = {run.machine.operating.load, at_s(n)};
+      if (n >= out) std::swap(frame.sensors[0], frame.sensors[2]);
+      for (const std::size_t k : {0U, 2U}) {
+        if (n >= out && n < back) frame.sensors[k].time_ns = at_s(out - 1);
+      }
+    };
+    run.until(out);
+    const double before = heat_deviation(run);
+    EXPECT_LT(before, 0.6) << "it had learnt something";
+    run.heap_calls = 0;
+    run.until(back);
+    ASSERT_EQ(run.last.sensors_failed, 0);
+    EXPECT_LT(until_one_fails(run, back + 450), back + 450) << heat;
+    EXPECT_EQ(run.last.sensors_failed, 2) << heat;
+    EXPECT_EQ(run.last.sensor_health[0].partner, 2) << heat;
+    EXPECT_LT(heat_deviation(run), 0.5 * (before + 1.0)) << heat;
+    for (const int more : {600, 1800}) {
+      run.until(run.n + more);
+      EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]) << heat << ", " << more;
+    }
+    EXPECT_EQ(run.heap_calls, 0);
+  }
+}
+
 TEST(WatchUpdate, one_that_drifts_fails_alone_whichever_it_is_and_the_truth_stays_inside_behind_it) {
   const rom::Network network = tests::small_network();
   for (const std::size_t drifting : {0U, 2U}) {

@@ -110,7 +110,7 @@ TEST(Evaluate, every_law_is_continuous_in_value_and_slope_over_every_input) {
   }
 }
 
-TEST(Evaluate, anything_finite_gives_something_finite) {
+TEST(Evaluate, anything_finite_gives_something_finite_and_not_negative) {
   constexpr unsigned seed = 11;
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
