@@ -82,13 +82,14 @@ void Channel::acknowledge() {
 void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   sample_ = sample;
   time_s_ = time_s;
-  record_.usable = record_.returned = record_.read_for_partner = off_course_ = false;
+  record_.usable = record_.returned = record_.read_for_partner = off_course_ = was_away_ = false;
   model_.add(sample.moved_K, h_s);
   elapsed_s_ += h_s;
   moved_K_ += sample.moved_K;
   present_ = plan_.configured && sample.present && std::isfinite(sample.reading_K);
   if (!present_) return;
-  if (elapsed_s_ > std::max(limits_.gap_s, limits_.gap_intervals * plan_.interval_s)) {
+  was_away_ = elapsed_s_ > std::max(limits_.gap_s, limits_.gap_intervals * plan_.interval_s);
+  if (was_away_) {
     course_.restart();
     stuck_.restart();
     model_.interrupt();

@@ -8,10 +8,8 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double impossible = -std::numeric_limits<double>::infinity();
-constexpr double least_gain = 0.05;    // so that ln stays finite; beyond eight σ of it
-constexpr std::size_t middle = 1;      // the scale at which gains are compared
-constexpr double gap_intervals = 4.0;  // readings are away, not seldom
-constexpr double intervals_averaged = 10.0;
+constexpr double least_gain = 0.05;  // so that ln stays finite; beyond eight σ of it
+constexpr std::size_t middle = 1;    // the scale at which gains are compared
 
 Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
@@ -19,8 +17,7 @@ Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 ExchangeDetector::ExchangeDetector(const std::vector<double>& noise_K)
     : noise_K_(Eigen::Map<const Eigen::VectorXd>(noise_K.data(), index(noise_K.size()))),
-      seen_s_(Eigen::VectorXd::Zero(noise_K_.size())),
-      interval_s_(seen_s_) {
+      seen_s_(Eigen::VectorXd::Zero(noise_K_.size())) {
   const Eigen::Index n = noise_K_.size();
   for (Scale& scale : scales_) {
     scale.reading_filters.resize(noise_K.size());
@@ -47,10 +44,6 @@ void ExchangeDetector::note_model(std::size_t channel, double uncorrected_K, dou
 void ExchangeDetector::note_reading(std::size_t channel, double reading_K, double elapsed_s, bool counts,
                                     const HealthLimits& limits) {
   const Eigen::Index i = index(channel);
-  if (elapsed_s > limits.swap_gap_s && elapsed_s > gap_intervals * interval_s_[i]) forget(channel);
-  const bool first = !(interval_s_[i] > 0.0);
-  const double believed_s = first ? elapsed_s : std::min(elapsed_s, gap_intervals * interval_s_[i]);
-  interval_s_[i] += (believed_s - interval_s_[i]) / (first ? 1.0 : intervals_averaged);
   const double weight_s = std::min(elapsed_s, scales_s.front());  // what moved in a long gap was not seen
   const double keep = std::exp(-elapsed_s / limits.swap_memory_s);
   if (counts) seen_s_[i] = keep * seen_s_[i] + weight_s;

@@ -37,8 +37,7 @@ class ExchangeDetector {
   /// readings. [K], from any zero. May run in the cycle.
   void note_model(std::size_t channel, double uncorrected_K, double h_s);
   /// A reading that is on its course, elapsed_s >= 0 after the one before. `counts`: the channel is in use; else only
-  /// its running means are carried on. After swap_gap_s without a reading, where they come more often, it is forgotten.
-  /// May run in the cycle: 3 n products.
+  /// its running means are carried on. May run in the cycle: 3 n products.
   void note_reading(std::size_t channel, double reading_K, double elapsed_s, bool counts, const HealthLimits& limits);
 
   /// Its readings may be of another place from now on: their movement is gathered anew, from that of the model at its
@@ -84,8 +83,7 @@ class ExchangeDetector {
 
   std::array<Scale, scales_s.size()> scales_;
   Eigen::VectorXd noise_K_;
-  Eigen::VectorXd seen_s_;      // time that the sums of a channel stand for
-  Eigen::VectorXd interval_s_;  // between its readings, as a rule
+  Eigen::VectorXd seen_s_;  // time that the sums of a channel stand for
 };
 
 }  // namespace spindle_twin::correction

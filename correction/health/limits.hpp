@@ -68,7 +68,6 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double swap_gain = 0.35;        ///< 1σ of ln of a gain: heats and films are unknown by a third
   double swap_memory_s = 3600.0;  ///< of what has been seen
   double swap_least_s = 180.0;    ///< three of the shortest scale
-  double swap_gap_s = 30.0;       ///< so long without readings somebody may have exchanged plugs
   bool read_swapped = true;       ///< each for the other's place, until acknowledged
   // Exchange by evidence (isolation.hpp), measured.
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;

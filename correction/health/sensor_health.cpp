@@ -98,6 +98,7 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
     const Channel& channel = channels_[i];
     in_use_[i] = channel.in_use();
     if (!channel.reads() || channel.off_course()) continue;
+    if (channel.was_away()) exchange_.forget(i);  // somebody may have exchanged plugs
     const bool counts = in_use_[i] || channel.is_swapped();
     exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), counts, limits_);
   }

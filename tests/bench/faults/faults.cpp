@@ -1,5 +1,6 @@
 #include "tests/bench/faults/faults.hpp"
 
+#include <limits>
 #include <utility>
 
 namespace spindle_twin::bench {
@@ -42,6 +43,9 @@ const char* name_of(FaultKind kind) {
 
 void Saboteur::tamper(double time_s, Eigen::VectorXd& readings_K) {
   double& reading_K = readings_K[fault_.sensor];
+  if (time_s >= fault_.from_s - fault_.unplugged_s && time_s < fault_.from_s) {
+    reading_K = readings_K[fault_.partner] = std::numeric_limits<double>::quiet_NaN();
+  }
   if (!holding_) held_K_ = reading_K;
   holding_ = fault_.at(time_s);
   if (!holding_) return;

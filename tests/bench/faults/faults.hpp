@@ -33,7 +33,8 @@ const char* name_of(FaultKind kind);
 struct Fault {
   FaultKind kind = FaultKind::none;
   int sensor = 0;
-  int partner = 0;  ///< of swapped sensors
+  int partner = 0;           ///< of swapped sensors,
+  double unplugged_s = 0.0;  ///< both of which have no reading for so long before
   double from_s = 0.0;
   double until_s = 1e18;
   double size_K = 0.0;        ///< of a jump or a spike, with its sign

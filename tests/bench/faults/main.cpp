@@ -13,6 +13,8 @@ constexpr int sensors = 6;
 constexpr double earliest_s = 900.0;
 constexpr double latest_s = 5400.0;
 constexpr double repaired_after_s = 1200.0;
+constexpr double replugged_s = 3600.0;
+constexpr double unplugged_s = 300.0;
 constexpr std::array rates_K_per_h{0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 constexpr double short_rate_K_per_h = 5.0;
 
@@ -22,6 +24,8 @@ struct Options : CampaignOptions {
   bool healthy_only = false;
   bool drifts_only = false;
   bool swapped_from_start = false;
+  bool replugged = false;
+  bool only_swapped() const { return swapped_from_start || replugged; }
   bool verbose = false;
 };
 
@@ -93,8 +97,9 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
   return faults;
 }
 
-/// Every two sensors that differ by more than 1 K rms, exchanged from the start; the healthy spindle first.
-std::vector<Fault> all_exchanges(const Truth& truth) {
+/// Every two sensors that differ by more than 1 K rms, exchanged from the start or while they were unplugged; the
+/// healthy spindle first.
+std::vector<Fault> all_exchanges(const Truth& truth, bool replugged) {
   constexpr double least_K = 1.0;
   std::vector<Fault> faults{{}};
   const auto samples = static_cast<double>(truth.key_points_K.rows());
@@ -106,6 +111,10 @@ std::vector<Fault> all_exchanges(const Truth& truth) {
       fault.kind = FaultKind::swapped;
       fault.sensor = one;
       fault.partner = other;
+      if (replugged) {
+        fault.from_s = replugged_s;
+        fault.unplugged_s = unplugged_s;
+      }
       faults.push_back(fault);
     }
   }
@@ -128,20 +137,23 @@ int run(const Options& options) {
     const Truth truth = cached_truth(options.twin.cache, fe.affine(), parameters, seed, heats);
     SpindleRuns& runs = all[static_cast<std::size_t>(i)];
     runs.seed = seed;
-    if (!options.swapped_from_start) {
+    if (!options.only_swapped()) {
       follow_options.with_health = false;
       runs.unwatched = follow(network, truth, {}, follow_options);
       follow_options.with_health = true;
     }
-    const std::vector<Fault> faults =
-        options.swapped_from_start ? all_exchanges(truth) : draw_faults(seed, options, i < options.drift_runs);
+    const std::vector<Fault> faults = options.only_swapped() ? all_exchanges(truth, options.replugged)
+                                                             : draw_faults(seed, options, i < options.drift_runs);
     for (const Fault& fault : faults) {
       runs.followed.push_back(follow(network, truth, fault, follow_options));
       if (options.verbose) print_run(seed, runs.followed.back());
     }
     std::fprintf(stderr, "spindle %d of %d\n", i + 1, options.runs);
   });
-  return options.swapped_from_start ? print_exchanges(all) : print_tables(all, options.cycle_s);
+  if (!options.only_swapped()) return print_tables(all, options.cycle_s);
+  std::printf("\nExchanged %s",
+              options.replugged ? "after an hour, while both were unplugged for five minutes" : "from the start");
+  return print_exchanges(all);
 }
 
 }  // namespace
@@ -162,6 +174,8 @@ int main(int argc, char** argv) {
   line.exclude("--drifts-only", "--short");
   line.add_flag("--swapped-from-start", options.swapped_from_start,
                 "instead, every two sensors that differ are exchanged from the start");
+  line.add_flag("--replugged", options.replugged, "the same after an hour, while both are unplugged for five minutes");
+  line.exclude("--replugged", "--swapped-from-start");
   line.add("--cycle-s", options.cycle_s, "period of the daemon", Allowed{0.1, 10.0});
   line.add_flag("--verbose", options.verbose, "a line per run");
   if (const auto code = line.parse(argc, argv)) return *code;

@@ -204,7 +204,7 @@ int print_exchanges(const std::vector<SpindleRuns>& all) {
       }
     }
   }
-  std::printf("\nExchanged from the start; found as something else: the first of the two failed, but not as swapped\n");
+  std::printf("; found as something else: the first of the two failed, but not as swapped\n");
   std::printf("%-26s %5s %6s %10s %8s %8s %9s %9s\n", "pair", "runs", "found", "otherwise", "med s", "max s", "med um",
               "worst um");
   for (const auto& [pair, row] : rows) {
