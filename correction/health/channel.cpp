@@ -85,11 +85,12 @@ void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   record_.usable = record_.returned = record_.read_for_partner = off_course_ = was_away_ = false;
   model_.add(sample.moved_K, h_s);
   elapsed_s_ += h_s;
+  unread_s_ += h_s;
   moved_K_ += sample.moved_K;
   present_ = plan_.configured && sample.present && std::isfinite(sample.reading_K);
   if (!present_) return;
-  was_away_ = elapsed_s_ > std::max(limits_.gap_s, limits_.gap_intervals * plan_.interval_s);
-  if (was_away_) {
+  const double gap_s = std::max(limits_.gap_s, limits_.gap_intervals * plan_.interval_s);
+  if (elapsed_s_ > gap_s) {
     course_.restart();
     stuck_.restart();
     model_.interrupt();
@@ -97,6 +98,8 @@ void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   course_.carry_on(moved_K_, elapsed_s_, limits_);
   look_at_wire();
   if (!electrical_.is_right()) return;
+  was_away_ = unread_s_ > gap_s;
+  unread_s_ = 0.0;
   detrended_K_ = sample.reading_K - model_.integrated_K();
   off_course_ = course_.is_outlier(detrended_K_);
 }

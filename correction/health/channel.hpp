@@ -84,7 +84,7 @@ class Channel {
   bool reads() const { return present_ && electrical_.is_right(); }
   /// It is an outlier of the channel's course.
   bool off_course() const { return off_course_; }
-  /// It is the first after a gap.
+  /// It is the first after a gap, in which no reading came, or none of a wire that is right.
   bool was_away() const { return was_away_; }
   /// Each of the two left its own course for the other's, with this sample the limits.outliers'th time for one of them.
   bool exchanged_courses_with(const Channel& other) const;
@@ -124,7 +124,8 @@ class Channel {
   double time_s_ = 0.0;
   bool present_ = false;       ///< it brought a number
   bool off_course_ = false;    ///< which is an outlier
-  bool was_away_ = false;      ///< which is the first after a gap
+  bool was_away_ = false;      ///< which is the first after a gap, with a wire that is right
+  double unread_s_ = 0.0;      ///< since the last such reading
   double detrended_K_ = 0.0;   ///< e = r − u, of the last reading
   double elapsed_s_ = 0.0;     ///< since the reading before
   double moved_K_ = 0.0;       ///< of the model in that time

@@ -97,8 +97,8 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const Channel& channel = channels_[i];
     in_use_[i] = channel.in_use();
-    if (!channel.reads() || channel.off_course()) continue;
     if (channel.was_away()) exchange_.forget(i);  // somebody may have exchanged plugs
+    if (!channel.reads() || channel.off_course()) continue;
     const bool counts = in_use_[i] || channel.is_swapped();
     exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), counts, limits_);
   }

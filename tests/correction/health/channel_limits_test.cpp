@@ -185,6 +185,25 @@ TEST(Channel, resumes_with_as_many_failures_as_it_had) {
   }
 }
 
+TEST(Channel, was_away_after_half_a_minute_without_a_reading_or_with_a_broken_wire) {
+  for (const bool reads_open : {false, true}) {
+    for (const int away_s : {29, 30}) {
+      Fed fed;
+      fed.feed_for(200, 300.0);
+      EXPECT_FALSE(fed.channel.was_away());
+      for (int k = 0; k < away_s; ++k) {
+        fed.channel.take({reads_open, open_wire_K, 300.0, 0.0, std::nan("")}, fed.time_s += 1.0, 1.0);
+        fed.channel.judge();
+        EXPECT_FALSE(fed.channel.was_away());
+      }
+      fed.feed(300.0);
+      EXPECT_EQ(fed.channel.was_away(), away_s == 30) << reads_open;
+      fed.feed(300.0);
+      EXPECT_FALSE(fed.channel.was_away()) << "the first one only";
+    }
+  }
+}
+
 TEST(Channel, nothing_is_known_of_the_course_after_half_a_minute_or_five_intervals_without_a_reading) {
   for (const double interval_s : {0.0, 20.0}) {
     const double gap_s = interval_s > 0.0 ? 100.0 : 30.0;
