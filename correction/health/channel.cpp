@@ -99,6 +99,7 @@ void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   look_at_wire();
   if (!electrical_.is_right()) return;
   was_away_ = unread_s_ > gap_s;
+  gap_.note_reading(time_s, was_away_, limits_);
   unread_s_ = 0.0;
   detrended_K_ = sample.reading_K - model_.integrated_K();
   off_course_ = course_.is_outlier(detrended_K_);
@@ -138,6 +139,25 @@ bool Channel::fits_course_of(const Channel& other) const {
 bool Channel::exchanged_courses_with(const Channel& other) const {
   return off_course_ && other.off_course_ && fits_course_of(other) && other.fits_course_of(*this) &&
          std::max(jump_.in_a_row(), other.jump_.in_a_row()) + 1 >= limits_.outliers;
+}
+
+double Channel::off_course_before_of_K(const Channel& other) const {
+  return detrended_K_ + model_.integrated_K() - other.gap_.before_K() - other.model_.integrated_K();
+}
+
+double Channel::off_course_before_K() const {
+  return reads() && gap_.is_known(time_s_, limits_) ? std::abs(off_course_before_of_K(*this)) : 0.0;
+}
+
+bool Channel::came_back_as(const Channel& other) const {
+  const double own_K = off_course_before_K();
+  return own_K > 2.0 * course_.least_jump_K(limits_) &&
+         std::abs(off_course_before_of_K(other)) <= limits_.swap_fit * own_K;
+}
+
+bool Channel::exchanged_over_gap_with(const Channel& other) const {
+  const bool just_ended = gap_.has_just_ended(limits_) || other.gap_.has_just_ended(limits_);
+  return just_ended && came_back_as(other) && other.came_back_as(*this);
 }
 
 bool Channel::is_stuck() {
@@ -181,6 +201,7 @@ void Channel::judge_in_use(double elapsed_s) {
   if (jump_.end_row()) note_spike();
   if (is_out()) return;
   course_.accept(detrended_K_, elapsed_s, plan_.noise_K);
+  gap_.note_course(course_.expected_K(), time_s_);
   if (is_stuck()) {
     meet(ChannelEvent::fault, HealthFault::stuck);
   } else if (stuck_.repeats()) {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "correction/health/channel_states.hpp"
+#include "correction/health/course_over_gap.hpp"
 #include "correction/health/course_tracker.hpp"
 #include "correction/health/electrical_detector.hpp"
 #include "correction/health/jump_detector.hpp"
@@ -88,6 +89,11 @@ class Channel {
   bool was_away() const { return was_away_; }
   /// Each of the two left its own course for the other's, with this sample the limits.outliers'th time for one of them.
   bool exchanged_courses_with(const Channel& other) const;
+  /// Each of the two, one of which has just come back, came back from a gap on the course that the other had before:
+  /// both are off their own by more than twice what makes a jump, and from the other's by swap_fit of that at most.
+  bool exchanged_over_gap_with(const Channel& other) const;
+  /// By how much it reads off the course that it had before a gap; 0 where that is not known (any more).
+  double off_course_before_K() const;
   /// Since the reading before, this one's time included; valid between take() and judge().
   double elapsed_s() const { return elapsed_s_; }
   const HealthRecord& record() const { return record_; }
@@ -105,6 +111,9 @@ class Channel {
   /// Whether the reading of a channel that is out shows that its fault is still there.
   bool shows_fault(double elapsed_s);
   bool fits_course_of(const Channel& other) const;
+  /// By how much it reads more than the course of `other` before its gap says.
+  double off_course_before_of_K(const Channel& other) const;
+  bool came_back_as(const Channel& other) const;
   /// Takes the event through the table.
   void meet(ChannelEvent event, HealthFault cause = HealthFault::none);
 
@@ -119,6 +128,7 @@ class Channel {
   ModelMovement model_;
   UsualOffset usual_;
   MisfitReview review_;
+  CourseOverGap gap_;
 
   HealthSample sample_;  ///< the last one taken
   double time_s_ = 0.0;

@@ -29,7 +29,7 @@ class CourseTracker {
     expected_K_ = course_K_;
     double moved_sum_K = 0.0;
     for (const double moved_K : moved_K_) moved_sum_K += moved_K;
-    limit_K_ = std::max(limits.jump_K, deviations * noise_K_) + limits.jump_share * moved_sum_K;
+    limit_K_ = least_jump_K(limits) + limits.jump_share * moved_sum_K;
   }
 
   /// Whether the detrended reading is off its course. Never before the course is known.
@@ -64,6 +64,8 @@ class CourseTracker {
   double noise_K(double stated_noise_K) const {
     return std::clamp(noise_K_, stated_noise_K / 3.0, 3.0 * stated_noise_K);
   }
+  /// What makes an outlier of a place that does not move, at least: max(jump, 6 s).
+  double least_jump_K(const HealthLimits& limits) const { return std::max(limits.jump_K, deviations * noise_K_); }
   double expected_K() const { return expected_K_; }  ///< ê of this sample
   double limit_K() const { return limit_K_; }        ///< beyond which |d| is an outlier
 

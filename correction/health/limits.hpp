@@ -69,6 +69,7 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double swap_memory_s = 3600.0;  ///< of what has been seen
   double swap_least_s = 180.0;    ///< three of the shortest scale
   bool read_swapped = true;       ///< each for the other's place, until acknowledged
+  double replug_s = 1800.0;       ///< so old a course is held against what comes behind a gap
   // Exchange by evidence (isolation.hpp), measured.
   double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
   double exchange_alike = 0.65;    ///< the smaller misfit of the larger

@@ -110,12 +110,36 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
       in_use_[i] = in_use_[j] = false;
     }
   }
+  find_replugged();
   const ExchangeDetector::Pair pair = exchange_.find(in_use_, limits_);
   if (pair.one >= 0) {
     fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
     untold_ = pair;
   }
   heed_movement_of_swapped();
+}
+
+bool SensorHealth::others_kept_course(std::size_t one, std::size_t other) const {
+  const double least_K = std::min(channels_[one].off_course_before_K(), channels_[other].off_course_before_K());
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (i != one && i != other && channels_[i].off_course_before_K() > limits_.swap_fit * least_K) return false;
+  }
+  return true;
+}
+
+void SensorHealth::find_replugged() {
+  const auto was_used = [](const Channel& channel) { return channel.in_use() && !channel.was_away(); };
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    for (std::size_t j = i + 1; j < channels_.size(); ++j) {
+      if (channels_[i].is_swapped() || channels_[j].is_swapped()) continue;
+      if (!channels_[i].exchanged_over_gap_with(channels_[j]) || !others_kept_course(i, j)) continue;
+      const bool used = was_used(channels_[i]) || was_used(channels_[j]);
+      fail_pair(i, j);
+      begin_reading_for_each_other(i, j);
+      in_use_[i] = in_use_[j] = false;
+      if (used) untold_ = {static_cast<int>(i), static_cast<int>(j)};
+    }
+  }
 }
 
 HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt) {

@@ -71,6 +71,10 @@ class SensorHealth {
  private:
   void follow_what_most_do();
   void find_exchanged(const std::vector<HealthSample>& samples, double h_s);
+  /// Two that come back from a gap on each other's course, where no third one came back off its own by swap_fit of
+  /// what they did: else it is the model. What the estimator took of them since is to be forgotten.
+  void find_replugged();
+  bool others_kept_course(std::size_t one, std::size_t other) const;
   void fail_pair(std::size_t one, std::size_t other);
   void begin_reading_for_each_other(std::size_t one, std::size_t other);
   /// Two that have failed as swapped, for whatever reason, are read for each other's places once they have moved like

@@ -37,22 +37,33 @@ const char* name_of(FaultKind kind) {
       return "swapped";
     case FaultKind::drift:
       return "drift";
+    case FaultKind::replugged:
+      return "replugged";
   }
   return "";
 }
 
-void Saboteur::tamper(double time_s, Eigen::VectorXd& readings_K) {
-  double& reading_K = readings_K[fault_.sensor];
-  if (time_s >= fault_.from_s - fault_.unplugged_s && time_s < fault_.from_s) {
-    reading_K = readings_K[fault_.partner] = std::numeric_limits<double>::quiet_NaN();
+void Saboteur::unplug(double time_s, Eigen::VectorXd& readings_K) const {
+  for (const int which : {fault_.sensor, fault_.partner}) {
+    if (!fault_.is_unplugged(which, time_s)) continue;
+    readings_K[which] = fault_.unplugged.reads_open ? open_K : std::numeric_limits<double>::quiet_NaN();
   }
-  if (!holding_) held_K_ = reading_K;
+}
+
+void Saboteur::tamper(double time_s, Eigen::VectorXd& readings_K) {
+  if (!holding_) held_K_ = readings_K[fault_.sensor];
   holding_ = fault_.at(time_s);
-  if (!holding_) return;
+  if (holding_) tamper_now(time_s, readings_K);
+  unplug(time_s, readings_K);
+}
+
+void Saboteur::tamper_now(double time_s, Eigen::VectorXd& readings_K) {
+  double& reading_K = readings_K[fault_.sensor];
   switch (fault_.kind) {
     case FaultKind::none:
     case FaultKind::withdrawn:
     case FaultKind::withdrawn_pair:
+    case FaultKind::replugged:
       break;
     case FaultKind::open:
       reading_K = open_K;

@@ -10,7 +10,8 @@
 
 namespace spindle_twin::bench {
 
-/// The ways in which a sensor fails; withdrawn: it is not used any more, nor its partner in withdrawn_pair.
+/// The ways in which a sensor fails; withdrawn: it is not used any more, nor its partner in withdrawn_pair; replugged:
+/// two are unplugged and come back in their places.
 enum class FaultKind {
   none,
   withdrawn,
@@ -22,7 +23,8 @@ enum class FaultKind {
   spikes,
   stuck,
   swapped,
-  drift
+  drift,
+  replugged
 };
 inline constexpr std::array all_faults{FaultKind::open,    FaultKind::shorted, FaultKind::out_of_range,
                                        FaultKind::jump,    FaultKind::spikes,  FaultKind::stuck,
@@ -30,11 +32,18 @@ inline constexpr std::array all_faults{FaultKind::open,    FaultKind::shorted, F
 
 const char* name_of(FaultKind kind);
 
+/// What two sensors read before they come back.
+struct Unplugged {
+  double for_s = 0.0;            ///< none for so long,
+  double partner_later_s = 0.0;  ///< the partner for so much longer
+  bool reads_open = false;       ///< or what an input says of a broken wire
+};
+
 struct Fault {
   FaultKind kind = FaultKind::none;
   int sensor = 0;
-  int partner = 0;           ///< of swapped sensors,
-  double unplugged_s = 0.0;  ///< both of which have no reading for so long before
+  int partner = 0;  ///< of swapped sensors
+  Unplugged unplugged;
   double from_s = 0.0;
   double until_s = 1e18;
   double size_K = 0.0;        ///< of a jump or a spike, with its sign
@@ -44,6 +53,10 @@ struct Fault {
   bool concerns(int which) const {
     const bool both = kind == FaultKind::swapped || kind == FaultKind::withdrawn_pair;
     return kind != FaultKind::none && (which == sensor || (both && which == partner));
+  }
+  bool is_unplugged(int which, double time_s) const {
+    const double later_s = which == partner ? unplugged.partner_later_s : 0.0;
+    return (which == sensor || which == partner) && time_s >= from_s - unplugged.for_s && time_s < from_s + later_s;
   }
   bool at(double time_s) const { return kind != FaultKind::none && time_s >= from_s && time_s < until_s; }
 };
@@ -55,6 +68,9 @@ class Saboteur {
   void tamper(double time_s, Eigen::VectorXd& readings_K);
 
  private:
+  void tamper_now(double time_s, Eigen::VectorXd& readings_K);
+  void unplug(double time_s, Eigen::VectorXd& readings_K) const;
+
   Fault fault_;
   std::mt19937_64 random_;
   double held_K_ = 0.0;

@@ -74,13 +74,13 @@ void tell(const rom::Boundaries& boundaries, const rom::OperatingState& operatin
 class Judge {
  public:
   Judge(const Fault& fault, const Sensors& readings, double cycle_s)
-      : readings_(readings), cycle_s_(cycle_s), before_(readings.offsets_K.size(), firmware::SensorState::good) {
+      : readings_(readings), cycle_s_(cycle_s), was_out_(static_cast<std::size_t>(readings.offsets_K.size()), false) {
     result_.fault = fault;
   }
 
   /// What was published at time_s, for the end of the period.
   void note(const firmware::Snapshot& now, double time_s) {
-    for (std::size_t s = 0; s < before_.size(); ++s) note_sensor(now, time_s, s);
+    for (std::size_t s = 0; s < was_out_.size(); ++s) note_sensor(now, time_s, s);
     const Fault& fault = result_.fault;
     if (is_active(fault.sensor, time_s) && result_.moving_s < 0.0 && readings_.moves(time_s, fault.sensor)) {
       result_.moving_s = time_s - fault.from_s;
@@ -109,12 +109,12 @@ class Judge {
     const auto sensor = static_cast<int>(s);
     const bool active = is_active(sensor, time_s), first = active && sensor == fault.sensor;
     const bool withdrawn = fault.is_reference() && fault.concerns(sensor);
-    const auto is_out = [](firmware::SensorState state) {
-      return state == firmware::SensorState::failed || state == firmware::SensorState::returning;
-    };
     const firmware::SensorState state = now.sensor_health[s].state;
+    // An input that reads open while its sensor is unplugged is no fault of the sensor.
+    const bool plug = fault.unplugged.reads_open && now.sensor_health[s].fault == firmware::SensorFault::open;
+    const bool out = !plug && (state == firmware::SensorState::failed || state == firmware::SensorState::returning);
     const bool usable = now.sensor_quality[s] == firmware::SensorQuality::good;
-    const bool fell = is_out(state) && !is_out(before_[s]);
+    const bool fell = out && !was_out_[s];
     if (fell && first && result_.delay_s < 0.0) {
       result_.delay_s = time_s - fault.from_s;
       result_.named = now.sensor_health[s].fault;
@@ -122,10 +122,10 @@ class Judge {
     if (first && result_.withheld_s < 0.0 && !usable) result_.withheld_s = time_s - fault.from_s;
     if (fell && !active && !withdrawn) ++result_.false_alarms;
     if (!active && !withdrawn && !usable) ++result_.withheld;
-    if (first && time_s >= fault.until_s && is_out(before_[s]) && !is_out(state)) {
+    if (first && time_s >= fault.until_s && was_out_[s] && !out) {
       result_.returned_s = time_s - fault.until_s;
     }
-    before_[s] = state;
+    was_out_[s] = out;
   }
 
   void note_nose(const firmware::Snapshot& now, double time_s) {
@@ -153,7 +153,7 @@ class Judge {
   const Sensors& readings_;
   double cycle_s_;
   Followed result_;
-  std::vector<firmware::SensorState> before_;
+  std::vector<bool> was_out_;
   double nose_um_ = 0.0, raw_um_ = 0.0;
   long judged_ = 0, before_found_ = 0, inside_ = 0;
 };

@@ -14,7 +14,6 @@ constexpr double earliest_s = 900.0;
 constexpr double latest_s = 5400.0;
 constexpr double repaired_after_s = 1200.0;
 constexpr double replugged_s = 3600.0;
-constexpr double unplugged_s = 300.0;
 constexpr std::array rates_K_per_h{0.2, 0.5, 1.0, 2.0, 5.0, 10.0};
 constexpr double short_rate_K_per_h = 5.0;
 
@@ -25,6 +24,7 @@ struct Options : CampaignOptions {
   bool drifts_only = false;
   bool swapped_from_start = false;
   bool replugged = false;
+  Unplugged unplugged{300.0};
   bool only_swapped() const { return swapped_from_start || replugged; }
   bool verbose = false;
 };
@@ -97,9 +97,9 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
   return faults;
 }
 
-/// Every two sensors that differ by more than 1 K rms, exchanged from the start or while they were unplugged; the
-/// healthy spindle first.
-std::vector<Fault> all_exchanges(const Truth& truth, bool replugged) {
+/// Every two sensors that differ by more than 1 K rms, exchanged from the start or while they were unplugged, and there
+/// put back right as well; the healthy spindle first.
+std::vector<Fault> all_exchanges(const Truth& truth, const Options& options) {
   constexpr double least_K = 1.0;
   std::vector<Fault> faults{{}};
   const auto samples = static_cast<double>(truth.key_points_K.rows());
@@ -111,9 +111,12 @@ std::vector<Fault> all_exchanges(const Truth& truth, bool replugged) {
       fault.kind = FaultKind::swapped;
       fault.sensor = one;
       fault.partner = other;
-      if (replugged) {
+      if (options.replugged) {
         fault.from_s = replugged_s;
-        fault.unplugged_s = unplugged_s;
+        fault.unplugged = options.unplugged;
+        fault.kind = FaultKind::replugged;
+        faults.push_back(fault);
+        fault.kind = FaultKind::swapped;
       }
       faults.push_back(fault);
     }
@@ -142,8 +145,8 @@ int run(const Options& options) {
       runs.unwatched = follow(network, truth, {}, follow_options);
       follow_options.with_health = true;
     }
-    const std::vector<Fault> faults = options.only_swapped() ? all_exchanges(truth, options.replugged)
-                                                             : draw_faults(seed, options, i < options.drift_runs);
+    const std::vector<Fault> faults =
+        options.only_swapped() ? all_exchanges(truth, options) : draw_faults(seed, options, i < options.drift_runs);
     for (const Fault& fault : faults) {
       runs.followed.push_back(follow(network, truth, fault, follow_options));
       if (options.verbose) print_run(seed, runs.followed.back());
@@ -151,8 +154,14 @@ int run(const Options& options) {
     std::fprintf(stderr, "spindle %d of %d\n", i + 1, options.runs);
   });
   if (!options.only_swapped()) return print_tables(all, options.cycle_s);
-  std::printf("\nExchanged %s",
-              options.replugged ? "after an hour, while both were unplugged for five minutes" : "from the start");
+  const Unplugged& unplugged = options.unplugged;
+  if (options.replugged) {
+    std::printf("\nExchanged after an hour, while one was unplugged for %g s, the other for %g s, reading %s",
+                unplugged.for_s, unplugged.for_s + unplugged.partner_later_s,
+                unplugged.reads_open ? "open" : "nothing");
+  } else {
+    std::printf("\nExchanged from the start");
+  }
   return print_exchanges(all);
 }
 
@@ -174,7 +183,12 @@ int main(int argc, char** argv) {
   line.exclude("--drifts-only", "--short");
   line.add_flag("--swapped-from-start", options.swapped_from_start,
                 "instead, every two sensors that differ are exchanged from the start");
-  line.add_flag("--replugged", options.replugged, "the same after an hour, while both are unplugged for five minutes");
+  line.add_flag("--replugged", options.replugged,
+                "the same after an hour, while both are unplugged; and put back right");
+  line.add("--unplugged-s", options.unplugged.for_s, "for so long", Allowed{0.0, 3000.0});
+  line.add("--partner-later-s", options.unplugged.partner_later_s, "one of the two for so much longer",
+           Allowed{0.0, 3000.0});
+  line.add_flag("--reads-open", options.unplugged.reads_open, "each reads open meanwhile, not nothing");
   line.exclude("--replugged", "--swapped-from-start");
   line.add("--cycle-s", options.cycle_s, "period of the daemon", Allowed{0.1, 10.0});
   line.add_flag("--verbose", options.verbose, "a line per run");

@@ -185,12 +185,14 @@ int print_exchanges(const std::vector<SpindleRuns>& all) {
     std::vector<double> delay_s, error_um;
   };
   std::map<std::string, PairRow> rows;
-  int healthy = 0, false_alarms = 0;
+  int healthy = 0, false_alarms = 0, put_back = 0;
   for (const SpindleRuns& runs : all) {
     for (const Followed& run : runs.followed) {
       false_alarms += run.false_alarms;
-      healthy += run.fault.kind == FaultKind::none ? run.false_alarms : 0;
-      if (run.fault.kind == FaultKind::none) continue;
+      const bool is_healthy = run.fault.kind == FaultKind::none || run.fault.kind == FaultKind::replugged;
+      healthy += is_healthy ? run.false_alarms : 0;
+      put_back += run.fault.kind == FaultKind::replugged ? 1 : 0;
+      if (is_healthy) continue;
       const std::string pair = std::string(place_of(run.fault.sensor)) + ", " + place_of(run.fault.partner);
       for (PairRow* row : {&rows[pair], &rows["~all"]}) {
         ++row->runs;
@@ -212,7 +214,8 @@ int print_exchanges(const std::vector<SpindleRuns>& all) {
                 quantile(row.delay_s, 0.5), quantile(row.delay_s, 1.0), quantile(row.error_um, 0.5),
                 quantile(row.error_um, 1.0));
   }
-  std::printf("\nHealthy channels that failed: %d on healthy spindles, %d in all\n", healthy, false_alarms);
+  std::printf("\nHealthy channels that failed: %d on %zu healthy spindles and %d times put back right, %d in all\n",
+              healthy, all.size(), put_back, false_alarms);
   return healthy;
 }
 

@@ -179,6 +179,31 @@ TEST(WatchUpdate, two_that_are_exchanged_while_unplugged_are_found_and_what_was_
   }
 }
 
+/// Five minutes without readings while the spindle runs: their first reading shows it, and is not used.
+TEST(WatchUpdate, two_that_come_back_on_each_others_course_are_found_with_their_first_reading) {
+  const rom::Network network = tests::small_network();
+  constexpr int out = 1800, back = 2100;
+  for (const double heat : {0.7, 1.4}) {
+    Watched run(network, estimated(), heat);
+    run.tamper = [](int n, DeviceFrame& frame) {
+      if (n >= out) std::swap(frame.sensors[0], frame.sensors[2]);
+      for (const std::size_t k : {0U, 2U}) {
+        if (n >= out && n < back) frame.sensors[k].time_ns = at_s(out - 1);
+      }
+    };
+    run.until(back);
+    ASSERT_EQ(run.last.sensors_failed, 0);
+    run.until(back + 1);
+    EXPECT_EQ(run.last.sensors_failed, 2) << heat;
+    EXPECT_EQ(run.last.sensor_health[0].partner, 2) << heat;
+    while (run.n < back + 1800) {
+      run.until(run.n + 10);
+      EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]) << heat << ", " << run.n;
+      EXPECT_TRUE(read_crossed(run)) << heat << ", " << run.n;
+    }
+  }
+}
+
 TEST(WatchUpdate, one_that_drifts_fails_alone_whichever_it_is_and_the_truth_stays_inside_behind_it) {
   const rom::Network network = tests::small_network();
   for (const std::size_t drifting : {0U, 2U}) {
