@@ -60,11 +60,18 @@ void Channel::fail_swapped(int partner) {
 }
 
 KeptHealth Channel::kept() const {
-  return {is_out() ? record_.fault : HealthFault::none, latched_, record_.partner, record_.failures,
-          reads_for_partner_};
+  return {is_out() ? record_.fault : HealthFault::none,
+          latched_,
+          record_.partner,
+          record_.failures,
+          reads_for_partner_,
+          usual_.mean_K(),
+          gap_.age_s(time_s_)};
 }
 
-void Channel::resume(const KeptHealth& from) {
+void Channel::resume(const KeptHealth& from, double away_s) {
+  resumed_ = from;
+  resumed_.used_before_s += away_s;
   record_.failures = from.failures;
   if (from.fault == HealthFault::none) return;
   record_.failures = std::max(0, from.failures - 1);  // the failure itself is counted again
@@ -79,11 +86,19 @@ void Channel::acknowledge() {
   record_.failures = 0;
 }
 
+/// Now the model says what it would read on the course that it had.
+void Channel::resume_course() {
+  const double before_K = sample_.predicted_K + resumed_.usual_offset_K - model_.integrated_K();
+  if (std::isfinite(before_K)) gap_.resume(before_K, time_s_, resumed_.used_before_s);
+  resumed_ = {};
+}
+
 void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   sample_ = sample;
   time_s_ = time_s;
   record_.usable = record_.returned = record_.read_for_partner = off_course_ = was_away_ = false;
   model_.add(sample.moved_K, h_s);
+  if (std::isfinite(resumed_.usual_offset_K)) resume_course();
   elapsed_s_ += h_s;
   unread_s_ += h_s;
   moved_K_ += sample.moved_K;

@@ -74,8 +74,9 @@ class Channel {
     refused_ = true;
   }
   KeptHealth kept() const;
-  /// Before the first sample: is as out as it was. Whatever it is out for, it returns by the way of the probation.
-  void resume(const KeptHealth& from);
+  /// Before the first sample: is as out as it was, away_s ago. Whatever it is out for, it returns by the way of the
+  /// probation.
+  void resume(const KeptHealth& from, double away_s);
   /// A latched channel may return by way of the probation; failures are counted anew.
   void acknowledge();
 
@@ -94,6 +95,8 @@ class Channel {
   bool exchanged_over_gap_with(const Channel& other) const;
   /// By how much it reads off the course that it had before a gap; 0 where that is not known (any more).
   double off_course_before_K() const;
+  /// Readings of it have been used since its last gap, if it had one, and the start.
+  bool was_used() const { return in_use() && !gap_.is_first(); }
   /// Since the reading before, this one's time included; valid between take() and judge().
   double elapsed_s() const { return elapsed_s_; }
   const HealthRecord& record() const { return record_; }
@@ -113,6 +116,7 @@ class Channel {
   bool fits_course_of(const Channel& other) const;
   /// By how much it reads more than the course of `other` before its gap says.
   double off_course_before_of_K(const Channel& other) const;
+  void resume_course();
   bool came_back_as(const Channel& other) const;
   /// Takes the event through the table.
   void meet(ChannelEvent event, HealthFault cause = HealthFault::none);
@@ -129,6 +133,7 @@ class Channel {
   UsualOffset usual_;
   MisfitReview review_;
   CourseOverGap gap_;
+  KeptHealth resumed_;  ///< what resume() was given, until the first sample
 
   HealthSample sample_;  ///< the last one taken
   double time_s_ = 0.0;

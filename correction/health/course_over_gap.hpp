@@ -27,11 +27,21 @@ class CourseOverGap {
     readings_ = 1;
   }
 
+  /// The gap is one of the daemon: the course before it was this, and `age_s` ago at time_s.
+  void resume(double before_K, double time_s, double age_s) {
+    before_K_ = before_K;
+    before_s_ = time_s - age_s;
+  }
+
+  /// The last reading is the first one behind a gap, or the first of all.
+  bool is_first() const { return readings_ <= 1; }
   /// The last reading is one of the limits.outliers first ones behind a gap.
   bool has_just_ended(const HealthLimits& limits) const { return readings_ <= limits.outliers; }
   /// The course before the gap is known, and no older than replug_s.
   bool is_known(double time_s, const HealthLimits& limits) const { return time_s - before_s_ <= limits.replug_s; }
   double before_K() const { return before_K_; }
+  /// Since the channel was on its course last; beyond all bounds where it never was.
+  double age_s(double time_s) const { return time_s - last_s_; }
 
  private:
   static constexpr double never_s = -1e18;

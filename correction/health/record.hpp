@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace spindle_twin::correction {
 
@@ -46,6 +47,9 @@ struct KeptHealth {
   int partner = -1;
   int failures = 0;
   bool read_for_partner = false;  ///< until acknowledged
+  /// Reading − prediction while its readings were used, NaN where none were, and how long ago that was.
+  double usual_offset_K = std::numeric_limits<double>::quiet_NaN();
+  double used_before_s = 0.0;
 };
 
 }  // namespace spindle_twin::correction

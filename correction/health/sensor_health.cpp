@@ -128,12 +128,11 @@ bool SensorHealth::others_kept_course(std::size_t one, std::size_t other) const 
 }
 
 void SensorHealth::find_replugged() {
-  const auto was_used = [](const Channel& channel) { return channel.in_use() && !channel.was_away(); };
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
       if (channels_[i].is_swapped() || channels_[j].is_swapped()) continue;
       if (!channels_[i].exchanged_over_gap_with(channels_[j]) || !others_kept_course(i, j)) continue;
-      const bool used = was_used(channels_[i]) || was_used(channels_[j]);
+      const bool used = channels_[i].was_used() || channels_[j].was_used();
       fail_pair(i, j);
       begin_reading_for_each_other(i, j);
       in_use_[i] = in_use_[j] = false;

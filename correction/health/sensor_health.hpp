@@ -59,7 +59,7 @@ class SensorHealth {
 
   KeptHealth kept(std::size_t channel) const { return channels_[channel].kept(); }
   /// Before the first step: as Channel::resume(). May run in the cycle.
-  void resume(std::size_t channel, const KeptHealth& from) { channels_[channel].resume(from); }
+  void resume(std::size_t channel, const KeptHealth& from, double away_s) { channels_[channel].resume(from, away_s); }
 
   const HealthRecord& record(std::size_t channel) const { return channels_[channel].record(); }
   std::size_t count() const { return channels_.size(); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 namespace spindle_twin::correction {
 
@@ -16,6 +17,8 @@ class UsualOffset {
   }
   /// How far a reading is off that course; 0 where none is known. [K]
   double departure_K(double offset_K) const { return known_ ? offset_K - mean_K_ : 0.0; }
+  /// NaN where none is known. [K]
+  double mean_K() const { return known_ ? mean_K_ : std::numeric_limits<double>::quiet_NaN(); }
   /// The channel came back: what it was before does not count any more.
   void forget() {
     known_ = false;

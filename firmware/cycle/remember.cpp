@@ -70,7 +70,7 @@ void Cycle::remember(Remembered& to) const {
   to.tare_m = snapshot_.tare_m + tare_to_come_m_;
   to.trial_away_m = compensation_.away_m();
   to.sensor_tare = watch_.tare;
-  keep_health(watch_, to.sensor_health);
+  keep_health(watch_, to);
   to.signals = judgement_.signals;
   copy(model_.stepper->temperatures_K(), to.nodes_K);
   copy(uncorrected_.stepper->temperatures_K(), to.uncorrected_K);
@@ -118,7 +118,7 @@ Resumed Cycle::resume(const Remembered& from, double gap_s, const std::atomic<bo
   if (fits(from.sensor_tare.offset_K, tared) && fits(from.sensor_tare.deviation_K, tared)) {
     watch_.tare = from.sensor_tare;
   }
-  resume_health(from.sensor_health, watch_);
+  resume_health(from, gap_s, watch_);
   const std::optional<Eigen::VectorXd> unseen_K = stand_still(gap_s, stop);
   if (!unseen_K) return Resumed::given_up;
   if (corrector_.estimator) corrector_.estimator->widen_start(0.0, model_.stepper->temperatures_K(), *unseen_K);

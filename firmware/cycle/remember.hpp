@@ -24,6 +24,9 @@ struct Remembered {            // NOLINT(public-members): a checkpoint as it is 
   /// partner's place meanwhile), its partner, its failures.
   /// Empty where no health is watched.
   std::vector<double> sensor_health;
+  /// Two of each key point: what it read more than the model in the last minutes in which it was used [K], and how long
+  /// ago that was [s]. Empty in what was written before it was kept.
+  std::vector<double> sensor_course;
   std::array<double, signal_count> signals = not_values;
   std::vector<double> nodes_K;
   std::vector<double> uncorrected_K;

@@ -11,7 +11,8 @@ static_assert(bits(TareWait::sensors) == bits(correction::TareWait::sensors));
 static_assert(bits(SensorFault::implausible) == bits(correction::HealthFault::implausible));
 
 constexpr std::size_t kept_of_a_sensor = 4;  ///< numbers
-constexpr double read_for_partner = 2.0;     ///< the second: out until acknowledged, and read for the partner's place
+constexpr std::size_t kept_of_a_course = 2;
+constexpr double read_for_partner = 2.0;  ///< the second: out until acknowledged, and read for the partner's place
 
 /// Of the reading as it came in: the tare, and what the estimator has learnt besides.
 double known_offset_K(const SensorWatch& watch, const Corrector& corrector, std::size_t key_point) {
@@ -223,20 +224,25 @@ void set_tare(const correction::SensorTare& tare, const CyclePlan& plan, SensorW
   if (!same) tell_estimator(before_K, plan, watch, corrector);
 }
 
-void keep_health(const SensorWatch& watch, std::vector<double>& to) {
+void keep_health(const SensorWatch& watch, Remembered& to) {
   if (!watch.health) return;
-  to.resize(kept_of_a_sensor * watch.health->count());
+  to.sensor_health.resize(kept_of_a_sensor * watch.health->count());
+  to.sensor_course.resize(kept_of_a_course * watch.health->count());
   for (std::size_t k = 0; k < watch.health->count(); ++k) {
     const correction::KeptHealth kept = watch.health->kept(k);
-    double* of = to.data() + kept_of_a_sensor * k;
+    double* of = to.sensor_health.data() + kept_of_a_sensor * k;
     of[0] = static_cast<double>(kept.fault);
     of[1] = kept.read_for_partner ? read_for_partner : kept.latched ? 1.0 : 0.0;
     of[2] = kept.partner;
     of[3] = kept.failures;
+    double* course = to.sensor_course.data() + kept_of_a_course * k;
+    course[0] = kept.usual_offset_K;
+    course[1] = kept.used_before_s;
   }
 }
 
-void resume_health(const std::vector<double>& from, SensorWatch& watch) {
+void resume_health(const Remembered& remembered, double away_s, SensorWatch& watch) {
+  const std::vector<double>& from = remembered.sensor_health;
   if (!watch.health || from.size() != kept_of_a_sensor * watch.health->count()) return;
   const auto sensors = static_cast<double>(watch.health->count());
   const auto is_kept = [&](const double* of) {
@@ -249,8 +255,14 @@ void resume_health(const std::vector<double>& from, SensorWatch& watch) {
   }
   for (std::size_t k = 0; k < watch.health->count(); ++k) {
     const double* of = from.data() + kept_of_a_sensor * k;
-    watch.health->resume(k, {static_cast<correction::HealthFault>(of[0]), of[1] != 0.0, static_cast<int>(of[2]),
-                             static_cast<int>(of[3]), of[1] == read_for_partner});
+    correction::KeptHealth kept{static_cast<correction::HealthFault>(of[0]), of[1] != 0.0, static_cast<int>(of[2]),
+                                static_cast<int>(of[3]), of[1] == read_for_partner};
+    if (remembered.sensor_course.size() == kept_of_a_course * watch.health->count()) {
+      const double* course = remembered.sensor_course.data() + kept_of_a_course * k;
+      kept.usual_offset_K = course[0];
+      kept.used_before_s = course[1];
+    }
+    watch.health->resume(k, kept, away_s);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "correction/health/sensor_health.hpp"
 #include "correction/health/unexplained_heat.hpp"
 #include "firmware/cycle/correct.hpp"
+#include "firmware/cycle/remember.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -94,12 +95,12 @@ bool take_sensor_order(SensorOrder order, const CyclePlan& plan, const Judgement
 /// Runs in the cycle.
 void set_tare(const correction::SensorTare& tare, const CyclePlan& plan, SensorWatch& watch, Corrector& corrector);
 
-/// What of the sensors' health outlives a restart, as Remembered has it. Sizes `to` on the first call.
-void keep_health(const SensorWatch& watch, std::vector<double>& to);
+/// What of the sensors' health outlives a restart: sensor_health and sensor_course, which the first call sizes.
+void keep_health(const SensorWatch& watch, Remembered& to);
 
-/// Before the first step: sensors that were out are out. Does nothing where `from` is none that keep_health() wrote of
-/// as many key points.
-void resume_health(const std::vector<double>& from, SensorWatch& watch);
+/// Before the first step, away_s >= 0 after that was kept: sensors that were out are out, and their courses of before
+/// are known. Does nothing where `from` has none that keep_health() wrote of as many key points.
+void resume_health(const Remembered& from, double away_s, SensorWatch& watch);
 
 /// Into the snapshot, and the quality bits. Runs in the cycle.
 void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapshot& snapshot);

@@ -44,6 +44,7 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.sensor_tare_K = attach<way>(remembered.sensor_tare.offset_K);
   message.sensor_tare_deviation_K = attach<way>(remembered.sensor_tare.deviation_K);
   message.sensor_health = attach<way>(remembered.sensor_health);
+  message.sensor_course = attach<way>(remembered.sensor_course);
   message.sensor_tares = remembered.sensor_tare.count;
   message.order_revision = checkpoint.order_revision;
   message.boot = attach<way>(checkpoint.saved.boot);

@@ -36,6 +36,7 @@ class CommandLine {
   void limit(const char* name, Allowed allowed);
   void require(const char* name);
   void exclude(const char* name, const char* other);
+  void need(const char* name, const char* other);
 
   /// Sets the targets. Gives the exit code where the program is to end at once: --help, or an error, which is said.
   [[nodiscard]] std::optional<int> parse(int argc, char** argv);

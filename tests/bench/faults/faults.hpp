@@ -37,6 +37,7 @@ struct Unplugged {
   double for_s = 0.0;            ///< none for so long,
   double partner_later_s = 0.0;  ///< the partner for so much longer
   bool reads_open = false;       ///< or what an input says of a broken wire
+  bool daemon_off = false;       ///< for for_s, and then goes on from its checkpoint
 };
 
 struct Fault {
@@ -57,6 +58,9 @@ struct Fault {
   bool is_unplugged(int which, double time_s) const {
     const double later_s = which == partner ? unplugged.partner_later_s : 0.0;
     return (which == sensor || which == partner) && time_s >= from_s - unplugged.for_s && time_s < from_s + later_s;
+  }
+  bool is_daemon_off(double time_s) const {
+    return unplugged.daemon_off && time_s >= from_s - unplugged.for_s && time_s < from_s;
   }
   bool at(double time_s) const { return kind != FaultKind::none && time_s >= from_s && time_s < until_s; }
 };

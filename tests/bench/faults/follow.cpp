@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "firmware/cycle/cycle.hpp"
 #include "rom/boundary_values/environments.hpp"
@@ -166,7 +167,11 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
   firmware::CyclePlan plan = default_plan(sensors, options.cycle_s);
   plan.estimator->priors = options.priors;
   if (!options.with_health) plan.health.reset();
-  firmware::Cycle cycle(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  std::optional<firmware::Cycle> cycle;
+  const auto start = [&] {
+    cycle.emplace(network, plan, [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
+  };
+  start();
   Saboteur saboteur(fault, truth.seed);
   Judge judge(fault, readings, options.cycle_s);
   firmware::DeviceFrame frame;
@@ -179,12 +184,19 @@ Followed follow(const rom::Network& network, const Truth& truth, const Fault& fa
     readings.read(time_s);
     readings.quantise();
     saboteur.tamper(time_s, readings.readings_K);
+    if (fault.is_daemon_off(time_s)) continue;
+    if (k > 0 && fault.is_daemon_off(static_cast<double>(k - 1) * options.cycle_s)) {
+      firmware::Remembered remembered;
+      cycle->remember(remembered);
+      start();
+      cycle->resume(remembered, fault.unplugged.for_s);
+    }
     for (std::size_t s = 0; s < sensors; ++s) {
       const bool withdrawn = fault.is_reference() && fault.concerns(static_cast<int>(s)) && fault.at(time_s);
       frame.sensors[s] = {withdrawn ? firmware::not_a_value : readings.readings_K[static_cast<Eigen::Index>(s)],
                           clock_ns(time_s)};
     }
-    judge.note(cycle.step(frame, command, clock_ns(time_s), 0), time_s);
+    judge.note(cycle->step(frame, command, clock_ns(time_s), 0), time_s);
   }
   return judge.result();
 }

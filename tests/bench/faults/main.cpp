@@ -97,11 +97,25 @@ std::vector<Fault> draw_faults(std::uint64_t seed, const Options& options, bool 
   return faults;
 }
 
+/// The end of the first standstill for for_s that ends behind replugged_s; -1: there is none.
+double stood_s(const Truth& truth, double for_s) {
+  double stood = 0.0;
+  for (std::size_t k = 0; k < truth.read.size(); ++k) {
+    stood = truth.read[k].speed_rpm == 0.0 ? stood + sample_s : 0.0;
+    const double end_s = static_cast<double>(k + 1) * sample_s;
+    if (stood >= for_s && end_s >= replugged_s) return end_s;
+  }
+  return -1.0;
+}
+
 /// Every two sensors that differ by more than 1 K rms, exchanged from the start or while they were unplugged, and there
-/// put back right as well; the healthy spindle first.
+/// put back right as well; the healthy spindle first. None where the daemon is to be off while the spindle stands, and
+/// it never stands for so long.
 std::vector<Fault> all_exchanges(const Truth& truth, const Options& options) {
   constexpr double least_K = 1.0;
   std::vector<Fault> faults{{}};
+  const double from_s = options.unplugged.daemon_off ? stood_s(truth, options.unplugged.for_s) : replugged_s;
+  if (options.replugged && from_s < 0.0) return faults;
   const auto samples = static_cast<double>(truth.key_points_K.rows());
   for (int one = 0; one < sensors; ++one) {
     for (int other = one + 1; other < sensors; ++other) {
@@ -112,7 +126,7 @@ std::vector<Fault> all_exchanges(const Truth& truth, const Options& options) {
       fault.sensor = one;
       fault.partner = other;
       if (options.replugged) {
-        fault.from_s = replugged_s;
+        fault.from_s = from_s;
         fault.unplugged = options.unplugged;
         fault.kind = FaultKind::replugged;
         faults.push_back(fault);
@@ -122,6 +136,19 @@ std::vector<Fault> all_exchanges(const Truth& truth, const Options& options) {
     }
   }
   return faults;
+}
+
+void print_how(const Options& options) {
+  const Unplugged& unplugged = options.unplugged;
+  if (!options.replugged) {
+    std::printf("\nExchanged from the start");
+    return;
+  }
+  std::printf("\nExchanged after an hour, while one was unplugged for %g s, the other for %g s, %s", unplugged.for_s,
+              unplugged.for_s + unplugged.partner_later_s,
+              unplugged.daemon_off   ? "the spindle at rest and the daemon off"
+              : unplugged.reads_open ? "reading open"
+                                     : "reading nothing");
 }
 
 int run(const Options& options) {
@@ -154,14 +181,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "spindle %d of %d\n", i + 1, options.runs);
   });
   if (!options.only_swapped()) return print_tables(all, options.cycle_s);
-  const Unplugged& unplugged = options.unplugged;
-  if (options.replugged) {
-    std::printf("\nExchanged after an hour, while one was unplugged for %g s, the other for %g s, reading %s",
-                unplugged.for_s, unplugged.for_s + unplugged.partner_later_s,
-                unplugged.reads_open ? "open" : "nothing");
-  } else {
-    std::printf("\nExchanged from the start");
-  }
+  print_how(options);
   return print_exchanges(all);
 }
 
@@ -188,8 +208,12 @@ int main(int argc, char** argv) {
   line.add("--unplugged-s", options.unplugged.for_s, "for so long", Allowed{0.0, 3000.0});
   line.add("--partner-later-s", options.unplugged.partner_later_s, "one of the two for so much longer",
            Allowed{0.0, 3000.0});
+  line.add_flag("--daemon-off", options.unplugged.daemon_off, "the daemon is off meanwhile, and the spindle stands");
   line.add_flag("--reads-open", options.unplugged.reads_open, "each reads open meanwhile, not nothing");
   line.exclude("--replugged", "--swapped-from-start");
+  for (const char* name : {"--unplugged-s", "--partner-later-s", "--daemon-off", "--reads-open"}) {
+    line.need(name, "--replugged");
+  }
   line.add("--cycle-s", options.cycle_s, "period of the daemon", Allowed{0.1, 10.0});
   line.add_flag("--verbose", options.verbose, "a line per run");
   if (const auto code = line.parse(argc, argv)) return *code;

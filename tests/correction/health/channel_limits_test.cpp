@@ -171,7 +171,7 @@ TEST(Channel, resumes_with_as_many_failures_as_it_had) {
     for (const HealthFault fault : {HealthFault::none, HealthFault::open, HealthFault::swapped}) {
       Channel channel(plain_channel(), {});
       const bool is_out = fault != HealthFault::none;
-      channel.resume({fault, fault == HealthFault::swapped, is_out ? 2 : -1, failures});
+      channel.resume({fault, fault == HealthFault::swapped, is_out ? 2 : -1, failures}, 0.0);
       EXPECT_EQ(channel.record().failures, is_out ? std::max(failures, 1) : failures);
       EXPECT_EQ(channel.record().state, is_out ? HealthState::failed : HealthState::good);
       EXPECT_EQ(channel.record().since_s, 0.0);

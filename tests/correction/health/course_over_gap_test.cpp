@@ -51,6 +51,19 @@ TEST(CourseOverGap, what_came_between_two_gaps_counts_only_after_five_minutes) {
   }
 }
 
+TEST(CourseOverGap, may_be_of_before_a_restart) {
+  const HealthLimits limits;
+  CourseOverGap gap;
+  gap.resume(4.0, 10.0, 1795.0);
+  EXPECT_EQ(gap.before_K(), 4.0);
+  EXPECT_TRUE(gap.is_known(15.0, limits));
+  EXPECT_FALSE(gap.is_known(15.5, limits));
+  gap.note_reading(12.0, false, limits);
+  EXPECT_TRUE(gap.is_first()) << "no reading was used before it";
+  gap.note_reading(13.0, false, limits);
+  EXPECT_FALSE(gap.is_first());
+}
+
 /// Two channels of a drive without readings, or with readings of open wires, for a while.
 struct Unplugged {
   std::size_t one = 0, other = 1;
@@ -137,6 +150,23 @@ TEST(Health, channels_that_come_back_on_their_own_course_are_not_exchanged_howev
       for (std::size_t i = 0; i < Drive::places; ++i) {
         EXPECT_NE(drive.health.record(i).fault, HealthFault::swapped) << "seed " << drive_seed + 100 + n;
       }
+    }
+  }
+}
+
+TEST(Health, what_was_read_more_than_the_model_before_a_restart_is_held_against_the_first_reading) {
+  for (const double away_s : {1699.0, 1701.0}) {
+    for (const bool known : {true, false}) {
+      SensorHealth health(std::vector<HealthChannel>(2, {true, 253.15, 423.15, 0.01}), {});
+      KeptHealth kept;
+      kept.used_before_s = 100.0;
+      if (known) kept.usual_offset_K = 0.2;
+      health.resume(0, kept, away_s);
+      health.resume(1, kept, away_s);
+      // The model has moved in the first period, and says where it has come to.
+      health.step({{true, 310.2, 300.0, 0.5, 300.0}, {true, 300.2, 310.0, 0.1, 310.0}}, 1.0, 1.0);
+      EXPECT_EQ(health.record(0).fault == HealthFault::swapped, known && away_s < 1700.0);
+      EXPECT_FALSE(known && away_s < 1700.0 && health.record(1).usable);
     }
   }
 }

@@ -183,8 +183,8 @@ TEST(ReadForPartner, what_was_kept_begins_again_only_where_it_is_wanted) {
     HealthLimits limits;
     limits.read_swapped = wanted;
     SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15}), limits);
-    health.resume(0, {HealthFault::swapped, true, 2, 1, true});
-    health.resume(2, {HealthFault::swapped, true, 0, 1, true});
+    health.resume(0, {HealthFault::swapped, true, 2, 1, true}, 0.0);
+    health.resume(2, {HealthFault::swapped, true, 0, 1, true}, 0.0);
     EXPECT_EQ(health.reader_of(0), wanted ? 2U : 0U);
   }
 }
@@ -192,8 +192,8 @@ TEST(ReadForPartner, what_was_kept_begins_again_only_where_it_is_wanted) {
 TEST(ReadForPartner, is_kept_and_wants_both_of_the_pair) {
   for (const bool other_too : {true, false}) {
     SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15}), {});
-    health.resume(0, {HealthFault::swapped, true, 2, 1, true});
-    health.resume(2, {HealthFault::swapped, true, other_too ? 0 : 1, 1, true});
+    health.resume(0, {HealthFault::swapped, true, 2, 1, true}, 0.0);
+    health.resume(2, {HealthFault::swapped, true, other_too ? 0 : 1, 1, true}, 0.0);
     EXPECT_EQ(health.reader_of(0), other_too ? 2U : 0U);
     EXPECT_TRUE(health.kept(0).read_for_partner);
     EXPECT_EQ(health.reader_of(1), 1U);

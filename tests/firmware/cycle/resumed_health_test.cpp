@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "firmware/keep/checkpoint.hpp"
 #include "tests/firmware/support/watched.hpp"
 
@@ -60,6 +63,57 @@ TEST(ResumedHealth, what_waits_for_an_acknowledgement_waits_for_it_after_a_resta
   EXPECT_EQ(after.last.sensor_health[0].fault, SensorFault::drift);
   after.give(SensorOrder::acknowledge, 1200);
   EXPECT_EQ(after.last.sensor_health[0].state, SensorState::good);
+}
+
+/// The machine stands still while the daemon is off; somebody exchanges two plugs meanwhile, or does not.
+struct OffAndOn {
+  OffAndOn(double heat, int off_s, bool exchanged) : before(network, watched(), heat), after(network, watched(), heat) {
+    before.until(3600);
+    before.machine.operating.speed_rpm = before.machine.operating.load = 0.0;
+    before.machine.advance(off_s);
+    after.machine.model.stepper->set_temperatures(before.machine.model.stepper->temperatures_K());
+    predict(network, after.machine.model);
+    if (!exchanged) return;
+    after.tamper = [](int, DeviceFrame& frame) { std::swap(frame.sensors[0].value, frame.sensors[2].value); };
+  }
+  rom::Network network = tests::small_network();
+  Watched before, after;
+};
+
+double nose_error_m(const Watched& run) {
+  return run.last.deformation_raw_m[0] - run.machine.model.outputs.deformations_m[0];
+}
+
+TEST(ResumedHealth, two_that_are_exchanged_while_the_daemon_is_off_are_found_with_their_first_reading) {
+  for (const double heat : {1.0, 1.4}) {
+    OffAndOn run(heat, 300, true);
+    ASSERT_NE(run.after.cycle.resume(remembered_of(run.before), 300.0), Resumed::nothing);
+    run.after.until(1);
+    EXPECT_EQ(run.after.last.sensors_failed, 2) << heat;
+    EXPECT_EQ(run.after.last.sensor_health[0].fault, SensorFault::swapped) << heat;
+    EXPECT_EQ(run.after.last.sensor_health[0].partner, 2);
+    while (run.after.n < 1800) {
+      run.after.until(run.after.n + 10);
+      EXPECT_LT(std::abs(nose_error_m(run.after)), 2.0 * run.after.last.deformation_deviation_m[0]) << heat;
+      EXPECT_TRUE((run.after.last.sensor_update[0].flags & bits(Update::by_partner)) != 0) << run.after.n;
+    }
+  }
+}
+
+TEST(ResumedHealth, sensors_in_their_places_are_not_exchanged_whatever_the_daemon_has_missed) {
+  for (const double heat : {0.7, 1.4}) {
+    for (const int off_s : {0, 300, 1500, 20000}) {
+      for (const bool went_on : {false, true}) {
+        OffAndOn run(heat, off_s, false);
+        const Remembered remembered = remembered_of(run.before);
+        // The spindle turned meanwhile, which the daemon does not know.
+        if (went_on) run.after.machine.advance(off_s);
+        ASSERT_NE(run.after.cycle.resume(remembered, off_s), Resumed::nothing);
+        run.after.until(600);
+        EXPECT_EQ(run.after.last.sensors_failed, 0) << heat << ", " << off_s << ", " << went_on;
+      }
+    }
+  }
 }
 
 TEST(ResumedHealth, what_no_health_has_written_changes_nothing) {

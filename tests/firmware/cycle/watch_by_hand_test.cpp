@@ -167,11 +167,11 @@ TEST(WatchByHand, what_is_kept_of_health_is_taken_to_its_ends_and_all_is_refused
   const Kept others{0.0, 0.0, -1.0, 0.0};
   const auto is_taken = [&](const Kept& of) {
     ByHand hand(with_sensors());
-    std::vector<double> numbers;
+    Remembered remembered;
     for (const Kept& each : {Kept{7.0, 1.0, -1.0, 1.0}, others, of}) {
-      numbers.insert(numbers.end(), each.begin(), each.end());
+      remembered.sensor_health.insert(remembered.sensor_health.end(), each.begin(), each.end());
     }
-    resume_health(numbers, hand.watch);
+    resume_health(remembered, 0.0, hand.watch);
     return hand.watch.health->kept(0).fault != correction::HealthFault::none;
   };
   EXPECT_TRUE(is_taken(others));
@@ -187,17 +187,16 @@ TEST(WatchByHand, what_is_kept_of_health_is_taken_to_its_ends_and_all_is_refused
 
 TEST(WatchByHand, what_is_kept_of_each_sensor_comes_back_to_that_sensor) {
   ByHand before(with_sensors()), after(with_sensors());
-  const std::vector<double> numbers{0.0, 0.0, -1.0, 0.0, 7.0, 1.0, -1.0, 2.0, 8.0, 1.0, 0.0, 1.0};
-  resume_health(numbers, before.watch);
-  std::vector<double> kept;
+  Remembered remembered, kept;
+  remembered.sensor_health = {0.0, 0.0, -1.0, 0.0, 7.0, 1.0, -1.0, 2.0, 8.0, 1.0, 0.0, 1.0};
+  resume_health(remembered, 0.0, before.watch);
   keep_health(before.watch, kept);
-  EXPECT_EQ(kept, numbers);
+  EXPECT_EQ(kept.sensor_health, remembered.sensor_health);
   const std::vector<double> none{0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0};
-  std::vector<double> of_four = numbers;
-  of_four.insert(of_four.end(), none.begin(), none.begin() + 4);
-  resume_health(of_four, after.watch);
+  remembered.sensor_health.insert(remembered.sensor_health.end(), none.begin(), none.begin() + 4);
+  resume_health(remembered, 0.0, after.watch);
   keep_health(after.watch, kept);
-  EXPECT_EQ(kept, none) << "of another number of sensors nothing is known";
+  EXPECT_EQ(kept.sensor_health, none) << "of another number of sensors nothing is known";
 }
 
 TEST(WatchByHand, is_told_of_sensors_that_are_there_and_counts_those_that_are_out) {
