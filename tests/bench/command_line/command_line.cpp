@@ -42,9 +42,7 @@ void CommandLine::exclude(const char* name, const char* other) {
   app_->get_option(name)->excludes(app_->get_option(other));
 }
 
-void CommandLine::need(const char* name, const char* other) {
-  app_->get_option(name)->needs(app_->get_option(other));
-}
+void CommandLine::need(const char* name, const char* other) { app_->get_option(name)->needs(app_->get_option(other)); }
 
 std::optional<int> CommandLine::parse(int argc, char** argv) {
   try {

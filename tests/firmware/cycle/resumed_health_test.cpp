@@ -100,6 +100,19 @@ TEST(ResumedHealth, two_that_are_exchanged_while_the_daemon_is_off_are_found_wit
   }
 }
 
+TEST(ResumedHealth, without_their_courses_or_with_those_of_half_an_hour_ago_no_first_reading_shows_an_exchange) {
+  for (const bool kept : {false, true}) {
+    OffAndOn run(1.4, 300, true);
+    Remembered remembered = remembered_of(run.before);
+    ASSERT_EQ(remembered.sensor_course.size(), 6U);
+    EXPECT_LT(remembered.sensor_course[1], 2.0) << "it has just been used";
+    if (!kept) remembered.sensor_course.clear();
+    ASSERT_NE(run.after.cycle.resume(remembered, kept ? 1801.0 : 300.0), Resumed::nothing);
+    run.after.until(3);
+    EXPECT_EQ(run.after.last.sensors_failed, 0) << kept;
+  }
+}
+
 TEST(ResumedHealth, sensors_in_their_places_are_not_exchanged_whatever_the_daemon_has_missed) {
   for (const double heat : {0.7, 1.4}) {
     for (const int off_s : {0, 300, 1500, 20000}) {
