@@ -5,7 +5,8 @@
 namespace spindle_twin::correction {
 
 /// The course that a channel had before a gap in its readings, for those behind it to be held against. What came
-/// between two gaps counts only where it lasted return_after_s: plugs are tried. All functions may run in the cycle.
+/// between two gaps, or the start and a gap, counts only where it lasted return_after_s: plugs are tried. All functions
+/// may run in the cycle.
 class CourseOverGap {
  public:
   /// A channel in use is on its course, at time_s; e of course_tracker.hpp.
@@ -15,6 +16,7 @@ class CourseOverGap {
   }
   /// A right reading at time_s, which is or is not the first behind a gap.
   void note_reading(double time_s, bool was_away, const HealthLimits& limits) {
+    if (readings_ == 0) returned_s_ = time_s;
     if (!was_away) {
       ++readings_;
       return;

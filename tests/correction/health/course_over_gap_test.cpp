@@ -39,14 +39,18 @@ TEST(CourseOverGap, has_just_ended_for_three_readings) {
   EXPECT_FALSE(gap.has_just_ended(limits));
 }
 
-TEST(CourseOverGap, what_came_between_two_gaps_counts_only_after_five_minutes) {
+TEST(CourseOverGap, what_came_between_two_gaps_or_the_start_and_a_gap_counts_only_after_five_minutes) {
   const HealthLimits limits;
   for (const double stayed_s : {299.0, 300.0}) {
     CourseOverGap gap;
-    gap.note_course(1.0, 0.0);
-    gap.note_reading(100.0, true, limits);
-    gap.note_course(2.0, 100.0 + stayed_s);
+    gap.note_reading(0.0, false, limits);
+    gap.note_course(1.0, stayed_s);
     gap.note_reading(500.0, true, limits);
+    EXPECT_EQ(gap.is_known(500.0, limits), stayed_s == 300.0) << "the start counts as the end of a gap";
+    gap.note_course(1.0, 800.0);
+    gap.note_reading(900.0, true, limits);
+    gap.note_course(2.0, 900.0 + stayed_s);
+    gap.note_reading(1300.0, true, limits);
     EXPECT_EQ(gap.before_K(), stayed_s < 300.0 ? 1.0 : 2.0);
   }
 }
