@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace spindle_twin::correction {
 namespace {
@@ -114,7 +115,7 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
   const ExchangeDetector::Pair pair = exchange_.find(in_use_, limits_);
   if (pair.one >= 0) {
     fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
-    untold_ = pair;
+    untold_ = {pair.one, pair.other};
   }
   heed_movement_of_swapped();
 }
@@ -136,7 +137,9 @@ void SensorHealth::find_replugged() {
       fail_pair(i, j);
       begin_reading_for_each_other(i, j);
       in_use_[i] = in_use_[j] = false;
-      if (used) untold_ = {static_cast<int>(i), static_cast<int>(j)};
+      if (!used) continue;
+      untold_ = {static_cast<int>(i), static_cast<int>(j)};
+      untold_.over_gap = true;
     }
   }
 }
@@ -152,11 +155,9 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
     considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
   }
   const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
-  if (untold_.one >= 0) {
-    const HealthVerdict told{untold_.one, untold_.other};
-    untold_ = {};
+  if (untold_.failed >= 0) {
     note_restart();
-    return told;
+    return std::exchange(untold_, {});
   }
   if (blame.channel < 0) return {};
   const auto blamed = static_cast<std::size_t>(blame.channel);

@@ -14,9 +14,10 @@ namespace spindle_twin::correction {
 struct HealthVerdict {
   int failed = -1;
   int partner = -1;
-  bool loosen = false;  ///< the readings contradict the estimate, which is to be loosened (EstimatorCorrection)
-  int suspect = -1;     ///< then: the channel that they would have blamed otherwise
-  int opened = -1;      ///< the channel whose offset may have been wrong by return_offset_deviation_K all the time
+  bool loosen = false;    ///< the readings contradict the estimate, which is to be loosened (EstimatorCorrection)
+  int suspect = -1;       ///< then: the channel that they would have blamed otherwise
+  int opened = -1;        ///< the channel whose offset may have been wrong by return_offset_deviation_K all the time
+  bool over_gap = false;  ///< of a pair: it was exchanged over a gap in its readings, and right before
 };
 
 /// Judges every channel each cycle, so that one that fails leaves before it has moved the estimate, and comes back
@@ -90,7 +91,7 @@ class SensorHealth {
   Isolation isolation_;
   std::vector<HealthUpdate> considered_;  // updates of the channels in use
   std::vector<bool> in_use_;
-  ExchangeDetector::Pair untold_;  // exchanged by movement, since the last update
+  HealthVerdict untold_;  // exchanged by movement or over a gap, since the last update
   double time_s_ = 0.0;
   bool left_course_together_ = false;
 };

@@ -48,10 +48,11 @@ bool explained_by_heat(const Watched& of) {
 }
 
 /// No filter has done without the two that were swapped: the estimate goes back to its priors where they may have been
-/// so from the start, and to what it was before where that is longer ago than movement is remembered.
-void leave_pair_out(const Watched& of) {
-  const bool young = of.estimator.age_s() < of.watch.health->limits().swap_memory_s;
-  of.estimator.adopt(young ? of.estimator.prior() : of.watch.others->before(of.estimator), of.operating);
+/// so from the start, and to what it was before where they were right before a gap, or the start is longer ago than
+/// movement is remembered.
+void leave_pair_out(bool over_gap, const Watched& of) {
+  const bool from_start = !over_gap && of.estimator.age_s() < of.watch.health->limits().swap_memory_s;
+  of.estimator.adopt(from_start ? of.estimator.prior() : of.watch.others->before(of.estimator), of.operating);
   of.watch.opinion->drop();
   follow_estimator(of.estimator, of.watch);
   set_model(of);
@@ -121,7 +122,7 @@ void heed_loosening(const Watched& of) {
   if (watch.heat) watch.heat->follow(of.estimator);
   const bool swapped = watch.health->note_contradiction().partner >= 0;
   watch.health->note_restart();
-  if (swapped) leave_pair_out(of);
+  if (swapped) leave_pair_out(false, of);
 }
 
 correction::HealthVerdict verdict_of(const Watched& of) {
@@ -156,7 +157,7 @@ void heed(const correction::HealthVerdict& verdict, const Watched& of) {
   }
   if (verdict.failed < 0) return;
   if (verdict.partner >= 0) {
-    leave_pair_out(of);
+    leave_pair_out(verdict.over_gap, of);
     return;
   }
   leave_out(channel_at(of.corrector, static_cast<std::size_t>(verdict.failed)), of);

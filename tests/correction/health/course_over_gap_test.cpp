@@ -136,6 +136,7 @@ TEST(Health, of_two_that_come_back_one_after_the_other_the_estimator_is_told) {
   const HealthVerdict told = drive.health.note_update(std::vector<HealthUpdate>(Drive::places, {true, 0.0, 0}));
   EXPECT_EQ(told.failed, 3);
   EXPECT_EQ(told.partner, 4);
+  EXPECT_TRUE(told.over_gap);
 }
 
 /// The gains of these models are wrong by a quarter: they err by kelvins over a gap.

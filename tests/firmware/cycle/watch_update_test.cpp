@@ -179,6 +179,30 @@ TEST(WatchUpdate, two_that_are_exchanged_while_unplugged_are_found_and_what_was_
   }
 }
 
+/// A minute one after the other: what the first taught meanwhile is forgotten, and not what was known before the gap.
+TEST(WatchUpdate, two_that_come_back_exchanged_one_after_the_other_leave_what_was_learnt_before) {
+  const rom::Network network = tests::small_network();
+  constexpr int out = 1800, back = 2100, both = 2160;
+  Watched run(network, estimated(), 1.4);
+  run.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= out) std::swap(frame.sensors[0], frame.sensors[2]);
+    if (n >= out && n < back) frame.sensors[0].time_ns = at_s(out - 1);
+    if (n >= out && n < both) frame.sensors[2].time_ns = at_s(out - 1);
+  };
+  run.until(out);
+  const double before = heat_deviation(run);
+  EXPECT_LT(before, 0.7) << "it had learnt something";
+  run.until(both + 1);
+  EXPECT_EQ(run.last.sensors_failed, 2);
+  run.until(both + 30);
+  EXPECT_LT(heat_deviation(run), 0.5 * (before + 1.0));
+  while (run.n < both + 1800) {
+    run.until(run.n + 10);
+    EXPECT_LT(std::abs(nose_error_m(run)), 2.0 * run.last.deformation_deviation_m[0]) << run.n;
+    EXPECT_TRUE(read_crossed(run)) << run.n;
+  }
+}
+
 /// Five minutes without readings while the spindle runs: their first reading shows it, and is not used.
 TEST(WatchUpdate, two_that_come_back_on_each_others_course_are_found_with_their_first_reading) {
   const rom::Network network = tests::small_network();
