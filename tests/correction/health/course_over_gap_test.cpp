@@ -176,6 +176,26 @@ TEST(Health, what_was_read_more_than_the_model_before_a_restart_is_held_against_
   }
 }
 
+/// Readings in closed form: two that stand apart come back crosswise, the second beside the first one's course.
+bool found(double apart_K, double beside_K) {
+  SensorHealth health(std::vector<HealthChannel>(2, {true, 253.15, 423.15, 0.01, 0.01}), {});
+  for (int t = 0; t < 500; ++t) {
+    const bool away = t >= 400 && t < 460, back = t >= 460;
+    const double one_K = back ? 300.0 + apart_K : 300.0, other_K = back ? 300.0 + beside_K : 300.0 + apart_K;
+    health.step({{!away, one_K, one_K, 0.0, 300.0}, {!away, other_K, other_K, 0.0, 300.0}}, t, t == 0 ? 0.0 : 1.0);
+  }
+  return health.record(0).fault == HealthFault::swapped;
+}
+
+TEST(Health, an_exchange_over_a_gap_shows_from_twice_a_jump_on_and_where_each_fits_to_three_tenths) {
+  EXPECT_TRUE(found(0.61, 0.0));
+  EXPECT_FALSE(found(0.59, 0.0));
+  EXPECT_TRUE(found(10.0, 2.3));
+  EXPECT_FALSE(found(10.0, 2.4)) << "2.4 of 7.6";
+  EXPECT_TRUE(found(10.0, -4.2));
+  EXPECT_FALSE(found(10.0, -4.4)) << "4.4 of 14.4";
+}
+
 TEST(Health, where_a_third_channel_left_its_course_over_the_gap_too_it_is_the_model) {
   // Readings in closed form: two that stand 2 K apart come back crosswise, a third comes back `third_K` off.
   for (const double third_K : {0.5, 0.7}) {
