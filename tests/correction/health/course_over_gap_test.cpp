@@ -169,7 +169,7 @@ TEST(Health, what_was_read_more_than_the_model_before_a_restart_is_held_against_
       health.resume(0, kept, away_s);
       health.resume(1, kept, away_s);
       // The model has moved in the first period, and says where it has come to.
-      health.step({{true, 310.2, 300.0, 0.5, 300.0}, {true, 300.2, 310.0, 0.1, 310.0}}, 1.0, 1.0);
+      health.step({{true, 301.2, 300.0, 0.5, 300.0}, {true, 300.2, 301.0, -0.5, 301.0}}, 1.0, 1.0);
       EXPECT_EQ(health.record(0).fault == HealthFault::swapped, known && away_s < 1700.0);
       EXPECT_FALSE(known && away_s < 1700.0 && health.record(1).usable);
     }
@@ -194,6 +194,34 @@ TEST(Health, an_exchange_over_a_gap_shows_from_twice_a_jump_on_and_where_each_fi
   EXPECT_FALSE(found(10.0, 2.4)) << "2.4 of 7.6";
   EXPECT_TRUE(found(10.0, -4.2));
   EXPECT_FALSE(found(10.0, -4.4)) << "4.4 of 14.4";
+}
+
+TEST(Health, how_long_ago_a_channel_was_used_is_kept) {
+  SensorHealth health(std::vector<HealthChannel>(2, {true, 253.15, 423.15, 0.01}), {});
+  for (int t = 0; t <= 400; ++t) {
+    health.step({{t <= 340, 300.0 + 0.02 * (t % 2), 299.5, 0.0, 300.0}, {false, 0.0, 300.0, 0.0, 300.0}}, t, 1.0);
+  }
+  EXPECT_EQ(health.kept(0).used_before_s, 60.0);
+  EXPECT_NEAR(health.kept(0).usual_offset_K, 0.5, 0.03);
+  EXPECT_TRUE(std::isnan(health.kept(1).usual_offset_K)) << "it never was";
+}
+
+TEST(Health, a_channel_that_is_still_away_is_neither_exchanged_nor_in_the_way) {
+  for (const bool with_third : {false, true}) {
+    SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15, 0.01, 0.01}), {});
+    for (int t = 0; t < 500; ++t) {
+      const bool away = t >= 400 && t < 460, back = t >= 460;
+      const double one_K = back ? 310.0 : 300.0, other_K = back ? 300.0 : 310.0;
+      // The third comes back for one reading, far off, and is away again; or it is the second that stays away.
+      const double third_K = back ? 305.0 : 302.0;
+      const bool third_reads = !back || t == 460;
+      health.step({{!away && t != 460, one_K, one_K, 0.0, 300.0},
+                   {with_third ? !away && t != 460 : !away && !back, other_K, other_K, 0.0, 300.0},
+                   {with_third && !away && third_reads, third_K, third_K, 0.0, 300.0}},
+                  t, t == 0 ? 0.0 : 1.0);
+    }
+    EXPECT_EQ(health.record(0).fault == HealthFault::swapped, with_third);
+  }
 }
 
 TEST(Health, where_a_third_channel_left_its_course_over_the_gap_too_it_is_the_model) {

@@ -106,11 +106,24 @@ TEST(ResumedHealth, without_their_courses_or_with_those_of_half_an_hour_ago_no_f
     Remembered remembered = remembered_of(run.before);
     ASSERT_EQ(remembered.sensor_course.size(), 6U);
     EXPECT_LT(remembered.sensor_course[1], 2.0) << "it has just been used";
+    EXPECT_LT(std::abs(remembered.sensor_course[0]), 0.1) << "and was on the model";
     if (!kept) remembered.sensor_course.clear();
     ASSERT_NE(run.after.cycle.resume(remembered, kept ? 1801.0 : 300.0), Resumed::nothing);
     run.after.until(3);
     EXPECT_EQ(run.after.last.sensors_failed, 0) << kept;
   }
+}
+
+TEST(ResumedHealth, how_long_a_sensor_was_away_before_the_restart_counts_too) {
+  const rom::Network network = tests::small_network();
+  Watched before(network, watched(), 1.0);
+  before.tamper = [](int n, DeviceFrame& frame) {
+    if (n >= 600) frame.sensors[1].time_ns = at_s(599);
+  };
+  before.until(1000);
+  const Remembered remembered = remembered_of(before);
+  EXPECT_NEAR(remembered.sensor_course[3], 400.0, 10.0);
+  EXPECT_LT(remembered.sensor_course[5], 2.0);
 }
 
 TEST(ResumedHealth, sensors_in_their_places_are_not_exchanged_whatever_the_daemon_has_missed) {
