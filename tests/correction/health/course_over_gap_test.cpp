@@ -213,7 +213,7 @@ TEST(Health, a_channel_that_is_still_away_is_neither_exchanged_nor_in_the_way) {
       const bool away = t >= 400 && t < 460, back = t >= 460;
       const double one_K = back ? 310.0 : 300.0, other_K = back ? 300.0 : 310.0;
       // The third comes back for one reading, far off, and is away again; or it is the second that stays away.
-      const double third_K = back ? 305.0 : 302.0;
+      const double third_K = back ? 308.0 : 302.0;
       const bool third_reads = !back || t == 460;
       health.step({{!away && t != 460, one_K, one_K, 0.0, 300.0},
                    {with_third ? !away && t != 460 : !away && !back, other_K, other_K, 0.0, 300.0},
