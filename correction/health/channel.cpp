@@ -86,7 +86,6 @@ void Channel::acknowledge() {
   record_.failures = 0;
 }
 
-/// Now the model says what it would read on the course that it had.
 void Channel::resume_course() {
   const double before_K = sample_.predicted_K + resumed_.usual_offset_K - model_.integrated_K();
   if (std::isfinite(before_K)) gap_.resume(before_K, time_s_, resumed_.used_before_s);

@@ -91,11 +91,12 @@ class Channel {
   /// Each of the two left its own course for the other's, with this sample the limits.outliers'th time for one of them.
   bool exchanged_courses_with(const Channel& other) const;
   /// Each of the two, one of which has just come back, came back from a gap on the course that the other had before:
-  /// both are off their own by more than twice what makes a jump, and from the other's by swap_fit of that at most.
+  /// both are off their own by more than twice what makes a jump, so that swap_fit of it is six σ of a reading, and
+  /// from the other's by swap_fit of that at most.
   bool exchanged_over_gap_with(const Channel& other) const;
   /// By how much it reads off the course that it had before a gap; 0 where that is not known (any more).
   double off_course_before_K() const;
-  /// Readings of it have been used since its last gap, if it had one, and the start.
+  /// It is in use, and this reading is not the first since the start or its last gap: earlier ones have been used.
   bool was_used() const { return in_use() && !gap_.is_first(); }
   /// Since the reading before, this one's time included; valid between take() and judge().
   double elapsed_s() const { return elapsed_s_; }
@@ -116,8 +117,10 @@ class Channel {
   bool fits_course_of(const Channel& other) const;
   /// By how much it reads more than the course of `other` before its gap says.
   double off_course_before_of_K(const Channel& other) const;
-  void resume_course();
+  /// Off its own course of before the gap, and on that of `other`.
   bool came_back_as(const Channel& other) const;
+  /// The course of before the daemon's gap, from what it read more than the model then.
+  void resume_course();
   /// Takes the event through the table.
   void meet(ChannelEvent event, HealthFault cause = HealthFault::none);
 

@@ -106,9 +106,7 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
       if (!in_use_[i] || !in_use_[j] || !channels_[i].exchanged_courses_with(channels_[j])) continue;
-      fail_pair(i, j);
-      begin_reading_for_each_other(i, j);
-      in_use_[i] = in_use_[j] = false;
+      fail_crossed(i, j);
     }
   }
   find_replugged();
@@ -118,6 +116,12 @@ void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, doub
     untold_ = {pair.one, pair.other};
   }
   heed_movement_of_swapped();
+}
+
+void SensorHealth::fail_crossed(std::size_t one, std::size_t other) {
+  fail_pair(one, other);
+  begin_reading_for_each_other(one, other);
+  in_use_[one] = in_use_[other] = false;
 }
 
 bool SensorHealth::others_kept_course(std::size_t one, std::size_t other) const {
@@ -134,9 +138,7 @@ void SensorHealth::find_replugged() {
       if (channels_[i].is_swapped() || channels_[j].is_swapped()) continue;
       if (!channels_[i].exchanged_over_gap_with(channels_[j]) || !others_kept_course(i, j)) continue;
       const bool used = channels_[i].was_used() || channels_[j].was_used();
-      fail_pair(i, j);
-      begin_reading_for_each_other(i, j);
-      in_use_[i] = in_use_[j] = false;
+      fail_crossed(i, j);
       if (!used) continue;
       untold_ = {static_cast<int>(i), static_cast<int>(j)};
       untold_.over_gap = true;

@@ -78,6 +78,8 @@ class SensorHealth {
   bool others_kept_course(std::size_t one, std::size_t other) const;
   void fail_pair(std::size_t one, std::size_t other);
   void begin_reading_for_each_other(std::size_t one, std::size_t other);
+  /// Two whose courses have been exchanged: both are out, and read for each other's places at once.
+  void fail_crossed(std::size_t one, std::size_t other);
   /// Two that have failed as swapped, for whatever reason, are read for each other's places once they have moved like
   /// them.
   void heed_movement_of_swapped();

@@ -259,7 +259,7 @@ void resume_health(const Remembered& remembered, double away_s, SensorWatch& wat
                                 static_cast<int>(of[3]), of[1] == read_for_partner};
     if (remembered.sensor_course.size() == kept_of_a_course * watch.health->count()) {
       const double* course = remembered.sensor_course.data() + kept_of_a_course * k;
-      kept.usual_offset_K = course[0];
+      if (course[1] >= 0.0) kept.usual_offset_K = course[0];
       kept.used_before_s = course[1];
     }
     watch.health->resume(k, kept, away_s);

@@ -114,6 +114,17 @@ TEST(ResumedHealth, without_their_courses_or_with_those_of_half_an_hour_ago_no_f
   }
 }
 
+TEST(ResumedHealth, a_course_that_no_daemon_has_written_is_not_taken) {
+  for (const double used_before_s : {-1.0, -1e6, not_a_value}) {
+    OffAndOn run(1.4, 300, true);
+    Remembered remembered = remembered_of(run.before);
+    remembered.sensor_course[1] = used_before_s;
+    ASSERT_NE(run.after.cycle.resume(remembered, 300.0), Resumed::nothing);
+    run.after.until(3);
+    EXPECT_EQ(run.after.last.sensors_failed, 0) << used_before_s;
+  }
+}
+
 TEST(ResumedHealth, how_long_a_sensor_was_away_before_the_restart_counts_too) {
   const rom::Network network = tests::small_network();
   Watched before(network, watched(), 1.0);
