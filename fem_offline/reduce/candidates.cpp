@@ -31,11 +31,11 @@ constexpr std::array<double, 7> times_s = {0.5, 2.0, 6.0, 20.0, 80.0, 300.0, 150
 
 /// Fields in the model's coordinates, one column each: steady ones, and those at times_s behind the last of several
 /// changes of the operating state, from one to the next by a step (K + C/t) T = Bq + Σ gKⱼ1 T_env + C/t T_before of the
-/// implicit Euler rule.
-Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& boundaries,
+/// implicit Euler rule. Single precision (0.03 mK) is enough to tell where a part is hottest.
+Eigen::MatrixXf physical_fields(const DenseModel& model, const rom::Boundaries& boundaries,
                                 const ReduceOptions& options) {
   const Eigen::Index per_set = 2 + static_cast<Eigen::Index>(times_s.size());
-  Eigen::MatrixXd fields(model.capacity.rows(), sets * per_set);
+  Eigen::MatrixXf fields(model.capacity.rows(), sets * per_set);
   const rom::CoolantSegments segments = rom::coolant_segments(boundaries);
   for_each_index(sets, options.threads, [&](int set, int) {
     RandomStream random(options.seed, StreamPurpose::candidates, static_cast<std::uint32_t>(set));
@@ -56,10 +56,10 @@ Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& 
     const Eigen::VectorXd uniform_K = boundaries.reference_temperature_K * model.uniform;
     Eigen::Index column = set * per_set;
     hold_random_state(0.0, Coolant::flows);
-    fields.col(column++) = solve(0.0, uniform_K);
+    fields.col(column++) = solve(0.0, uniform_K).cast<float>();
     hold_random_state(0.0, Coolant::flows);
     Eigen::VectorXd before_K = solve(0.0, uniform_K);
-    fields.col(column++) = before_K;
+    fields.col(column++) = before_K.cast<float>();
     if (set % uniform_start_every == 0) before_K = uniform_K;
     for (int state = 0; state < set % (most_held_states + 1); ++state) {
       hold_random_state(0.0, Coolant::flows_or_stands);
@@ -69,7 +69,7 @@ Eigen::MatrixXd physical_fields(const DenseModel& model, const rom::Boundaries& 
     double since_jump_s = 0.0;
     for (const double time_s : times_s) {
       before_K = solve(1.0 / (time_s - since_jump_s), before_K);
-      fields.col(column++) = before_K;
+      fields.col(column++) = before_K.cast<float>();
       since_jump_s = time_s;
     }
   });
@@ -84,7 +84,7 @@ struct Extremes {
 /// Gives the temperatures of these rows to `visit(first field, temperatures_K)` by blocks of fields: all of them would
 /// take more memory than anything else of a build.
 template <typename Visit>
-void for_each_block_of_fields(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields, const Visit& visit) {
+void for_each_block_of_fields(const Eigen::MatrixXf& rows, const Eigen::MatrixXf& fields, const Visit& visit) {
   constexpr Eigen::Index columns_per_block = 128;
   for (Eigen::Index first = 0; first < fields.cols(); first += columns_per_block) {
     const Eigen::Index width = std::min(columns_per_block, fields.cols() - first);
@@ -92,10 +92,10 @@ void for_each_block_of_fields(const Eigen::MatrixXd& rows, const Eigen::MatrixXd
   }
 }
 
-Extremes extremes_of(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields) {
+Extremes extremes_of(const Eigen::MatrixXf& rows, const Eigen::MatrixXf& fields) {
   const auto count = static_cast<std::size_t>(fields.cols());
   Extremes extremes{std::vector<Eigen::Index>(count), std::vector<Eigen::Index>(count)};
-  for_each_block_of_fields(rows, fields, [&](Eigen::Index first, const Eigen::MatrixXd& block_K) {
+  for_each_block_of_fields(rows, fields, [&](Eigen::Index first, const Eigen::MatrixXf& block_K) {
     for (Eigen::Index i = 0; i < block_K.cols(); ++i) {
       const auto field = static_cast<std::size_t>(first + i);
       block_K.col(i).maxCoeff(&extremes.hottest[field]);
@@ -118,14 +118,14 @@ std::vector<Eigen::Index> keep_rows(Extremes& extremes) {
 }
 
 /// Adds, as long as it helps, the point at which the field with the largest shortfall has its extreme. Only points that
-/// are one somewhere can be chosen: their temperatures are kept alone, in single precision (0.03 mK).
-std::vector<int> greedy_extremes(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& fields) {
+/// are one somewhere can be chosen: their temperatures are kept alone.
+std::vector<int> greedy_extremes(const Eigen::MatrixXf& rows, const Eigen::MatrixXf& fields) {
   Extremes extremes = extremes_of(rows, fields);
   const std::vector<Eigen::Index> kept = keep_rows(extremes);
   const Eigen::Index count = fields.cols();
   Eigen::MatrixXf at_points_K(static_cast<Eigen::Index>(kept.size()), count);
-  for_each_block_of_fields(rows(kept, Eigen::all), fields, [&](Eigen::Index first, const Eigen::MatrixXd& block_K) {
-    at_points_K.middleCols(first, block_K.cols()) = block_K.cast<float>();
+  for_each_block_of_fields(rows(kept, Eigen::all), fields, [&](Eigen::Index first, const Eigen::MatrixXf& block_K) {
+    at_points_K.middleCols(first, block_K.cols()) = block_K;
   });
 
   std::vector<int> chosen;
@@ -155,11 +155,11 @@ std::vector<int> greedy_extremes(const Eigen::MatrixXd& rows, const Eigen::Matri
 
 PartExtremes find_part_extremes(const AffineModel& model, const Eigen::MatrixXd& basis, const DenseModel& dense,
                                 const ReduceOptions& options) {
-  const Eigen::MatrixXd fields = physical_fields(dense, model.boundaries, options);
+  const Eigen::MatrixXf fields = physical_fields(dense, model.boundaries, options);
   PartExtremes extremes(model.parts.size());
   for_each_index(static_cast<int>(model.parts.size()), options.threads, [&](int index, int) {
     const auto part = static_cast<std::size_t>(index);
-    extremes[part] = greedy_extremes(basis(model.parts[part].dofs, Eigen::all), fields);
+    extremes[part] = greedy_extremes(basis(model.parts[part].dofs, Eigen::all).cast<float>(), fields);
   });
   return extremes;
 }

@@ -82,6 +82,34 @@ int next_step(const std::optional<TriedStep>& last, int too_small, int enough, b
   return static_cast<int>(std::clamp(expected, too_small + 1.0, enough - 1.0));
 }
 
+/// Basis models of the sizes that are tried. A smaller one is part of a larger, so the FE model is projected on more
+/// columns than are asked for, and anew where that was not enough.
+class BasisModels {
+ public:
+  explicit BasisModels(const Reduction& reduction) : reduction_(reduction) {}
+
+  BasisModel of(int nodes) {
+    constexpr double headroom = 1.25;
+    if (widest_.capacity.rows() < nodes) {
+      const int columns = std::min(static_cast<int>(headroom * nodes), reduction_.most_nodes());
+      widest_ = {};  // before the next takes its memory
+      widest_ = reduction_.dense_model(columns);
+    }
+    BasisModel model{first_states(widest_, nodes), {}};
+    if (extremes_.empty()) extremes_ = reduction_.part_extremes(model.dense);
+    model.outputs = reduction_.output_rows(nodes, extremes_);
+    return model;
+  }
+
+  /// Points of part extremes of the first size, which all sizes have.
+  PartExtremes& extremes() { return extremes_; }
+
+ private:
+  const Reduction& reduction_;
+  DenseModel widest_;
+  PartExtremes extremes_;
+};
+
 }  // namespace
 
 int nodes_likely_enough(int nodes, const std::vector<MissedOutput>& missed) {
@@ -107,7 +135,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
   int too_small = 0, enough = (most + size_step - 1) / size_step + 1;
   const int last_step = enough - 1;
   SizeChoice choice;
-  PartExtremes extremes;
+  BasisModels models(reduction);
   std::optional<TriedStep> last;
   Nearest nearest;
   while (enough - too_small > 1) {
@@ -115,7 +143,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
     const int nodes = nodes_of(step);
     const std::string stage = "size: " + std::to_string(nodes) + " nodes";
     show(stage, 0.0);
-    const BasisModel reduced = reduction.basis_model(nodes, extremes);
+    const BasisModel reduced = models.of(nodes);
     show(stage, 0.5);
     const Eigen::MatrixXd errors = history_errors(model, reduced, histories, options.threads);
     const HistoryLimits reached = limits_of(errors, layout);
@@ -132,7 +160,7 @@ SizeChoice choose_size(const AffineModel& model, const Reduction& reduction, con
   const int chosen = nodes_of(choice.reached ? enough : nearest.tried.step);
   if (!choice.reached) choice.missed = std::move(nearest.missed);
   choice.larger_possible = most == largest_size;
-  choice.network = reduction.network(chosen, report, progress, &extremes);
+  choice.network = reduction.network(chosen, report, progress, &models.extremes());
   return choice;
 }
 

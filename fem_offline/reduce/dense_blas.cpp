@@ -14,6 +14,14 @@ extern "C" {
 void dgemm_(const char* transpose_a, const char* transpose_b, const int* rows, const int* columns, const int* inner,
             const double* alpha, const double* a, const int* lda, const double* b, const int* ldb, const double* beta,
             double* c, const int* ldc, std::size_t, std::size_t);
+void sgemm_(const char* transpose_a, const char* transpose_b, const int* rows, const int* columns, const int* inner,
+            const float* alpha, const float* a, const int* lda, const float* b, const int* ldb, const float* beta,
+            float* c, const int* ldc, std::size_t, std::size_t);
+void dsyrk_(const char* uplo, const char* transpose, const int* n, const int* inner, const double* alpha,
+            const double* a, const int* lda, const double* beta, double* c, const int* ldc, std::size_t, std::size_t);
+void dtrsm_(const char* side, const char* uplo, const char* transpose, const char* unit, const int* rows,
+            const int* columns, const double* alpha, const double* a, const int* lda, double* b, const int* ldb,
+            std::size_t, std::size_t, std::size_t, std::size_t);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
 void dpotrs_(const char* uplo, const int* n, const int* columns, const double* a, const int* lda, double* b,
              const int* ldb, int* info, std::size_t);
@@ -28,30 +36,73 @@ void dgeev_(const char* left, const char* right, const int* n, double* a, const 
 namespace spindle_twin::fem_offline {
 namespace {
 
+void gemm(const char* transpose_a, const int* rows, const int* columns, const int* inner, const double* a,
+          const int* lda, const double* b, const int* ldb, double* c) {
+  const double one = 1.0, zero = 0.0;
+  dgemm_(transpose_a, "N", rows, columns, inner, &one, a, lda, b, ldb, &zero, c, rows, 1, 1);
+}
+
+void gemm(const char* transpose_a, const int* rows, const int* columns, const int* inner, const float* a,
+          const int* lda, const float* b, const int* ldb, float* c) {
+  const float one = 1.0F, zero = 0.0F;
+  sgemm_(transpose_a, "N", rows, columns, inner, &one, a, lda, b, ldb, &zero, c, rows, 1, 1);
+}
+
+template <typename Scalar>
+using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
 /// op(A) B with op(A) = A for 'N', Aᵀ for 'T'.
-Eigen::MatrixXd blas_product(char transpose, const Eigen::Ref<const Eigen::MatrixXd>& a,
-                             const Eigen::Ref<const Eigen::MatrixXd>& b) {
+template <typename Scalar>
+Matrix<Scalar> blas_product(char transpose, const Eigen::Ref<const Matrix<Scalar>>& a,
+                            const Eigen::Ref<const Matrix<Scalar>>& b) {
   const int rows = static_cast<int>(transpose == 'N' ? a.rows() : a.cols()), columns = static_cast<int>(b.cols());
   const int inner = static_cast<int>(b.rows());
   const int lda = static_cast<int>(a.outerStride()), ldb = static_cast<int>(b.outerStride());
-  const double one = 1.0, zero = 0.0;
-  Eigen::MatrixXd result(rows, columns);
+  Matrix<Scalar> result(rows, columns);
   if (inner == 0) result.setZero();
   if (result.size() == 0 || inner == 0) return result;
-  dgemm_(&transpose, "N", &rows, &columns, &inner, &one, a.data(), &lda, b.data(), &ldb, &zero, result.data(), &rows, 1,
-         1);
+  gemm(&transpose, &rows, &columns, &inner, a.data(), &lda, b.data(), &ldb, result.data());
   return result;
 }
 
 }  // namespace
 
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b) {
-  return openblas_serves_threads() ? blas_product('N', a, b) : Eigen::MatrixXd(a * b);
+  return openblas_serves_threads() ? blas_product<double>('N', a, b) : Eigen::MatrixXd(a * b);
+}
+
+Eigen::MatrixXf product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::Ref<const Eigen::MatrixXf>& b) {
+  return openblas_serves_threads() ? blas_product<float>('N', a, b) : Eigen::MatrixXf(a * b);
+}
+
+Eigen::MatrixXd product_with_transposed(const Eigen::Ref<const Eigen::MatrixXd>& x) {
+  const int rows = static_cast<int>(x.rows()), inner = static_cast<int>(x.cols());
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(rows, rows);
+  if (openblas_serves_threads() && x.size() > 0) {
+    const int stride = static_cast<int>(x.outerStride());
+    const double one = 1.0, zero = 0.0;
+    dsyrk_("L", "N", &rows, &inner, &one, x.data(), &stride, &zero, lower.data(), &rows, 1, 1);
+  } else {
+    lower.selfadjointView<Eigen::Lower>().rankUpdate(x);
+  }
+  return lower.selfadjointView<Eigen::Lower>();
 }
 
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b) {
-  return openblas_serves_threads() ? blas_product('T', a, b) : Eigen::MatrixXd(a.transpose() * b);
+  return openblas_serves_threads() ? blas_product<double>('T', a, b) : Eigen::MatrixXd(a.transpose() * b);
+}
+
+void divide_by_upper(Eigen::MatrixXd& x, const Eigen::MatrixXd& upper) {
+  if (!openblas_serves_threads()) {
+    upper.triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(x);
+    return;
+  }
+  const int rows = static_cast<int>(x.rows()), columns = static_cast<int>(x.cols());
+  const double one = 1.0;
+  if (x.size() > 0) {
+    dtrsm_("R", "U", "N", "N", &rows, &columns, &one, upper.data(), &columns, x.data(), &rows, 1, 1, 1, 1);
+  }
 }
 
 DenseCholesky::DenseCholesky(Eigen::MatrixXd matrix, const char* what) : lower_(std::move(matrix)) {

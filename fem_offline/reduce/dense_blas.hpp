@@ -9,9 +9,16 @@ namespace spindle_twin::fem_offline {
 /// at hand; else Eigen. Either way on the calling thread alone, so that the bits do not depend on the number of
 /// threads.
 Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b);
+/// In single precision.
+Eigen::MatrixXf product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::Ref<const Eigen::MatrixXf>& b);
+/// X Xᵀ, likewise; symmetric to the bit.
+Eigen::MatrixXd product_with_transposed(const Eigen::Ref<const Eigen::MatrixXd>& x);
 /// Aᵀ B, likewise.
 Eigen::MatrixXd transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
                                    const Eigen::Ref<const Eigen::MatrixXd>& b);
+
+/// X becomes X U⁻¹ with U the upper triangle, likewise.
+void divide_by_upper(Eigen::MatrixXd& x, const Eigen::MatrixXd& upper);
 
 /// Cholesky factor of a dense symmetric matrix, likewise.
 class DenseCholesky {

@@ -10,6 +10,16 @@ void PackedTerms::set(Eigen::Index term, const Eigen::MatrixXd& matrix) {
   for (Eigen::Index c = 0; c < size_; ++c) values.segment(start_of(c), size_ - c) = matrix.col(c).tail(size_ - c);
 }
 
+PackedTerms PackedTerms::first(Eigen::Index size) const {
+  PackedTerms result(size, count());
+  for (Eigen::Index term = 0; term < count(); ++term) {
+    auto values = result.values_.col(term);
+    for (Eigen::Index c = 0; c < size; ++c)
+      values.segment(result.start_of(c), size - c) = column(term, c).head(size - c);
+  }
+  return result;
+}
+
 PackedTerms PackedTerms::sums(const Eigen::MatrixXd& weights) const {
   PackedTerms result;
   result.size_ = size_;
@@ -56,6 +66,15 @@ void add_gained(const DenseModel& model, const std::vector<std::pair<Eigen::Inde
 
 }  // namespace
 
+DenseModel first_states(const DenseModel& model, Eigen::Index size) {
+  return {.capacity = model.capacity.topLeftCorner(size, size),
+          .conduction = model.conduction.topLeftCorner(size, size),
+          .conductance_terms = model.conductance_terms.first(size),
+          .walls_m2 = model.walls_m2.topRows(size),
+          .source_distribution = model.source_distribution.topRows(size),
+          .uniform = model.uniform.head(size)};
+}
+
 DenseModel dense_model_of(const rom::Network& network) {
   DenseModel model;
   model.capacity = network.capacity_J_per_K;
@@ -65,7 +84,7 @@ DenseModel dense_model_of(const rom::Network& network) {
   for (Eigen::Index j = 0; j < model.walls_m2.cols(); ++j) {
     const Eigen::MatrixXd& factor = network.factors_m[static_cast<std::size_t>(j)];
     model.walls_m2.col(j) = factor * factor.colwise().sum().transpose();
-    model.conductance_terms.set(j, product(factor, Eigen::MatrixXd(factor.transpose())));
+    model.conductance_terms.set(j, product_with_transposed(factor));
   }
   model.source_distribution = network.source_distribution;
   model.uniform.setOnes(model.capacity.rows());

@@ -19,6 +19,8 @@ class PackedTerms {
   /// `count` matrices that are not set yet.
   PackedTerms(Eigen::Index size, Eigen::Index count) : size_(size), values_(size * (size + 1) / 2, count) {}
   Eigen::Index count() const { return values_.cols(); }
+  /// Of each the first `size` rows and columns.
+  PackedTerms first(Eigen::Index size) const;
   /// Reads the lower triangle. Several threads may set different ones.
   void set(Eigen::Index term, const Eigen::MatrixXd& matrix);
   /// Rows c to n − 1 of column c.
@@ -46,6 +48,9 @@ struct DenseModel {
   Eigen::MatrixXd source_distribution;  ///< n x sources
   Eigen::VectorXd uniform;              ///< n; the field that is 1 everywhere
 };
+
+/// The model on the first `size` columns of its basis.
+DenseModel first_states(const DenseModel& model, Eigen::Index size);
 
 /// Of a network: its own matrices.
 DenseModel dense_model_of(const rom::Network& network);

@@ -107,13 +107,13 @@ void orthonormalise(Eigen::MatrixXd& columns, int threads) {
   for (int pass = 0; pass < 2; ++pass) {
     Eigen::MatrixXd gram = gram_matrix(columns, threads);
     if (pass == 0) gram.diagonal() *= 1.0 + 1e-14;
-    const Eigen::LLT<Eigen::MatrixXd> factor(gram);
+    const Eigen::MatrixXd upper = Eigen::LLT<Eigen::MatrixXd>(gram).matrixU();
     const int blocks = static_cast<int>((columns.rows() + rows_per_block - 1) / rows_per_block);
     for_each_index(blocks, threads, [&](int block, int) {
       const Eigen::Index first = block * rows_per_block;
       const Eigen::Index height = std::min(rows_per_block, columns.rows() - first);
       Eigen::MatrixXd part = columns.middleRows(first, height);
-      factor.matrixU().solveInPlace<Eigen::OnTheRight>(part);
+      divide_by_upper(part, upper);
       columns.middleRows(first, height) = part;
     });
   }

@@ -39,14 +39,13 @@ Eigen::MatrixXd moments_of(const Eigen::MatrixXd& snapshots, int threads) {
   std::vector<Eigen::MatrixXd> sums(static_cast<std::size_t>(snapshots.cols() / columns_per_block + 1));
   for_each_block(snapshots.cols(), threads, [&](int block, Eigen::Index first, Eigen::Index width) {
     Eigen::MatrixXd& sum = sums[static_cast<std::size_t>(block)];
-    const auto block_of = snapshots.middleCols(first, width);
-    sum = product(block_of, Eigen::MatrixXd(block_of.transpose()));
+    sum = product_with_transposed(snapshots.middleCols(first, width));
   });
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(states, states);
   for (const Eigen::MatrixXd& sum : sums) {
     if (sum.size() > 0) total += sum;
   }
-  return 0.5 * (total + total.transpose());
+  return total;
 }
 
 struct Modes {
@@ -109,7 +108,7 @@ Eigen::VectorXd largest_part_errors_K(const RichModel& rich, const Eigen::Matrix
 Eigen::MatrixXd network_basis(const RichModel& rich, const RichSnapshots& snapshots, int threads) {
   const Eigen::Index fixed = rich.bodies, count = rich.points.rows(), others = count - fixed;
   const Eigen::MatrixXd fields = moments_of(snapshots.fields, threads);
-  const Eigen::MatrixXd duals = 0.5 * (snapshots.dual_moments + snapshots.dual_moments.transpose());
+  const Eigen::MatrixXd& duals = snapshots.dual_moments;
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(count);
   Modes modes;
   for (int round = 0;; ++round) {

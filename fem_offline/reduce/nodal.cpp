@@ -1,12 +1,12 @@
 #include "fem_offline/reduce/nodal.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "fem_offline/reduce/dense_blas.hpp"
 #include "fem_offline/reduce/most_independent.hpp"
 #include "fem_offline/reduce/parallel.hpp"
 
@@ -19,9 +19,7 @@ constexpr int most_swaps = 500;
 /// Largest over smallest singular value, from the eigenvalues of the square: nothing beyond 1/sqrt(epsilon) is told
 /// apart.
 double condition_of(const Eigen::MatrixXd& matrix) {
-  const Eigen::MatrixXd square = matrix.transpose() * matrix;
-  const Eigen::VectorXd eigenvalues =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(square, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd eigenvalues = symmetric_modes(transposed_product(matrix, matrix)).values;
   const double largest = eigenvalues[eigenvalues.size() - 1];
   return std::sqrt(largest / std::max(eigenvalues[0], std::numeric_limits<double>::epsilon() * largest));
 }
@@ -29,13 +27,12 @@ double condition_of(const Eigen::MatrixXd& matrix) {
 /// V · (rows of V at the nodes)⁻¹, by blocks of rows.
 Eigen::MatrixXd interpolant_of(const Eigen::MatrixXd& basis, const std::vector<int>& nodes, int threads) {
   constexpr Eigen::Index rows_per_block = 1024;
-  const Eigen::PartialPivLU<Eigen::MatrixXd> at_nodes(basis(nodes, Eigen::all).transpose());
+  const Eigen::MatrixXd from_nodes = Eigen::MatrixXd(basis(nodes, Eigen::all)).inverse();
   Eigen::MatrixXd interpolant(basis.rows(), basis.cols());
   const int blocks = static_cast<int>((basis.rows() + rows_per_block - 1) / rows_per_block);
   for_each_index(blocks, threads, [&](int block, int) {
     const Eigen::Index first = block * rows_per_block, height = std::min(rows_per_block, basis.rows() - first);
-    const Eigen::MatrixXd solved = at_nodes.solve(Eigen::MatrixXd(basis.middleRows(first, height).transpose()));
-    interpolant.middleRows(first, height) = solved.transpose();
+    interpolant.middleRows(first, height) = product(basis.middleRows(first, height), from_nodes);
   });
   return interpolant;
 }

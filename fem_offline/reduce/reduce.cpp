@@ -92,15 +92,21 @@ Eigen::MatrixXd Reduction::Impl::columns(int nodes) const {
   return basis->block(0, nodes);
 }
 
-BasisModel Reduction::basis_model(int nodes, PartExtremes& known) const {
-  const AffineModel& model = *impl_->model;
-  const Eigen::MatrixXd basis = impl_->columns(nodes);
-  BasisModel result;
-  result.dense = project_dense(model, basis, impl_->options.threads);
-  if (known.empty()) known = find_part_extremes(model, basis, result.dense, impl_->options);
-  result.outputs = project_output_rows(model, basis, known);
+DenseModel Reduction::dense_model(int nodes) const {
+  DenseModel result = project_dense(*impl_->model, impl_->columns(nodes), impl_->options.threads);
   malloc_trim(0);
   return result;
+}
+
+PartExtremes Reduction::part_extremes(const DenseModel& model) const {
+  const Eigen::MatrixXd basis = impl_->columns(static_cast<int>(model.capacity.rows()));
+  PartExtremes extremes = find_part_extremes(*impl_->model, basis, model, impl_->options);
+  malloc_trim(0);
+  return extremes;
+}
+
+OutputRows Reduction::output_rows(int nodes, const PartExtremes& extremes) const {
+  return project_output_rows(*impl_->model, impl_->columns(nodes), extremes);
 }
 
 rom::Network Reduction::network(int nodes, ReduceReport* report, const Progress& progress, PartExtremes* known) const {

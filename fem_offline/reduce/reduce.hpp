@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "fem_offline/model/affine_model.hpp"
-#include "fem_offline/reduce/basis_model.hpp"
+#include "fem_offline/reduce/dense_model.hpp"
+#include "fem_offline/reduce/output_rows.hpp"
 #include "fem_offline/reduce/parameter_box.hpp"
 #include "rom/network.hpp"
 
@@ -70,9 +71,13 @@ class Reduction {
   rom::Network network(int nodes, ReduceReport* report = nullptr, const Progress& progress = {},
                        PartExtremes* known = nullptr) const;
 
-  /// What a search for a size needs of network(nodes): a choice of nodes would take longer than all the rest. Points of
-  /// part extremes are `known`, sought when empty.
-  BasisModel basis_model(int nodes, PartExtremes& known) const;
+  /// What a search for a size needs of network(nodes), in the coordinates of the basis, since a choice of nodes would
+  /// take longer than all the rest. The model on fewer nodes is the part of it that first_states gives. `nodes` as
+  /// above, here and below.
+  DenseModel dense_model(int nodes) const;
+  /// The points of part extremes that network(nodes) would seek, `model` being dense_model(nodes).
+  PartExtremes part_extremes(const DenseModel& model) const;
+  OutputRows output_rows(int nodes, const PartExtremes& extremes) const;
 
  private:
   struct Impl;

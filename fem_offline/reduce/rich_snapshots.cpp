@@ -34,8 +34,8 @@ constexpr double dual_steady_share = 0.4;
 
 /// Sets whose terms are summed and whose dual solutions are multiplied at once, and sums of such products that are kept
 /// until they are added up.
-constexpr int sets_at_once = 2;
-constexpr int sums_at_once = 8;
+constexpr int sets_at_once = 8;
+constexpr int sums_at_once = 2;
 
 struct Snapshots {
   Eigen::MatrixXd fields, duals;  ///< a column each
@@ -140,7 +140,7 @@ Eigen::MatrixXd solve_sets(const RichModel& rich, const rom::Boundaries& boundar
     fields.middleCols((begin + i) * fields_per_set, fields_per_set) = own.fields;
     duals.middleCols(i * duals_per_set, duals_per_set) = own.duals;
   }
-  return product(duals, Eigen::MatrixXd(duals.transpose()));
+  return product_with_transposed(duals);
 }
 
 }  // namespace

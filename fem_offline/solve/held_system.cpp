@@ -36,7 +36,7 @@ void HeldSystem::net_heat_W(const Eigen::VectorXd& temperatures_K, Eigen::Vector
 }
 
 Eigen::MatrixXd HeldSystem::conducted_W(const Eigen::MatrixXd& temperatures_K) const {
-  Eigen::MatrixXd heat_W = matrices_.conduction_lower().selfadjointView<Eigen::Lower>() * temperatures_K;
+  Eigen::MatrixXd heat_W = symmetric_product(matrices_.conduction_lower(), temperatures_K);
   if (circuits_.empty()) return heat_W;
   Eigen::MatrixXd carried_W = Eigen::MatrixXd::Zero(heat_W.rows(), heat_W.cols());
   circuits_.add_heat(temperatures_K, carried_W);
@@ -44,7 +44,7 @@ Eigen::MatrixXd HeldSystem::conducted_W(const Eigen::MatrixXd& temperatures_K) c
 }
 
 Eigen::MatrixXd HeldSystem::stored_J(const Eigen::MatrixXd& temperatures_K) const {
-  return matrices_.capacity_lower().selfadjointView<Eigen::Lower>() * temperatures_K;
+  return symmetric_product(matrices_.capacity_lower(), temperatures_K);
 }
 
 CoupledFactor HeldSystem::factor(const CholeskyAnalysis* analysed) const {

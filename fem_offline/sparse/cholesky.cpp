@@ -69,6 +69,18 @@ cholmod_sparse view(const SparseMatrix& lower) {
   return sparse;
 }
 
+/// CHOLMOD's view of columns; what it does to them is its caller's choice.
+cholmod_dense view(const double* columns, Eigen::Index rows, Eigen::Index count) {
+  cholmod_dense dense{};
+  dense.nrow = dense.d = static_cast<std::size_t>(rows);
+  dense.ncol = static_cast<std::size_t>(count);
+  dense.nzmax = dense.nrow * dense.ncol;
+  dense.x = const_cast<double*>(columns);
+  dense.xtype = CHOLMOD_REAL;
+  dense.dtype = CHOLMOD_DOUBLE;
+  return dense;
+}
+
 /// L D Lᵀ by columns, each beginning with its entry of D; a pivot that is not above zero stops a supernodal
 /// factorisation, but not one by columns.
 bool is_positive_definite(const cholmod_factor& factor) {
@@ -80,6 +92,21 @@ bool is_positive_definite(const cholmod_factor& factor) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::MatrixXd& columns) {
+  if (columns.cols() < 2) return lower.selfadjointView<Eigen::Lower>() * columns;
+  // CHOLMOD reads the matrix once for four columns, Eigen for each.
+  Common common(Solutions::many);
+  Eigen::MatrixXd result(columns.rows(), columns.cols());
+  cholmod_sparse matrix = view(lower);
+  cholmod_dense given = view(columns.data(), columns.rows(), columns.cols());
+  cholmod_dense wanted = view(result.data(), result.rows(), result.cols());
+  double one[] = {1.0, 0.0}, zero[] = {0.0, 0.0};
+  if (!cholmod_sdmult(&matrix, 0, one, zero, &given, &wanted, &common.settings)) {
+    throw std::runtime_error("CHOLMOD could not multiply: no memory");
+  }
+  return result;
+}
 
 struct CholeskyAnalysis::Impl {
   Common common;
@@ -158,14 +185,7 @@ const CholeskyAnalysis& CholeskyFactor::analysis() const { return impl_->analysi
 
 void CholeskyFactor::solve(const double* loads, Eigen::Index columns, double* solutions) {
   if (columns == 0) return;
-  cholmod_dense given{};
-  given.nrow = impl_->factor->n;
-  given.ncol = static_cast<std::size_t>(columns);
-  given.nzmax = given.nrow * given.ncol;
-  given.d = given.nrow;
-  given.x = const_cast<double*>(loads);
-  given.xtype = CHOLMOD_REAL;
-  given.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense given = view(loads, static_cast<Eigen::Index>(impl_->factor->n), columns);
   if (!cholmod_solve2(CHOLMOD_A, impl_->factor, &given, nullptr, &impl_->solution, nullptr, &impl_->workspace_y,
                       &impl_->workspace_e, &impl_->common.settings)) {
     throw std::runtime_error("CHOLMOD could not solve");

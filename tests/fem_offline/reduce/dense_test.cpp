@@ -31,6 +31,23 @@ TEST(DenseProducts, are_those_of_eigen_also_of_blocks_and_of_nothing) {
   EXPECT_LT((product(a.middleRows(5, 20), b.leftCols(4)) - a.middleRows(5, 20) * b.leftCols(4)).norm(), 1e-12);
   EXPECT_EQ(product(a.leftCols(0), b.topRows(0)), Eigen::MatrixXd::Zero(40, 17));
   EXPECT_EQ(transposed_product(a.leftCols(0), c).rows(), 0);
+  const Eigen::MatrixXf single = product(a.cast<float>(), b.cast<float>());
+  EXPECT_LT((single.cast<double>() - a * b).norm(), 1e-4);
+}
+
+TEST(DenseProducts, with_the_transposed_one_is_symmetric_to_the_bit) {
+  const Eigen::MatrixXd a = random_matrix(40, 31, 4);
+  const Eigen::MatrixXd square = product_with_transposed(a.middleRows(3, 20));
+  EXPECT_LT((square - a.middleRows(3, 20) * a.middleRows(3, 20).transpose()).norm(), 1e-12);
+  EXPECT_EQ(square, square.transpose());
+  EXPECT_EQ(product_with_transposed(a.leftCols(0)), Eigen::MatrixXd::Zero(40, 40));
+}
+
+TEST(DivideByUpper, times_the_triangle_gives_the_matrix_back) {
+  const Eigen::MatrixXd before = random_matrix(23, 9, 5), upper = random_definite(9, 6);
+  Eigen::MatrixXd x = before;
+  divide_by_upper(x, upper);  // what stands below the diagonal does not count
+  EXPECT_LT((x * Eigen::MatrixXd(upper.triangularView<Eigen::Upper>()) - before).norm(), 1e-12);
 }
 
 TEST(PackedTerms, keep_lower_triangles_and_add_them_up_by_their_weights) {
@@ -57,6 +74,31 @@ TEST(PackedTerms, keep_lower_triangles_and_add_them_up_by_their_weights) {
     EXPECT_LT((sum - wanted).cwiseAbs().maxCoeff(), 1e-13) << i;
   }
   EXPECT_EQ(PackedTerms(7, 0).sums(Eigen::MatrixXd(0, 2)).count(), 2);
+}
+
+TEST(FirstStates, are_the_model_projected_on_the_first_columns_of_its_basis) {
+  DenseModel model;
+  model.capacity = random_definite(7, 21);
+  model.conduction = random_definite(7, 22);
+  model.walls_m2 = random_matrix(7, 2, 23);
+  model.source_distribution = random_matrix(7, 3, 24);
+  model.uniform = random_matrix(7, 1, 25);
+  model.conductance_terms = PackedTerms(7, 2);
+  const std::vector<Eigen::MatrixXd> terms = {random_definite(7, 26), random_definite(7, 27)};
+  for (Eigen::Index j = 0; j < 2; ++j) model.conductance_terms.set(j, terms[static_cast<std::size_t>(j)]);
+  const DenseModel first = first_states(model, 4);
+  EXPECT_EQ(first.capacity, model.capacity.topLeftCorner(4, 4));
+  EXPECT_EQ(first.conduction, model.conduction.topLeftCorner(4, 4));
+  EXPECT_EQ(first.walls_m2, model.walls_m2.topRows(4));
+  EXPECT_EQ(first.source_distribution, model.source_distribution.topRows(4));
+  EXPECT_EQ(first.uniform, model.uniform.head(4));
+  ASSERT_EQ(first.conductance_terms.count(), 2);
+  for (Eigen::Index j = 0; j < 2; ++j) {
+    for (Eigen::Index c = 0; c < 4; ++c) {
+      const Eigen::VectorXd whole = terms[static_cast<std::size_t>(j)].col(c);
+      EXPECT_EQ(Eigen::VectorXd(first.conductance_terms.column(j, c)), whole.segment(c, 4 - c)) << j << c;
+    }
+  }
 }
 
 TEST(HoldConductances, of_one_of_many_sums_is_what_hold_inputs_makes_of_a_model_without_inputs) {

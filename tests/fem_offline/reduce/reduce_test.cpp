@@ -207,6 +207,18 @@ TEST(Network, same_seed_gives_the_same_bits_on_any_number_of_threads) {
   EXPECT_NE(network.capacity_J_per_K, reduce_model(grid(), options).capacity_J_per_K);
 }
 
+// What the search for a size relies on: it projects the FE model once for several sizes.
+TEST(Reduction, the_model_of_fewer_nodes_is_the_first_part_of_a_larger_one) {
+  const Reduction reduction(grid(), small_options(60));
+  const DenseModel larger = reduction.dense_model(60), smaller = reduction.dense_model(40);
+  const DenseModel first = first_states(larger, 40);
+  const double tolerance = 1e-12 * smaller.conduction.norm();
+  EXPECT_LT((first.conduction - smaller.conduction).norm(), tolerance);
+  EXPECT_LT((first.capacity - smaller.capacity).norm(), 1e-12 * smaller.capacity.norm());
+  EXPECT_LT((first.source_distribution - smaller.source_distribution).norm(), 1e-12);
+  EXPECT_EQ(reduction.part_extremes(first), reduction.part_extremes(smaller));
+}
+
 TEST(Network, refuses_more_nodes_than_unknowns) {
   EXPECT_THROW(reduce_model(grid(), small_options(5000)), std::invalid_argument);
   EXPECT_THROW(reduce_model(grid(), small_options(1)), std::invalid_argument);
