@@ -5,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -36,18 +37,6 @@ void dgeev_(const char* left, const char* right, const int* n, double* a, const 
 namespace spindle_twin::fem_offline {
 namespace {
 
-void gemm(const char* transpose_a, const int* rows, const int* columns, const int* inner, const double* a,
-          const int* lda, const double* b, const int* ldb, double* c) {
-  const double one = 1.0, zero = 0.0;
-  dgemm_(transpose_a, "N", rows, columns, inner, &one, a, lda, b, ldb, &zero, c, rows, 1, 1);
-}
-
-void gemm(const char* transpose_a, const int* rows, const int* columns, const int* inner, const float* a,
-          const int* lda, const float* b, const int* ldb, float* c) {
-  const float one = 1.0F, zero = 0.0F;
-  sgemm_(transpose_a, "N", rows, columns, inner, &one, a, lda, b, ldb, &zero, c, rows, 1, 1);
-}
-
 template <typename Scalar>
 using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
@@ -61,7 +50,14 @@ Matrix<Scalar> blas_product(char transpose, const Eigen::Ref<const Matrix<Scalar
   Matrix<Scalar> result(rows, columns);
   if (inner == 0) result.setZero();
   if (result.size() == 0 || inner == 0) return result;
-  gemm(&transpose, &rows, &columns, &inner, a.data(), &lda, b.data(), &ldb, result.data());
+  const Scalar one = 1, zero = 0;
+  if constexpr (std::is_same_v<Scalar, double>) {
+    dgemm_(&transpose, "N", &rows, &columns, &inner, &one, a.data(), &lda, b.data(), &ldb, &zero, result.data(), &rows,
+           1, 1);
+  } else {
+    sgemm_(&transpose, "N", &rows, &columns, &inner, &one, a.data(), &lda, b.data(), &ldb, &zero, result.data(), &rows,
+           1, 1);
+  }
   return result;
 }
 
