@@ -18,8 +18,8 @@ constexpr double minute_s = 60.0;
 /// Sums on their way to a score.
 class Judge {
  public:
-  Judge(const RealityTruth& truth, const Family& family, double cycle_s)
-      : truth_(truth), family_(family), cycle_s_(cycle_s) {
+  Judge(const RealityTruth& truth, const MachineSide& machine, double cycle_s)
+      : truth_(truth), machine_(machine), cycle_s_(cycle_s) {
     score_.seed = truth.seed;
     score_.cycle_s = cycle_s;
   }
@@ -27,6 +27,7 @@ class Judge {
   void note(const firmware::Snapshot& now, double time_s) {
     note_nose(now, time_s);
     note_sensors(now);
+    note_pair(now, time_s);
     if (now.state != firmware::State::running) score_.degraded_s += cycle_s_;
     score_.ends_degraded = now.state != firmware::State::running;
     score_.quality_at_end = now.quality;
@@ -79,7 +80,7 @@ class Judge {
     for (std::size_t s = 0; s < sensor_count; ++s) {
       const firmware::SensorState state = now.sensor_health[s].state;
       const bool out = state == firmware::SensorState::failed || state == firmware::SensorState::returning;
-      failed_s_[s] = out && !family_.is_faulty(s) ? failed_s_[s] + cycle_s_ : 0.0;
+      failed_s_[s] = out && !machine_.is_faulty(s) ? failed_s_[s] + cycle_s_ : 0.0;
       score_.failed_s = std::max(score_.failed_s, failed_s_[s]);
       const unsigned flags = now.sensor_update[s].flags;
       if (!updated || flags == 0) continue;
@@ -88,8 +89,15 @@ class Judge {
     }
   }
 
+  void note_pair(const firmware::Snapshot& now, double time_s) {
+    const auto& [one, other] = machine_.pair();
+    const auto is_swapped = [&](std::size_t s) { return now.sensor_health[s].fault == firmware::SensorFault::swapped; };
+    if (score_.pair_swapped_s >= 0.0 || !is_swapped(one) || !is_swapped(other)) return;
+    score_.pair_swapped_s = std::max(0.0, time_s - Unplugging::back_s);
+  }
+
   const RealityTruth& truth_;
-  const Family& family_;
+  const MachineSide& machine_;
   double cycle_s_;
   RealityScore score_;
   std::array<double, sensor_count> failed_s_{};
@@ -124,12 +132,12 @@ void print_row(const RealityTruth& truth, const firmware::Snapshot& now, double 
 }  // namespace
 
 RealityScore follow_reality(const rom::Network& network, const RealityTruth& truth, const Family& family,
-                            double cycle_s, std::ostream* trace) {
+                            double cycle_s, const Unplugging& unplugging, std::ostream* trace) {
   const double period_s = family.cycle_s > 0.0 ? family.cycle_s : cycle_s;
   firmware::Cycle cycle(network, default_plan(sensor_count, period_s),
                         [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
-  MachineSide machine(truth, family);
-  Judge judge(truth, family, period_s);
+  MachineSide machine(truth, family, unplugging);
+  Judge judge(truth, machine, period_s);
   if (trace != nullptr) print_head(*trace);
   const long cycles = std::lround(family.run_s / period_s);
   for (long k = 0; k < cycles; ++k) {
@@ -140,7 +148,10 @@ RealityScore follow_reality(const rom::Network& network, const RealityTruth& tru
     judge.note(now, predicted_for_s);
     if (trace != nullptr) print_row(truth, now, predicted_for_s, *trace);
   }
-  return judge.score();
+  RealityScore score = judge.score();
+  const auto& [one, other] = machine.pair();
+  score.pair_apart_K = std::abs(truth.place_K(one, Unplugging::back_s) - truth.place_K(other, Unplugging::back_s));
+  return score;
 }
 
 }  // namespace spindle_twin::bench

@@ -5,6 +5,7 @@
 
 #include "rom/network.hpp"
 #include "tests/bench/reality/families.hpp"
+#include "tests/bench/reality/machine_side.hpp"
 
 namespace spindle_twin::bench {
 
@@ -31,10 +32,13 @@ struct RealityScore {
   double back_s = 0.0;         ///< after the event: last moment of half an hour outside ±2σ; 0: never outside
   double at_15_min_um = 0.0;   ///< error
   double inside_from_1_min = 0.0;
+  // Of an unplugged pair; not in score files.
+  double pair_apart_K = 0.0;     ///< how far its places differ when it comes back
+  double pair_swapped_s = -1.0;  ///< after that, when both are failed as swapped; below 0: never
 };
 
 /// `trace`: null, or where the time series goes as CSV.
 RealityScore follow_reality(const rom::Network& network, const RealityTruth& truth, const Family& family,
-                            double cycle_s, std::ostream* trace);
+                            double cycle_s, const Unplugging& unplugging, std::ostream* trace);
 
 }  // namespace spindle_twin::bench

@@ -15,12 +15,12 @@ constexpr double touched_every_s = 1800.0;
 constexpr double touch_off_deviation_m = 1e-6;
 constexpr double gaps_from_s = 1200.0;
 constexpr double gap_room_s = 1800.0;  // for each gap
-constexpr std::uint32_t sensors_purpose = 21, gaps_purpose = 22, places_purpose = 23;
+constexpr std::uint32_t sensors_purpose = 21, gaps_purpose = 22, places_purpose = 23, pair_purpose = 24;
 
 }  // namespace
 
-MachineSide::MachineSide(const RealityTruth& truth, const Family& family)
-    : truth_(truth), family_(family), random_(random_of(truth.seed, sensors_purpose)) {
+MachineSide::MachineSide(const RealityTruth& truth, const Family& family, const Unplugging& unplugging)
+    : truth_(truth), family_(family), unplugging_(unplugging), random_(random_of(truth.seed, sensors_purpose)) {
   for (double& offset_K : offset_K_) offset_K = family.offset_K * normal_(random_);
   drift_sign_ = normal_(random_) < 0.0 ? -1.0 : 1.0;
   std::mt19937_64 places = random_of(truth.seed, places_purpose);
@@ -28,6 +28,19 @@ MachineSide::MachineSide(const RealityTruth& truth, const Family& family)
     place_[s] = family.displaced ? sensor_count + 2 * s + places() % 2 : s;
   }
   if (family.gaps != Gaps::none) draw_gaps();
+  std::mt19937_64 pairs = random_of(truth.seed, pair_purpose);
+  pair_[0] = pairs() % sensor_count;
+  pair_[1] = (pair_[0] + 1 + pairs() % (sensor_count - 1)) % sensor_count;
+}
+
+bool MachineSide::is_faulty(std::size_t sensor) const {
+  const bool exchanged = unplugging_.for_s > 0.0 && unplugging_.exchanged && read_s_ >= Unplugging::back_s;
+  return family_.is_faulty(sensor) || (exchanged && (sensor == pair_[0] || sensor == pair_[1]));
+}
+
+bool MachineSide::is_silent(std::size_t sensor, double time_s) const {
+  const bool unplugged = time_s >= Unplugging::back_s - unplugging_.for_s && time_s < Unplugging::back_s;
+  return in_gap(time_s) || (unplugged && (sensor == pair_[0] || sensor == pair_[1]));
 }
 
 void MachineSide::draw_gaps() {
@@ -57,7 +70,6 @@ void MachineSide::tell(double time_s) {
 }
 
 void MachineSide::read_sensors(double time_s) {
-  const bool gap = in_gap(time_s);
   std::array<double, sensor_count> reading_K{};
   for (std::size_t s = 0; s < sensor_count; ++s) {
     const double now_K = truth_.place_K(place_[s], time_s);
@@ -77,8 +89,11 @@ void MachineSide::read_sensors(double time_s) {
   read_s_ = time_s;
   reading_K[winding] += drift_sign_ * family_.winding_drift_K_per_h * std::max(0.0, time_s - drift_from_s) / 3600.0;
   if (family_.exchanged) std::swap(reading_K[front_seat], reading_K[jacket]);
-  if (gap) return;
+  if (unplugging_.for_s > 0.0 && unplugging_.exchanged && time_s >= Unplugging::back_s) {
+    std::swap(reading_K[pair_[0]], reading_K[pair_[1]]);
+  }
   for (std::size_t s = 0; s < sensor_count; ++s) {
+    if (is_silent(s, time_s)) continue;
     frame_.sensors[s] = {resolution_K * std::round(reading_K[s] / resolution_K), clock_ns(time_s)};
   }
 }

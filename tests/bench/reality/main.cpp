@@ -23,6 +23,8 @@ struct Options : CampaignOptions {
   std::string trace;
   std::string resume;
   bool judge_only = false;
+  Unplugging unplugging;
+  bool put_back_right = false;
   std::string present = SPINDLE_TWIN_SOURCE_DIR "/tests/bench/reality/present.csv";
 };
 
@@ -108,8 +110,8 @@ int run(const Options& options) {
     const Task& task = tasks[static_cast<std::size_t>(i)];
     const RealityTruth truth = truths.get(task.truth, task.seed);
     for (const Family* family : task.families) {
-      const RealityScore score =
-          follow_reality(network, truth, *family, options.cycle_s, trace.is_open() ? &trace : nullptr);
+      const RealityScore score = follow_reality(network, truth, *family, options.cycle_s, options.unplugging,
+                                                trace.is_open() ? &trace : nullptr);
       const std::lock_guard lock(noting);
       scores[{family->name, task.seed}] = score;
       if (options.verbose) print_run(family->name, score);
@@ -118,6 +120,10 @@ int run(const Options& options) {
     std::fprintf(stderr, "truth %zu of %zu\n", ++done, tasks.size());
     if (!options.csv.empty()) write_scores(options.csv, options.heading, scores);
   });
+  if (options.unplugging.for_s > 0.0) {
+    print_families(families, scores, {});
+    return print_pairs(families, scores, options.unplugging);
+  }
   return judge(options, families, scores, present);
 }
 
@@ -141,9 +147,15 @@ int main(int argc, char** argv) {
   line.add("--trace", options.trace, "file for the time series of a single run: one --family, --runs 1");
   line.add("--resume", options.resume, "scores of such a file: what stands there is not run again");
   line.add_flag("--judge", options.judge_only, "run nothing: tables and limits of the scores of --resume");
+  line.add("--unplugged-s", options.unplugging.for_s,
+           "two sensors, drawn for each spindle, are silent for so long, until an hour, and come back exchanged",
+           Allowed{0.0, 3000.0});
+  line.add_flag("--put-back-right", options.put_back_right, "they come back in their own places");
+  line.need("--put-back-right", "--unplugged-s");
   line.add("--present", options.present, "scores of the filter to compare with");
   if (const auto code = line.parse(argc, argv)) return *code;
   settle(options);
+  options.unplugging.exchanged = !options.put_back_right;
   if (options.is_short) options.cycle_s = 5.0;
   if (!options.trace.empty() && (options.families.size() != 1 || options.runs != 1)) {
     std::fprintf(stderr, "--trace needs one --family and --runs 1\n");

@@ -158,4 +158,40 @@ int print_short_limits(const std::vector<Family>& families, const Scores& scores
   return limits.missed();
 }
 
+int print_pairs(const std::vector<Family>& families, const Scores& scores, const Unplugging& unplugging) {
+  constexpr double apart_K = 0.6;  // less than what health tells apart at once
+  constexpr double at_once_s = 20.0;
+  std::printf(
+      "\nA pair a spindle, unplugged for %g s until %g s, back %s; differ: by %g K then; at once: within %g s\n",
+      unplugging.for_s, Unplugging::back_s, unplugging.exchanged ? "exchanged" : "in their own places", apart_K,
+      at_once_s);
+  std::printf("%-18s %6s %7s %8s %6s %8s\n", "family", "pairs", "differ", "at once", "later", "longest");
+  int all = 0, all_at_once = 0, taken_for_exchanged = 0;
+  for (const Family& family : families) {
+    int pairs = 0, differ = 0, at_once = 0, later = 0;
+    double longest_s = 0.0;
+    for (const auto& [key, score] : scores) {
+      if (key.first != family.name) continue;
+      ++pairs;
+      if (score.pair_swapped_s >= 0.0) ++taken_for_exchanged;
+      if (score.pair_apart_K < apart_K) continue;
+      ++differ;
+      if (score.pair_swapped_s < 0.0) continue;
+      ++(score.pair_swapped_s <= at_once_s ? at_once : later);
+      longest_s = std::max(longest_s, score.pair_swapped_s);
+    }
+    std::printf("%-18s %6d %7d %8d %6d %6.0f s\n", family.name.c_str(), pairs, differ, at_once, later, longest_s);
+    all += differ;
+    all_at_once += at_once;
+  }
+  Limits limits;
+  if (!unplugging.exchanged) {
+    limits.most("pairs put back right that are taken for exchanged", taken_for_exchanged, 0);
+  } else if (all > 0) {
+    limits.least("exchanged pairs that differ, found at once", static_cast<double>(all_at_once) / all, 0.8);
+  }
+  limits.sum_up();
+  return limits.missed();
+}
+
 }  // namespace spindle_twin::bench
