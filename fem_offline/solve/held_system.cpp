@@ -1,5 +1,7 @@
 #include "fem_offline/solve/held_system.hpp"
 
+#include "fem_offline/sparse/symmetric_product.hpp"
+
 namespace spindle_twin::fem_offline {
 namespace {
 

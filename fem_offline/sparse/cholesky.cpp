@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fem_offline/sparse/cholmod_view.hpp"
+
 namespace spindle_twin::fem_offline {
 namespace {
 
@@ -51,36 +53,6 @@ struct Common {
   Common& operator=(const Common&) = delete;
 };
 
-/// CHOLMOD's view of an Eigen matrix; it only reads.
-cholmod_sparse view(const SparseMatrix& lower) {
-  cholmod_sparse sparse{};
-  sparse.nrow = static_cast<std::size_t>(lower.rows());
-  sparse.ncol = static_cast<std::size_t>(lower.cols());
-  sparse.nzmax = static_cast<std::size_t>(lower.nonZeros());
-  sparse.p = const_cast<int*>(lower.outerIndexPtr());
-  sparse.i = const_cast<int*>(lower.innerIndexPtr());
-  sparse.x = const_cast<double*>(lower.valuePtr());
-  sparse.stype = -1;
-  sparse.itype = CHOLMOD_INT;
-  sparse.xtype = CHOLMOD_REAL;
-  sparse.dtype = CHOLMOD_DOUBLE;
-  sparse.sorted = 1;
-  sparse.packed = 1;
-  return sparse;
-}
-
-/// CHOLMOD's view of columns; what it does to them is its caller's choice.
-cholmod_dense view(const double* columns, Eigen::Index rows, Eigen::Index count) {
-  cholmod_dense dense{};
-  dense.nrow = dense.d = static_cast<std::size_t>(rows);
-  dense.ncol = static_cast<std::size_t>(count);
-  dense.nzmax = dense.nrow * dense.ncol;
-  dense.x = const_cast<double*>(columns);
-  dense.xtype = CHOLMOD_REAL;
-  dense.dtype = CHOLMOD_DOUBLE;
-  return dense;
-}
-
 /// L D Lᵀ by columns, each beginning with its entry of D; a pivot that is not above zero stops a supernodal
 /// factorisation, but not one by columns.
 bool is_positive_definite(const cholmod_factor& factor) {
@@ -93,27 +65,12 @@ bool is_positive_definite(const cholmod_factor& factor) {
 
 }  // namespace
 
-Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::MatrixXd& columns) {
-  if (columns.cols() < 2) return lower.selfadjointView<Eigen::Lower>() * columns;
-  // CHOLMOD reads the matrix once for four columns, Eigen for each.
-  Common common(Solutions::many);
-  Eigen::MatrixXd result(columns.rows(), columns.cols());
-  cholmod_sparse matrix = view(lower);
-  cholmod_dense given = view(columns.data(), columns.rows(), columns.cols());
-  cholmod_dense wanted = view(result.data(), result.rows(), result.cols());
-  double one[] = {1.0, 0.0}, zero[] = {0.0, 0.0};
-  if (!cholmod_sdmult(&matrix, 0, one, zero, &given, &wanted, &common.settings)) {
-    throw std::runtime_error("CHOLMOD could not multiply: no memory");
-  }
-  return result;
-}
-
 struct CholeskyAnalysis::Impl {
   Common common;
   cholmod_factor* factor = nullptr;
 
   Impl(const SparseMatrix& lower, Solutions wanted) : common(Solutions::many) {
-    cholmod_sparse matrix = view(lower);
+    cholmod_sparse matrix = view_of(lower);
     // METIS begins at one seed, but its numbers come from rand(), which two orderings at once would share: then neither
     // would be that of another run.
     static std::mutex one_at_a_time;
@@ -145,7 +102,7 @@ struct CholeskyFactor::Impl {
     // work; cases run in parallel instead. The setting holds for the calling thread.
     omp_set_max_active_levels(0);
     factor = cholmod_copy_factor(analysis.impl_->factor, &common.settings);
-    cholmod_sparse matrix = view(lower);
+    cholmod_sparse matrix = view_of(lower);
     if (!factor || !cholmod_factorize(&matrix, factor, &common.settings) || !is_positive_definite(*factor)) {
       release();
       throw std::runtime_error(
@@ -185,7 +142,7 @@ const CholeskyAnalysis& CholeskyFactor::analysis() const { return impl_->analysi
 
 void CholeskyFactor::solve(const double* loads, Eigen::Index columns, double* solutions) {
   if (columns == 0) return;
-  cholmod_dense given = view(loads, static_cast<Eigen::Index>(impl_->factor->n), columns);
+  cholmod_dense given = view_of(loads, static_cast<Eigen::Index>(impl_->factor->n), columns);
   if (!cholmod_solve2(CHOLMOD_A, impl_->factor, &given, nullptr, &impl_->solution, nullptr, &impl_->workspace_y,
                       &impl_->workspace_e, &impl_->common.settings)) {
     throw std::runtime_error("CHOLMOD could not solve");

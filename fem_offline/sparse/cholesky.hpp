@@ -18,9 +18,6 @@ enum class Solutions {
   few               ///< it stays as it is made, which takes half the memory meanwhile
 };
 
-/// A X of a symmetric A, of which `lower` holds the lower triangle.
-Eigen::MatrixXd symmetric_product(const SparseMatrix& lower, const Eigen::MatrixXd& columns);
-
 /// Ordering and pattern of a factor, without values: for many matrices with the same entries. Copies share it, also
 /// between threads.
 class CholeskyAnalysis {

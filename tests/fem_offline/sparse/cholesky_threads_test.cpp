@@ -69,16 +69,6 @@ TEST(CholeskyThreads, all_columns_at_once_are_the_single_solutions) {
   }
 }
 
-TEST(SymmetricProduct, of_the_lower_triangle_is_that_of_the_whole_matrix) {
-  const SparseMatrix lower = grid_matrix(13, 11);
-  const Eigen::MatrixXd whole = Eigen::MatrixXd(SparseMatrix(lower.selfadjointView<Eigen::Lower>()));
-  for (const Eigen::Index columns : {0, 1, 2, 5}) {
-    const Eigen::MatrixXd x = Eigen::MatrixXd::NullaryExpr(
-        lower.rows(), columns, [](Eigen::Index i, Eigen::Index j) { return std::cos(static_cast<double>(i + 3 * j)); });
-    EXPECT_LE((symmetric_product(lower, x) - whole * x).norm(), 1e-12) << columns;
-  }
-}
-
 /// METIS, which orders by nested dissection, draws from the random numbers that all threads share.
 TEST(CholeskyThreads, orderings_of_several_threads_are_those_of_one) {
   const SparseMatrix lower = grid_matrix(60, 60);
