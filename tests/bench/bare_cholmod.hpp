@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 
+#include "fem_offline/sparse/cholmod_view.hpp"
 #include "fem_offline/sparse/sparse_matrix.hpp"
 
 namespace spindle_twin::bench {
@@ -27,7 +28,7 @@ class BareCholmod {
 
   void analyse(const SparseMatrix& lower) {
     cholmod_free_factor(&factor_, &common_);
-    cholmod_sparse view = view_of(lower);
+    cholmod_sparse view = fem_offline::view_of(lower);
     factor_ = cholmod_analyze(&view, &common_);
   }
   /// Bytes of the factor, by CHOLMOD's own count; before the first solution.
@@ -36,37 +37,15 @@ class BareCholmod {
     return common_.memory_inuse;
   }
   void factorise(const SparseMatrix& lower) {
-    cholmod_sparse view = view_of(lower);
+    cholmod_sparse view = fem_offline::view_of(lower);
     cholmod_factorize(&view, factor_, &common_);
   }
   void solve(const Eigen::VectorXd& load) {
-    cholmod_dense given{};
-    given.nrow = given.nzmax = given.d = static_cast<std::size_t>(load.size());
-    given.ncol = 1;
-    given.x = const_cast<double*>(load.data());
-    given.xtype = CHOLMOD_REAL;
-    given.dtype = CHOLMOD_DOUBLE;
+    cholmod_dense given = fem_offline::view_of(load.data(), load.size(), 1);
     cholmod_solve2(CHOLMOD_A, factor_, &given, nullptr, &solution_, nullptr, &workspace_y_, &workspace_e_, &common_);
   }
 
  private:
-  static cholmod_sparse view_of(const SparseMatrix& lower) {
-    cholmod_sparse view{};
-    view.nrow = static_cast<std::size_t>(lower.rows());
-    view.ncol = static_cast<std::size_t>(lower.cols());
-    view.nzmax = static_cast<std::size_t>(lower.nonZeros());
-    view.p = const_cast<int*>(lower.outerIndexPtr());
-    view.i = const_cast<int*>(lower.innerIndexPtr());
-    view.x = const_cast<double*>(lower.valuePtr());
-    view.stype = -1;
-    view.itype = CHOLMOD_INT;
-    view.xtype = CHOLMOD_REAL;
-    view.dtype = CHOLMOD_DOUBLE;
-    view.sorted = 1;
-    view.packed = 1;
-    return view;
-  }
-
   cholmod_common common_;
   cholmod_factor* factor_ = nullptr;
   cholmod_dense* solution_ = nullptr;

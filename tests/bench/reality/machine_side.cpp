@@ -34,13 +34,16 @@ MachineSide::MachineSide(const RealityTruth& truth, const Family& family, const 
 }
 
 bool MachineSide::is_faulty(std::size_t sensor) const {
-  const bool exchanged = unplugging_.for_s > 0.0 && unplugging_.exchanged && read_s_ >= Unplugging::back_s;
-  return family_.is_faulty(sensor) || (exchanged && (sensor == pair_[0] || sensor == pair_[1]));
+  return family_.is_faulty(sensor) || (is_of_pair(sensor) && is_pair_exchanged(read_s_));
+}
+
+bool MachineSide::is_pair_exchanged(double time_s) const {
+  return unplugging_.for_s > 0.0 && unplugging_.exchanged && time_s >= Unplugging::back_s;
 }
 
 bool MachineSide::is_silent(std::size_t sensor, double time_s) const {
   const bool unplugged = time_s >= Unplugging::back_s - unplugging_.for_s && time_s < Unplugging::back_s;
-  return in_gap(time_s) || (unplugged && (sensor == pair_[0] || sensor == pair_[1]));
+  return in_gap(time_s) || (unplugged && is_of_pair(sensor));
 }
 
 void MachineSide::draw_gaps() {
@@ -89,9 +92,7 @@ void MachineSide::read_sensors(double time_s) {
   read_s_ = time_s;
   reading_K[winding] += drift_sign_ * family_.winding_drift_K_per_h * std::max(0.0, time_s - drift_from_s) / 3600.0;
   if (family_.exchanged) std::swap(reading_K[front_seat], reading_K[jacket]);
-  if (unplugging_.for_s > 0.0 && unplugging_.exchanged && time_s >= Unplugging::back_s) {
-    std::swap(reading_K[pair_[0]], reading_K[pair_[1]]);
-  }
+  if (is_pair_exchanged(time_s)) std::swap(reading_K[pair_[0]], reading_K[pair_[1]]);
   for (std::size_t s = 0; s < sensor_count; ++s) {
     if (is_silent(s, time_s)) continue;
     frame_.sensors[s] = {resolution_K * std::round(reading_K[s] / resolution_K), clock_ns(time_s)};

@@ -36,6 +36,8 @@ class MachineSide {
   };
   void draw_gaps();
   bool in_gap(double time_s) const;
+  bool is_of_pair(std::size_t sensor) const { return sensor == pair_[0] || sensor == pair_[1]; }
+  bool is_pair_exchanged(double time_s) const;
   bool is_silent(std::size_t sensor, double time_s) const;
   void read_sensors(double time_s);
   void read_signals(double time_s);

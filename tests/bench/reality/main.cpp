@@ -161,6 +161,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "--trace needs one --family and --runs 1\n");
     return 2;
   }
+  if (options.unplugging.for_s > 0.0 && !options.resume.empty()) {
+    std::fprintf(stderr, "--unplugged-s: scores of --resume do not say what became of a pair\n");
+    return 2;
+  }
   try {
     return run(options) == 0 ? 0 : 1;
   } catch (const std::exception& error) {

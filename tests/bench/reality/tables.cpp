@@ -159,8 +159,8 @@ int print_short_limits(const std::vector<Family>& families, const Scores& scores
 }
 
 int print_pairs(const std::vector<Family>& families, const Scores& scores, const Unplugging& unplugging) {
-  constexpr double apart_K = 0.6;  // less than what health tells apart at once
-  constexpr double at_once_s = 20.0;
+  constexpr double apart_K = 0.6;     // twice the least jump of correction/health/limits.hpp: below, courses are alike
+  constexpr double at_once_s = 20.0;  // two updates
   std::printf(
       "\nA pair a spindle, unplugged for %g s until %g s, back %s; differ: by %g K then; at once: within %g s\n",
       unplugging.for_s, Unplugging::back_s, unplugging.exchanged ? "exchanged" : "in their own places", apart_K,
@@ -168,6 +168,7 @@ int print_pairs(const std::vector<Family>& families, const Scores& scores, const
   std::printf("%-18s %6s %7s %8s %6s %8s\n", "family", "pairs", "differ", "at once", "later", "longest");
   int all = 0, all_at_once = 0, taken_for_exchanged = 0;
   for (const Family& family : families) {
+    if (family.run_s <= Unplugging::back_s) continue;
     int pairs = 0, differ = 0, at_once = 0, later = 0;
     double longest_s = 0.0;
     for (const auto& [key, score] : scores) {
