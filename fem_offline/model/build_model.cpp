@@ -1,5 +1,7 @@
 #include "fem_offline/model/build_model.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <optional>
 #include <stdexcept>
@@ -142,6 +144,7 @@ struct FeModel::Impl {
     ElasticBody body = bond_and_support(spindle, section, rules, fe_places, elastic);
     taken(elastic.stiffness_N_per_m);  // given up before the factor, the largest of all, is made
     taken(elastic.thermal_load_N_per_K);
+    malloc_trim(0);  // or the factor has pages beside theirs, as chance lays free memory
     solver.emplace(std::move(body));
     affine.deformations = deformation_rows(spindle, section, rules, discretisation, *solver);
     for (FeDeformation& output : affine.deformations) output.row_m_per_K = enlarged(output.row_m_per_K, unknowns);

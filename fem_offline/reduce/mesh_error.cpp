@@ -1,5 +1,7 @@
 #include "fem_offline/reduce/mesh_error.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 
 #include "fem_offline/mesh/error_left.hpp"
@@ -39,6 +41,7 @@ std::vector<Eigen::MatrixXd> answers_of_cuts(const FeModel& model, std::size_t m
   std::vector<Eigen::MatrixXd> answers = {answer(model.affine())};
   for (int times = 1; times <= cuts; ++times) {
     const AffineModel finer = FeModel(with_halved_elements(model.description(), times), model.section()).affine();
+    malloc_trim(0);  // the elastic factor's pages, for those of the thermal ones may come to lie elsewhere
     answers.push_back(answer(finer));
   }
   return answers;
