@@ -1,8 +1,18 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 namespace spindle_twin::correction {
+
+/// No spindle grows by more: what is larger was typed or scaled wrongly.
+inline constexpr double largest_growth_m = 0.01;
+
+/// Whether a measured growth and its standard deviation can be what they are said to be: numbers, a growth of at most
+/// largest_growth_m, a deviation above 0. May run in the cycle.
+inline bool is_growth(double growth_m, double deviation_m) {
+  return std::abs(growth_m) <= largest_growth_m && deviation_m > 0.0;
+}
 
 /// How a growth was measured.
 enum class ReadingOrigin {

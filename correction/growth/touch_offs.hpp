@@ -14,7 +14,8 @@ struct GrowthRow {
   double tares = 0.0;        ///< of the nose, since the start
   double orders = 0.0;       ///< lengths that were handed over since the start, of all outputs
   double of_output = 0.0;    ///< the last of them: number of its output
-  double length_m = 0.0;     ///< and what was measured
+  double length_m = 0.0;     ///< what was measured
+  double deviation_m = 0.0;  ///< and its standard deviation
 };
 
 /// Finds the touch-offs of one output in the cycles of a history, in their order. Rows between two of the same `tares`
@@ -28,7 +29,7 @@ class TouchOffs {
   void begin_run() { before_.reset(); }
 
   /// The reading that this cycle brought, beside what the row before had published; none where no length of this output
-  /// was handed over, the prediction was missing, or a tare came with it.
+  /// was handed over or none that can be (`is_growth`), the prediction was missing, or a tare came with it.
   std::optional<GrowthReading> row(const GrowthRow& row);
 
   /// The last row; empty at the beginning of a run.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "correction/growth/growth_reading.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 
 namespace spindle_twin::firmware {
@@ -141,7 +142,7 @@ const rom::OperatingState& with_biases(const rom::OperatingState& operating, Cor
 bool take_displacement(int index, double value_m, double deviation_m, Corrector& corrector) {
   if (!corrector.estimator || !corrector.enabled) return false;
   const bool exists = index >= 0 && index < corrector.estimator->deviations().deformations_m.size();
-  if (!exists || !std::isfinite(value_m) || !(deviation_m > 0.0)) return false;
+  if (!exists || !correction::is_growth(value_m, deviation_m)) return false;
   corrector.estimator->note_displacement(index, value_m, deviation_m);
   ++corrector.displacements.count;
   corrector.displacements.due = corrector.estimator->updates() + 1;

@@ -80,7 +80,8 @@ CorrectedInputs correct(const SensedInputs& sensed, const Judgement& judgement, 
 const rom::OperatingState& with_biases(const rom::OperatingState& operating, Corrector& corrector);
 
 /// A measured length for the next update, in deformation output `index` from the reference temperature on. Left
-/// out while no estimator corrects, and where the output does not exist or the deviation is not above 0: then false.
+/// out while no estimator corrects, where the output does not exist, and where value or deviation is none
+/// (`correction::is_growth`): then false.
 /// Runs in the cycle.
 bool take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
 

@@ -17,7 +17,7 @@ namespace spindle_twin::firmware {
 namespace {
 
 constexpr std::int64_t touch_offs_between_rests = 16;
-constexpr int columns_before_outputs = 6;  ///< those of the outputs
+constexpr int columns_before_outputs = 7;  ///< those of the outputs
 
 }  // namespace
 
@@ -81,7 +81,8 @@ class TouchOffHistory::Search {
             found.number(2),
             found.number(3),
             found.number(4),
-            found.number(5) * rom::m_per_um,
+            found.number(5),
+            found.number(6) * rom::m_per_um,
             {}};
     for (std::size_t d = 0; d < owner_.outputs_.size(); ++d) {
       row.published_m.push_back(found.number(columns_before_outputs + static_cast<int>(d)) * rom::m_per_um);
@@ -125,7 +126,9 @@ class TouchOffHistory::Search {
 TouchOffHistory::TouchOffHistory(std::string path, std::vector<std::string> outputs)
     : path_(std::move(path)), outputs_(std::move(outputs)) {
   // With its table: a quoted name that stands alone and is no column would be a text to SQLite.
-  select_ = "SELECT unix_s, cycle.tare_count, cycle.length_orders, cycle.length_output, cycle.length_m, cycle.tare_um";
+  select_ =
+      "SELECT unix_s, cycle.tare_count, cycle.length_orders, cycle.length_output, cycle.length_m, "
+      "cycle.length_sd_m, cycle.tare_um";
   for (const std::string& output : outputs_) {
     select_.append(", cycle.").append(quoted_name("deformation." + output + "_um"));
   }
@@ -156,8 +159,8 @@ FoundTouchOffs TouchOffHistory::told() const {
     correction::TouchOffs walk(d);
     const auto take = [&](const Row& row) {
       const double tare_m = d == 0 ? row.tare_m : 0.0;
-      if (const auto reading =
-              walk.row({row.unix_s, row.published_m[d] - tare_m, row.tares, row.orders, row.of_output, row.length_m})) {
+      if (const auto reading = walk.row({row.unix_s, row.published_m[d] - tare_m, row.tares, row.orders, row.of_output,
+                                         row.length_m, row.deviation_m})) {
         output.readings.push_back(*reading);
       }
     };

@@ -45,7 +45,7 @@ class TouchOffHistory {
  private:
   struct Row {
     std::int64_t id = 0;
-    double unix_s = 0.0, tares = 0.0, orders = 0.0, of_output = 0.0, length_m = 0.0, tare_m = 0.0;
+    double unix_s = 0.0, tares = 0.0, orders = 0.0, of_output = 0.0, length_m = 0.0, deviation_m = 0.0, tare_m = 0.0;
     std::vector<double> published_m;  ///< by output
   };
   /// Two rows behind each other, with other numbers of tares or lengths.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "correction/growth/growth_reading.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -42,7 +43,8 @@ Eigen::MatrixXd lengths_of(const rom::Network& network, const Log& log) {
       const LogRow& row = log.rows[static_cast<std::size_t>(r)];
       const bool touched = row.length_orders > log.rows[static_cast<std::size_t>(r - 1)].length_orders &&
                            row.tare_orders == log.rows.back().tare_orders;
-      if (touched && row.length.output == output) lengths(r, d) = row.length.value_m;
+      const bool taken = correction::is_growth(row.length.value_m, row.length.deviation_m);
+      if (touched && taken && row.length.output == output) lengths(r, d) = row.length.value_m;
     }
   }
   return lengths;

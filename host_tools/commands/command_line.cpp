@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host_tools/commands/commands.hpp"
+#include "host_tools/commands/kept_inputs.hpp"
 
 namespace spindle_twin::host_tools {
 namespace {
@@ -92,6 +93,9 @@ int run_program(int argc, char** argv, const std::function<void(CLI::App&)>& add
     CLI::App app{"spindle-twin: thermal digital twin of a CNC spindle, host tool"};
     prepare(app);
     add_commands(app);
+    for (CLI::App* command : app.get_subcommands({})) {
+      command->parse_complete_callback([command] { keep_inputs(*command); });
+    }
     return run_command_line(app, argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twin: %s\n", error.what());

@@ -50,10 +50,12 @@ struct GrowthColumns {
     orders = column("length_orders");
     of_output = column("length_output");
     length = column("length_m");
+    deviation = column("length_sd_m");
     clock = column("clock_ns");
   }
   std::string output;
-  std::size_t slot = 0, predicted = 0, tare = 0, tares = 0, orders = 0, of_output = 0, length = 0, clock = 0;
+  std::size_t slot = 0, predicted = 0, tare = 0, tares = 0, orders = 0, of_output = 0, length = 0, deviation = 0,
+              clock = 0;
 };
 
 /// Goes along with the rows of one history.
@@ -82,9 +84,9 @@ class GrowthWalk {
     const double unix_s = first_unix_s_ + s_per_ns * (values[columns_.clock] - first_clock_ns_);
     match_until(unix_s);
     const double tare_m = columns_.slot == 0 ? values[columns_.tare] * rom::m_per_um : 0.0;
-    const auto reading =
-        touch_offs_.row({unix_s, values[columns_.predicted] * rom::m_per_um - tare_m, values[columns_.tares],
-                         values[columns_.orders], values[columns_.of_output], values[columns_.length]});
+    const auto reading = touch_offs_.row({unix_s, values[columns_.predicted] * rom::m_per_um - tare_m,
+                                          values[columns_.tares], values[columns_.orders], values[columns_.of_output],
+                                          values[columns_.length], values[columns_.deviation]});
     out_.stretches = touch_offs_.stretches();
     if (reading) out_.readings.push_back(*reading);
   }

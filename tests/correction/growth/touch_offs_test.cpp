@@ -13,6 +13,7 @@ constexpr double um = 1e-6;
 /// Rows as a history has them: published, tares, orders, output and length of the last.
 struct Row {
   double published_um, tares, orders, output, length_um;
+  double deviation_um = 1.0;
 };
 
 std::vector<GrowthReading> found(const std::vector<Row>& rows, std::size_t output = 0) {
@@ -21,8 +22,8 @@ std::vector<GrowthReading> found(const std::vector<Row>& rows, std::size_t outpu
   std::vector<GrowthReading> readings;
   double unix_s = 0.0;
   for (const Row& row : rows) {
-    const auto reading =
-        touch_offs.row({++unix_s, row.published_um * um, row.tares, row.orders, row.output, row.length_um * um});
+    const auto reading = touch_offs.row({++unix_s, row.published_um * um, row.tares, row.orders, row.output,
+                                         row.length_um * um, row.deviation_um * um});
     if (reading) readings.push_back(*reading);
   }
   return readings;
@@ -51,6 +52,15 @@ TEST(TouchOffs, of_another_output_beside_a_tare_or_without_a_prediction_there_is
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(found({{none, 0, 0, 0, 0}, {1, 0, 1, 0, 5}}).empty());
   EXPECT_TRUE(found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, none}}).empty());
+}
+
+TEST(TouchOffs, what_the_daemon_refuses_is_none) {
+  EXPECT_EQ(found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, 5, 0.1}}).size(), 1U);
+  for (const double deviation_um : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_TRUE(found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, 5, deviation_um}}).empty());
+  }
+  EXPECT_EQ(found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, -9999}}).size(), 1U);
+  EXPECT_TRUE(found({{1, 0, 0, 0, 0}, {1, 0, 1, 0, 10001}}).empty());
 }
 
 TEST(TouchOffs, a_reading_has_the_number_of_the_stretch_of_its_row) {

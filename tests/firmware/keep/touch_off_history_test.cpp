@@ -26,7 +26,7 @@ class TouchOffsOf : public ::testing::Test {
         "PRAGMA journal_mode = WAL; PRAGMA user_version = 1;"
         "CREATE TABLE run (id INTEGER PRIMARY KEY, began_unix_s REAL, spindle TEXT);"
         "CREATE TABLE cycle (id INTEGER PRIMARY KEY, run INTEGER, unix_s REAL, tare_count REAL, length_orders REAL, "
-        "length_output REAL, length_m REAL, tare_um REAL, \"deformation.no\"\"se_um\" REAL)");
+        "length_output REAL, length_m REAL, length_sd_m REAL, tare_um REAL, \"deformation.no\"\"se_um\" REAL)");
   }
   /// A run of rows a second from each other, the nose published as 0.001 um times its number; a touch-off of 1e-6 m in
   /// each row for which `is_touched`.
@@ -37,7 +37,7 @@ class TouchOffsOf : public ::testing::Test {
     Statement run = database.prepare("INSERT INTO run VALUES (?, 0, 'a')");
     run.bind(0, first);
     run.run();
-    Statement row = database.prepare("INSERT INTO cycle VALUES (?, ?, ?, 0, ?, 0, 1e-6, 0, ?)");
+    Statement row = database.prepare("INSERT INTO cycle VALUES (?, ?, ?, 0, ?, 0, 1e-6, 1e-6, 0, ?)");
     double orders = 0.0;
     for (std::int64_t n = 0; n < rows; ++n) {
       orders += is_touched(n) ? 1.0 : 0.0;
@@ -96,7 +96,7 @@ TEST_F(TouchOffsOf, it_may_rest_at_each_sixteenth_row) {
   const std::string numbers =
       "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 31) INSERT INTO ";
   Database(path_, Database::Mode::write)
-      .run(numbers + "run SELECT i, 0, 'a' FROM n;" + numbers + "cycle SELECT i, i, i, 0, 0, 0, 0, 0, 0 FROM n");
+      .run(numbers + "run SELECT i, 0, 'a' FROM n;" + numbers + "cycle SELECT i, i, i, 0, 0, 0, 0, 0, 0, 0 FROM n");
   for (const int runs : {31, 32, 33}) {
     if (runs > 31) write(1, [](std::int64_t) { return false; });
     int asked = 0;
@@ -189,14 +189,14 @@ class TwoOutputs : public ::testing::Test {
       database.run(
           "CREATE TABLE run (id INTEGER PRIMARY KEY);"
           "CREATE TABLE cycle (id INTEGER PRIMARY KEY, unix_s REAL, tare_count REAL, length_orders REAL, "
-          "length_output REAL, length_m REAL, tare_um REAL, \"deformation.nose_um\" REAL, "
+          "length_output REAL, length_m REAL, length_sd_m REAL, tare_um REAL, \"deformation.nose_um\" REAL, "
           "\"deformation.rear_um\" REAL)");
     }
     database.run("PRAGMA synchronous = OFF; PRAGMA journal_mode = MEMORY; BEGIN");
     Statement begin = database.prepare("INSERT INTO run VALUES (?)");
     begin.bind(0, run);
     begin.run();
-    Statement row = database.prepare("INSERT INTO cycle VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    Statement row = database.prepare("INSERT INTO cycle VALUES (?, ?, ?, ?, ?, ?, 1e-6, ?, ?, ?)");
     for (std::size_t n = 0; n < rows.size(); ++n) {
       const std::int64_t id = run + static_cast<std::int64_t>(n);
       const Told& of = rows[n];
