@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace spindle_twin::correction {
 
@@ -29,6 +30,7 @@ void Channel::meet(ChannelEvent event, HealthFault cause) {
       record_.usable = false;
       latched_ = latched_ || record_.failures >= limits_.failures;
       review_.dismiss();
+      stood_at_K_ = std::numeric_limits<double>::quiet_NaN();
       jump_.end_row();
       course_.restart();
       model_.interrupt();
@@ -228,9 +230,18 @@ void Channel::judge_in_use(double elapsed_s) {
   }
 }
 
+bool Channel::stands_still() {
+  if (!std::isfinite(stood_at_K_)) {
+    stood_at_K_ = sample_.reading_K;
+    has_moved_ = false;
+  }
+  const double moved_K = std::abs(sample_.reading_K - stood_at_K_);
+  has_moved_ = has_moved_ || moved_K > plan_.resolution_K * StuckDetector::rounding;
+  return !has_moved_ || stuck_.repeats();
+}
+
 bool Channel::shows_fault(double elapsed_s) {
-  // A stuck channel shows nothing but its old value until it moves.
-  const bool still = is_stuck() || (record_.fault == HealthFault::stuck && stuck_.repeats());
+  const bool still = is_stuck() || (record_.fault == HealthFault::stuck && stands_still());
   const double departure_K = std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
   review_.note(sample_.reading_K - sample_.offset_K - sample_.predicted_K, elapsed_s);
   if (off_course_ || still) return true;

@@ -112,6 +112,9 @@ class Channel {
   /// The course begins anew with the last reading.
   void restart_course(double rate_K_per_s);
   bool is_stuck();
+  /// Of a channel that failed as stuck: it shows nothing but its old value until it has moved by more than a step of
+  /// its resolution, and again where it repeats itself.
+  bool stands_still();
   /// Whether the reading of a channel that is out shows that its fault is still there.
   bool shows_fault(double elapsed_s);
   bool fits_course_of(const Channel& other) const;
@@ -149,6 +152,8 @@ class Channel {
   double moved_K_ = 0.0;       ///< of the model in that time
   double without_sign_s_ = 0;  ///< of a fault
   double row_began_s_ = 0.0;   ///< of outliers
+  double stood_at_K_ = std::numeric_limits<double>::quiet_NaN();  ///< first reading behind the last verdict
+  bool has_moved_ = false;                                        ///< from there
   bool latched_ = false;
   bool reads_for_partner_ = false, refused_ = false;
 };

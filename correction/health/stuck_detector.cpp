@@ -11,7 +11,6 @@ constexpr std::array shares{1.0, 0.5, 0.5};  // of the limit, that each of the t
 constexpr double late_share = 0.5;           // of that, as a late sensor shows it
 constexpr int least_samples = 4;
 constexpr double least_window = 0.25;     // share of the window that a stretch must have
-constexpr double rounding = 1.0 + 1e-6;   // steps of resolution are compared as binary numbers
 constexpr double hardly = 1e-3;           // a live channel repeats itself for so long once in a thousand runs
 constexpr double change_memory = 0.02;    // share of a new reading: fifty readings
 constexpr double turns_to_changes = 1.5;  // of white noise two changes in three turn back

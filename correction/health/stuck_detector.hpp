@@ -24,6 +24,9 @@ namespace spindle_twin::correction {
 /// noise, which turn back, count for p: a smooth rise that comes to its end is not stuck.
 class StuckDetector {
  public:
+  /// Steps of resolution are compared as binary numbers.
+  static constexpr double rounding = 1.0 + 1e-6;
+
   /// What a sensor makes of its place's temperature.
   struct Sensor {
     double resolution_K;  ///< above 0

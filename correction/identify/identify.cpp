@@ -81,7 +81,8 @@ Run run(const rom::Network& network, const ParameterModel& parameters, const rom
   rom::OperatingState state = network.boundaries.operating;
   Eigen::VectorXd bias_K = Eigen::VectorXd::Zero(state.environment_K.size());
   Eigen::VectorXd rises_K = Eigen::VectorXd::Zero(factors.heat.size());
-  Eigen::VectorXd theta = parameters.neutral();
+  // The spindle as it is described, or as a test has found it.
+  Eigen::VectorXd theta = options.priors.calibrated ? parameters.mean() : parameters.neutral();
   if (parameters.bearing() >= 0) theta[parameters.bearing()] = parameters.mean()[parameters.bearing()];
 
   const auto samples = static_cast<std::size_t>(std::ceil(schedule.end_s / options.sample_s - 1e-9));

@@ -55,12 +55,10 @@ void connect(const ConfiguredChannel& channel, Channel::Kind kind, std::size_t i
   plan.devices[channel.device].channels[channel.number] = {kind, index, name, channel.conversion, channel.filter};
 }
 
-/// One count of the device; a float tells nothing of its converter, and of a log's rounding nobody knows.
+/// One count of the device; a float tells nothing of its converter.
 double resolution_K(const std::optional<ConfiguredChannel>& channel) {
   constexpr double of_a_float_K = 0.01;
-  constexpr double of_a_log_K = 1.0;
-  if (!channel) return of_a_log_K;
-  return channel->step > 0.0 ? channel->step : of_a_float_K;
+  return channel && channel->step > 0.0 ? channel->step : of_a_float_K;
 }
 
 void bind_signal(const ConfiguredSignal& configured, std::size_t signal, const rom::Network& network,

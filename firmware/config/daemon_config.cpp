@@ -48,13 +48,6 @@ std::string read_name(const TomlTable& table) {
   return name;
 }
 
-/// However a path is written, and whether the file is there yet or not.
-std::string one_way_to(const std::string& path) {
-  std::error_code unknown;
-  const std::filesystem::path way = std::filesystem::weakly_canonical(path, unknown);
-  return unknown ? path : way.string();
-}
-
 ConfiguredSpindle read_one(const TomlTable& table, const std::string& list, Listeners& listeners, Taken& taken) {
   ConfiguredSpindle spindle;
   spindle.name = read_name(table);

@@ -1,5 +1,7 @@
 #include "firmware/config/read_compensation.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -49,7 +51,10 @@ void read_compensation(const std::optional<rom::TomlTable>& table, Config& confi
   plan.slew_m_per_s = m_per_um * table->number_or("slew_um_per_s", plan.slew_m_per_s / m_per_um, rom::positive);
   plan.step_m = m_per_um * table->number_or("step_um", 0.0, rom::between(0.0, 100.0));
   if (table->has("limit_um")) config.compensation.limit_m = m_per_um * table->number("limit_um", length_um);
-  if (table->has("warning_um")) config.compensation.warning_m = m_per_um * table->number("warning_um", length_um);
+  if (table->has("warning_um")) {
+    config.compensation.warning_m = m_per_um * table->number("warning_um", length_um);
+    config.compensation.warning_where = table->where("warning_um");
+  }
   plan.on_loss = table->choice_or("on_loss", "decay", {"hold", "decay"}) == "hold" ? OnLoss::hold : OnLoss::decay;
   plan.hold_s = rom::seconds_per_minute *
                 table->number_or("hold_min", plan.hold_s / rom::seconds_per_minute, rom::between(0.0, 10080.0));
@@ -64,8 +69,16 @@ void bind_compensation(const Config& config, const rom::Network& network, CycleP
   const ConfiguredCompensation& from = config.compensation;
   to.limit_m = from.limit_m.value_or(plan.output_limit_m[0]);
   to.warning_m = from.warning_m.value_or(warning_share * to.limit_m);
+  if (to.warning_m > to.limit_m) {
+    throw rom::InputError(from.warning_where, "compensation.warning_um",
+                          fmt::format("must be at most the limit, {:g} um, or it never comes", to.limit_m / m_per_um));
+  }
   if (from.other.empty()) return;
   to.other = find_by_name(network.deformations, from.other, "deformation output", from.where, "compensation.other");
+  if (to.other == 0) {
+    throw rom::InputError(from.where, "compensation.other",
+                          "\"" + from.other + "\" is the first output, which is compensated itself");
+  }
 }
 
 }  // namespace spindle_twin::firmware

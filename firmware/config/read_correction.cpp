@@ -65,6 +65,14 @@ void read_correction(const std::optional<rom::TomlTable>& table, Config& config)
     // It stands by for ever: how far the model can be trusted without correction follows from the same priors.
     correction::EstimatorOptions& options = config.cycle.estimator.emplace();
     if (table) read_priors(*table, config, options.priors);
+    if (!config.calibration) return;
+    if (!config.sensors.empty()) {
+      table->fail("law",
+                  "\"none\" leaves the model as it is described; a calibration needs \"estimator\", or no [[sensor]]");
+    }
+    config.cycle.estimator_corrects = true;  // the calibrated model, without a reading
+    options.period_s = std::max(options.period_s, config.cycle.period_s);
+    config.cycle.correction_enabled = table->boolean_or("enabled", true);
     return;
   }
   if (config.sensors.empty()) table->fail("law", "\"" + law + "\" needs at least one [[sensor]]");

@@ -48,6 +48,7 @@ Conversion read_conversion(const TomlTable& table, Unit unit, double scale) {
     if (conversion.at_20mA == conversion.at_4mA) table.fail("at_20mA", "must differ from at_4mA");
   }
   conversion.scale = table.number_or("scale", scale);
+  if (conversion.scale == 0.0) table.fail("scale", "must not be 0: every reading would be the same");
   conversion.offset = table.number_or("offset", 0.0);
   conversion.unit = unit;
   return conversion;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 #include "firmware/keep/sqlite_history.hpp"
@@ -13,22 +14,41 @@ namespace {
 
 using rom::TomlTable;
 
+/// Whose each file is.
+class FileOwners {
+ public:
+  explicit FileOwners(const Config& config) {
+    owners_[one_way_to(config.path)] = "the configuration";
+    owners_[one_way_to(config.network.path)] = "the network";
+    if (config.calibration) owners_[one_way_to(config.calibration->path)] = "the calibration";
+  }
+  void take(const std::string& path, const TomlTable& table, const std::string& key) {
+    const auto [owner, is_new] = owners_.try_emplace(one_way_to(path), table.path(key));
+    if (!is_new) table.fail(key, "\"" + path + "\" is " + owner->second + ", which would be written over");
+  }
+
+ private:
+  std::map<std::string, std::string> owners_;
+};
+
 /// A file that the daemon writes, relative to the configuration's folder.
-std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path) {
+std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path,
+                            FileOwners& owners) {
   std::string path = beside(config_path, table.string(key));
   std::error_code unknown;
   const auto status = std::filesystem::status(path, unknown);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     table.fail(key, "\"" + path + "\" exists and is not a regular file");
   }
+  owners.take(path, table, key);
   return path;
 }
 
-HistoryPlan read_history(const TomlTable& table, const std::string& config_path) {
+HistoryPlan read_history(const TomlTable& table, const std::string& config_path, FileOwners& owners) {
   constexpr double bytes_per_MiB = 1048576.0;
   const auto in_MiB = [](std::uint64_t bytes) { return static_cast<double>(bytes) / bytes_per_MiB; };
   HistoryPlan plan;
-  plan.path = read_state_file(table, "path", config_path);
+  plan.path = read_state_file(table, "path", config_path, owners);
   const bool is_sqlite = is_sqlite_path(plan.path);
   const double segment_MiB =
       is_sqlite ? 8.0 : table.number_or("segment_MiB", in_MiB(plan.segment_bytes), rom::between(0.01, 1e5));
@@ -48,18 +68,26 @@ std::string beside(const std::string& config_path, const std::string& path) {
   return (std::filesystem::path(config_path).parent_path() / path).lexically_normal().string();
 }
 
+std::string one_way_to(const std::string& path) {
+  std::error_code unknown;
+  const std::filesystem::path way =
+      std::filesystem::weakly_canonical(std::filesystem::absolute(path, unknown), unknown);
+  return unknown ? path : way.string();
+}
+
 void read_files(const TomlTable& root, Config& config) {
   const std::string& path = config.path;
+  FileOwners owners(config);
   if (const auto history = root.optional_table("history")) {
-    config.history = read_history(*history, path);
-    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path);
+    config.history = read_history(*history, path, owners);
+    if (history->has("parameters")) config.keep.parameters_path = read_state_file(*history, "parameters", path, owners);
   }
   const auto orders = root.optional_table("orders");
   const std::string beside_config = std::filesystem::path(path).replace_extension(".orders").string();
-  config.keep.orders_path = orders ? read_state_file(*orders, "path", path) : beside_config;
+  config.keep.orders_path = orders ? read_state_file(*orders, "path", path, owners) : beside_config;
   if (const auto checkpoint = root.optional_table("checkpoint")) {
     KeepPlan& keep = config.keep;
-    keep.checkpoint_path = read_state_file(*checkpoint, "path", path);
+    keep.checkpoint_path = read_state_file(*checkpoint, "path", path, owners);
     if (!orders) keep.orders_path = keep.checkpoint_path + ".orders";
     keep.interval_s = checkpoint->number_or("interval_s", keep.interval_s, rom::between(1.0, 86400.0));
     keep.max_age_s = rom::seconds_per_hour * checkpoint->number_or("max_age_h", keep.max_age_s / rom::seconds_per_hour,

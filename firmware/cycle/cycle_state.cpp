@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "correction/growth/growth_reading.hpp"
 #include "firmware/cycle/cycle.hpp"
 #include "firmware/cycle/plausible.hpp"
 
@@ -123,15 +124,24 @@ void Cycle::take_orders(const PlcCommand& command) {
   }
 }
 
+/// Times the limit of an output, which clamps what is published: a length may show that the limit is too low.
+constexpr double beyond_belief = 2.0;
+
 // Before the start there is no elongation yet: lengths and tares wait.
 
 OrderResult Cycle::take_length(const PlcCommand& command) {
   if (!started_) return OrderResult::waiting;
   const Displacement& length = command.displacement;
   const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
-  const bool taken =
-      take_displacement(static_cast<int>(length.output), length.value_m + zero_m, length.deviation_m, corrector_);
+  const double elongation_m = length.value_m + zero_m;
   displacements_ = command.displacements;
+  // What no output can be is told to nobody: the history would hand it to whoever judges or fits.
+  const bool exists = length.output < network_.deformations.size();
+  if (exists && (!correction::is_growth(elongation_m, length.deviation_m) ||
+                 std::abs(elongation_m) > beyond_belief * plan_.output_limit_m[length.output])) {
+    return OrderResult::refused;
+  }
+  const bool taken = take_displacement(static_cast<int>(length.output), elongation_m, length.deviation_m, corrector_);
   snapshot_.displacement = length;
   ++snapshot_.displacement_orders;
   return taken ? OrderResult::done : OrderResult::refused;

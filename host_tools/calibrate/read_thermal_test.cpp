@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "correction/growth/growth_reading.hpp"
 #include "rom/read/input_error.hpp"
@@ -50,14 +52,20 @@ Eigen::MatrixXd lengths_of(const rom::Network& network, const Log& log) {
   return lengths;
 }
 
+/// Of the sensors that have read within a minute of the first one: what comes later no longer shows the start.
 double first_mean_K(const rom::Network& network, const Log& log) {
-  double sum_K = 0.0;
-  int count = 0;
+  constexpr double start_lasts_s = 60.0;
+  std::vector<std::pair<double, double>> firsts;  // time, reading
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     const auto first =
         std::find_if(log.rows.begin(), log.rows.end(), [&](const LogRow& row) { return is_reading(row, k); });
-    if (!log.has_sensor[k] || first == log.rows.end()) continue;
-    sum_K += first->measured_K[k];
+    if (log.has_sensor[k] && first != log.rows.end()) firsts.emplace_back(first->time_s, first->measured_K[k]);
+  }
+  double sum_K = 0.0;
+  int count = 0;
+  for (const auto& [time_s, reading_K] : firsts) {
+    if (time_s > std::min_element(firsts.begin(), firsts.end())->first + start_lasts_s) continue;
+    sum_K += reading_K;
     ++count;
   }
   if (count == 0) {

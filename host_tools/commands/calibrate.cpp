@@ -7,12 +7,14 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/calibrate/calibration_page.hpp"
@@ -208,6 +210,13 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   for (const std::string& misfit : result.misfits) std::printf("  %s\n", misfit.c_str());
 }
 
+/// The same instants and sensor readings, bit for bit.
+bool is_the_same(const correction::ThermalTest& a, const correction::ThermalTest& b) {
+  return a.time_s == b.time_s && a.measured_K.size() == b.measured_K.size() &&
+         std::equal(a.measured_K.data(), a.measured_K.data() + a.measured_K.size(), b.measured_K.data(),
+                    [](double one, double other) { return one == other || (std::isnan(one) && std::isnan(other)); });
+}
+
 void run_calibrate(const CalibrateCommand& command) {
   if (!command.output.empty()) rom::check_writable(command.output, "--output");
   if (!command.page.empty()) rom::check_writable(command.page, "--html");
@@ -216,7 +225,12 @@ void run_calibrate(const CalibrateCommand& command) {
   std::vector<LeftOut> left_out;
   for (const std::string& name : command.logs) {
     const Log log = read_log(name, file.network, command.longest_gap_s);
-    tests.push_back(read_thermal_test(file.network, log, command.start_degC));
+    correction::ThermalTest test = read_thermal_test(file.network, log, command.start_degC);
+    for (const correction::ThermalTest& before : tests) {
+      if (!is_the_same(before, test)) continue;
+      throw rom::InputError({name, 0}, "logs", "holds the readings of " + before.name + ": they would count twice");
+    }
+    tests.push_back(std::move(test));
     add_left_out(file.network, log, left_out);
   }
   correction::CalibrateOptions options = test_options(file.network, command.config);

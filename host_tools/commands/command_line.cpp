@@ -3,7 +3,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <string>
 
@@ -61,6 +63,13 @@ int run_command_line(CLI::App& app, int argc, char** argv) {
   return 0;
 }
 
+/// The exit code of a command whose output has been taken, all of it; else 1: a full disk is no success.
+int written_out(int exit_code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  std::fprintf(stderr, "spindle-twin: standard output cannot be written: %s\n", std::strerror(errno));
+  return exit_code == 0 ? 1 : exit_code;
+}
+
 }  // namespace
 
 void add_edge_commands(CLI::App& app) {
@@ -96,7 +105,7 @@ int run_program(int argc, char** argv, const std::function<void(CLI::App&)>& add
     for (CLI::App* command : app.get_subcommands({})) {
       command->parse_complete_callback([command] { keep_inputs(*command); });
     }
-    return run_command_line(app, argc, argv);
+    return written_out(run_command_line(app, argc, argv));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spindle-twin: %s\n", error.what());
     return 1;

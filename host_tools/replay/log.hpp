@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,16 +13,25 @@
 
 namespace spindle_twin::host_tools {
 
+/// Of so many slots no reading.
+template <std::size_t slots>
+constexpr std::array<double, slots> none_of() {
+  std::array<double, slots> none{};
+  none.fill(std::numeric_limits<double>::quiet_NaN());
+  return none;
+}
+
 /// What was known at one instant, in SI; NaN: nothing new.
 struct LogRow {  // NOLINT(public-members): one for each column of a log
   double time_s = 0.0;
   rom::SourceLine where;
   std::array<double, firmware::signal_count> signals{};
-  std::array<double, firmware::slots::key_points> measured_K{};
-  std::array<double, firmware::slots::key_points> raw_K{};  ///< of a history: before the sensor tare
+  std::array<double, firmware::slots::key_points> measured_K = none_of<firmware::slots::key_points>();
+  /// Of a history: before the sensor tare.
+  std::array<double, firmware::slots::key_points> raw_K = none_of<firmware::slots::key_points>();
   std::array<double, firmware::slots::key_points> age_s{};  ///< of the readings of a history
-  std::array<double, firmware::slots::deformations>
-      deformation_m{};  ///< measured: a probe, or from outside for judging only
+  /// Measured: a probe, or from outside for judging only.
+  std::array<double, firmware::slots::deformations> deformation_m = none_of<firmware::slots::deformations>();
   // Of a history:
   std::array<bool, firmware::slots::key_points> disbelieved{};  ///< the daemon did not use the sensor's reading
   std::int64_t missed = 0;                                      ///< periods without a cycle before this one
@@ -34,7 +44,7 @@ struct LogRow {  // NOLINT(public-members): one for each column of a log
   firmware::Displacement length;
   std::uint32_t sensor_orders = 0;  ///< to tare or acknowledge sensors, since the start, and the last one
   firmware::SensorOrder sensor_order = firmware::SensorOrder::tare;
-  std::array<double, firmware::slots::deformations> probe_m{};
+  std::array<double, firmware::slots::deformations> probe_m = none_of<firmware::slots::deformations>();
   std::array<double, firmware::slots::deformations> probe_age_s{};
 };
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "correction/calibration/calibration.hpp"
+#include "host_tools/replay/log_readings.hpp"
 #include "rom/boundary_values/environments.hpp"
 
 namespace spindle_twin::host_tools {
@@ -34,11 +37,19 @@ firmware::Config config_of_log(const rom::Network& network, const Log& log, cons
   for (std::size_t k = 0; k < network.key_points.size() && options.sensors.empty(); ++k) {
     if (log.has_sensor[k]) names.push_back(network.key_points[k].name);
   }
+  const double usual_noise_K = correction::EstimatorOptions{}.noise_K;
   for (const std::string& name : names) {
     firmware::ConfiguredSensor sensor;
     sensor.key_point = name;
     sensor.field = "--sensors";
     sensor.stale_after_s = options.longest_gap_s;
+    const auto key_point = std::find_if(network.key_points.begin(), network.key_points.end(),
+                                        [&](const rom::KeyPoint& point) { return point.name == name; });
+    if (key_point != network.key_points.end()) {
+      const auto slot = static_cast<std::size_t>(key_point - network.key_points.begin());
+      sensor.resolution_K = resolution_of_log_K(log, slot);
+      if (const double noise_K = noise_of_log_K(log, slot); noise_K > usual_noise_K) sensor.noise_K = noise_K;
+    }
     config.sensors.push_back(sensor);
   }
   const std::array<double, 4> otherwise = {// speed, load, coolant, ambient
@@ -51,11 +62,13 @@ firmware::Config config_of_log(const rom::Network& network, const Log& log, cons
   return config;
 }
 
-void choose_correction(const std::string& wanted, firmware::Config& config) {
+void choose_correction(const std::string& wanted, const std::string& calibration, firmware::Config& config) {
   if (wanted.empty() && !config.path.empty()) return;
   const std::string law = !wanted.empty() ? wanted : config.sensors.empty() ? "none" : "estimator";
   firmware::CyclePlan& cycle = config.cycle;
-  cycle.estimator_corrects = law == "estimator";
+  const bool calibrated = config.calibration || !calibration.empty();
+  cycle.estimator_corrects = law == "estimator" || (law == "none" && calibrated);
+  if (law == "none" && calibrated) config.sensors.clear();  // what the calibrated model says by itself
   cycle.correction_enabled = true;
   if (law == "paper") {
     cycle.estimator.reset();
@@ -96,6 +109,21 @@ void apply_estimator_options(const rom::Network& network, const ReplayOptions& o
   cycle.estimator->priors.calibrated = prior_of(calibration, {});
 }
 
+/// Mean of the sensors' first readings, of those that have read by the first of them.
+std::optional<double> first_mean_K(const Log& log) {
+  for (const LogRow& row : log.rows) {
+    double sum_K = 0.0;
+    int count = 0;
+    for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
+      if (!log.has_sensor[k] || !std::isfinite(row.measured_K[k])) continue;
+      sum_K += row.measured_K[k];
+      ++count;
+    }
+    if (count > 0) return sum_K / count;
+  }
+  return {};
+}
+
 void check_sensors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log) {
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     if (!plan.sensors[k].configured || log.has_sensor[k]) continue;
@@ -108,9 +136,12 @@ void check_sensors(const rom::Network& network, const firmware::CyclePlan& plan,
 }  // namespace
 
 firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, const ReplayOptions& options) {
+  if (!options.config.empty() && !options.sensors.empty()) {
+    throw rom::InputError({}, "--sensors", "is of a replay without a configuration, which says what sensors there are");
+  }
   firmware::Config config =
       options.config.empty() ? config_of_log(network, log, options) : firmware::read_config(options.config);
-  choose_correction(options.correction, config);
+  choose_correction(options.correction, options.calibration, config);
   apply_estimator_options(network, options, config.cycle);
   firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;
   check_sensors(network, plan, log);
@@ -120,6 +151,7 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
     plan.start_temperature_K = *options.start_degC + zero_degC_K;
     plan.start_nodes_K.resize(0);
   }
+  if (!plan.start_temperature_K && config.sensors.empty()) plan.start_temperature_K = first_mean_K(log);
   if (!plan.start_temperature_K && config.sensors.empty()) {
     throw rom::InputError({log.file, 1}, "--start-degC", "is needed where no sensor tells where to start from");
   }
@@ -133,7 +165,10 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
 
 const char* law_of(const firmware::CyclePlan& plan) {
   if (plan.paper) return "paper";
-  return plan.estimator && plan.estimator_corrects ? "estimator" : "none";
+  if (!plan.estimator || !plan.estimator_corrects) return "none";
+  const bool reads = std::any_of(plan.sensors.begin(), plan.sensors.end(),
+                                 [](const firmware::SensorPlan& sensor) { return sensor.configured; });
+  return reads ? "estimator" : "calibration";
 }
 
 }  // namespace spindle_twin::host_tools

@@ -12,6 +12,7 @@ namespace {
 constexpr double shortest_constant_s = 10.0, longest_in_spans = 5.0;
 constexpr double at_border = 0.01;  // of ln τ
 constexpr std::size_t least_readings = 8;
+constexpr double longest_unread_share = 1.0 / 6.0;
 constexpr double clear_swing = 5.0;  // times what is left
 constexpr int sections = 60;
 
@@ -27,6 +28,17 @@ Readings between(const Course& course, double from_s, double until_s) {
     found.value.push_back(course.value[i]);
   }
   return found;
+}
+
+/// Whether readings follow each other, from the first instant to the last.
+bool cover(const Readings& readings, double from_s, double until_s) {
+  const double longest_s = longest_unread_share * (until_s - from_s);
+  double read_s = from_s;
+  for (const double time_s : readings.time_s) {
+    if (time_s - read_s > longest_s) return false;
+    read_s = time_s;
+  }
+  return until_s - read_s <= longest_s;
 }
 
 /// Straight line through value over 1 − e^(−t/τ).
@@ -55,7 +67,7 @@ TimeConstant at_constant(const Readings& readings, double from_s, double constan
 
 std::optional<Drift> drift_between(const Course& course, double from_s, double until_s) {
   const Readings readings = between(course, from_s, until_s);
-  if (readings.value.size() < 2) return {};
+  if (readings.value.size() < 2 || !cover(readings, from_s, until_s)) return {};
   const auto [lowest, highest] = std::minmax_element(readings.value.begin(), readings.value.end());
   const double change = readings.value.back() - readings.value.front();
   const double hours = (readings.time_s.back() - readings.time_s.front()) / rom::seconds_per_hour;
@@ -77,7 +89,7 @@ std::optional<double> steepest_per_h(const Course& course, double from_s, double
 
 std::optional<TimeConstant> fit_time_constant(const Course& course, double from_s, double until_s) {
   const Readings readings = between(course, from_s, until_s);
-  if (readings.value.size() < least_readings) return {};
+  if (readings.value.size() < least_readings || !cover(readings, from_s, until_s)) return {};
   const double lowest = std::log(shortest_constant_s);
   const double highest = std::log(longest_in_spans * (until_s - from_s));
   if (highest <= lowest) return {};

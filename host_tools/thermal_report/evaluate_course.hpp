@@ -14,7 +14,8 @@ struct Drift {
   double rate_per_h = 0.0;  ///< change by the time between those two
 };
 
-/// Empty with fewer than two readings.
+/// Empty with fewer than two readings, and where a sixth of the time or more passes without one: what is not read has a
+/// range and a rate of its own.
 std::optional<Drift> drift_between(const Course& course, double from_s, double until_s);
 
 /// The steepest change between two readings that are at least `span_s` apart and nearest to it, per hour, unsigned;
@@ -29,7 +30,7 @@ struct TimeConstant {
 };
 
 /// Least squares in first and swing for each τ, and τ by golden section in ln τ between 10 s and 5 times the span.
-/// Empty with fewer than eight readings, where the swing is less than five times the rms that is left, and where τ ends
+/// Empty with fewer than eight readings, where a sixth of the time or more passes without one, where the swing is less than five times the rms that is left, and where τ ends
 /// at a border: the readings do not tell it.
 std::optional<TimeConstant> fit_time_constant(const Course& course, double from_s, double until_s);
 

@@ -25,7 +25,7 @@ Json drift_json(const Course& course, double from_s, double until_s) {
           {"rate_per_h", drift->rate_per_h}};
 }
 
-/// Null where the record ends before the window does.
+/// Null where the record ends before the window does, or readings leave out much of it.
 Json window_json(const Course& course, const Phase& whole, double length_s) {
   if (whole.until_s - whole.from_s < length_s) return {};
   return drift_json(course, whole.from_s, whole.from_s + length_s);

@@ -102,6 +102,38 @@ class Calibrate(RunningDaemon):
         rms_um = [json.loads(result.stdout)["deformations"][0]["sd_um"] for result in (replayed, plain)]
         self.assertLess(rms_um[0], 0.5 * rms_um[1])
 
+    def test_without_sensors_the_calibrated_model_is_what_is_published(self):
+        file, said = self.calibrated()
+        log = self.folder / "test.csv"
+        asked = ("replay", self.rom, log, "--json", "--start-degC", "20", "--correction", "none")
+        errors = [json.loads(self.tool(*asked, *more).stdout)["deformations"][0]["twin"]
+                  for more in ((), ("--calibration", file))]
+        self.assertLess(errors[1]["rms_um"], errors[0]["rms_um"])
+        config = self.config_text.format(port=self.port, device=self.device_port)
+        self.config.write_text(config.replace('law = "estimator"\n', f'law = "none"\ncalibration = "{file.name}"\n'))
+        self.assertRegex(self.check().stderr, r"correction\.law: .*a calibration needs .estimator., or no \[\[sensor\]\]")
+
+    def test_a_sensor_that_begins_late_says_nothing_of_the_start(self):
+        rows = list(csv.reader(self.thermal_test("whole.csv").read_text().splitlines()))
+        late = rows[0].index("measured.sleeve_outer_degC")
+        for row in rows[1:]:
+            if float(row[0]) < 3600:
+                row[late] = ""
+        log = self.folder / "late.csv"
+        log.write_text("\n".join(",".join(row) for row in rows) + "\n")
+        made = self.tool("calibrate", self.rom, log, "--json")
+        self.assertEqual((made.returncode, json.loads(made.stdout)["fits"]), (0, True), made.stderr)
+
+    def test_a_probe_that_comes_for_the_last_quarter_is_judged_without_its_zero(self):
+        rows = list(csv.reader(self.thermal_test("whole.csv").read_text().splitlines()))
+        for row in rows[1:]:
+            if float(row[0]) < 5700:
+                row[-1] = ""
+        log = self.folder / "late.csv"
+        log.write_text("\n".join(",".join(row) for row in rows) + "\n")
+        made = self.tool("calibrate", self.rom, log, "--json")
+        self.assertEqual((made.returncode, json.loads(made.stdout)["misfits"]), (0, []), made.stderr)
+
     def test_a_probe_that_slips_is_named_and_nothing_is_written_without_a_persons_word(self):
         log = self.thermal_test("slipped.csv", lambda time_s, nose_um: nose_um + (25.0 if time_s > 6000 else 0.0))
         file = self.folder / "slipped.calibration"
@@ -214,6 +246,20 @@ class Calibrate(RunningDaemon):
             table = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
             table.writeheader()
             table.writerows(rows)
+
+    def test_a_test_counts_once_and_is_long_enough_to_be_judged(self):
+        log = self.thermal_test("test.csv")
+        copy = self.folder / "copy.csv"
+        copy.write_text(log.read_text())
+        twice = self.tool("calibrate", self.rom, log, copy)
+        self.assertEqual(twice.returncode, 1)
+        self.assertRegex(twice.stderr, r"^spindle-twin: \S+copy\.csv: logs: holds the readings of \S+test\.csv: .*\n$")
+        short = self.folder / "short.csv"
+        short.write_text("".join(line for line in log.read_text().splitlines(True)
+                                 if not line[0].isdigit() or float(line.split(",")[0]) <= 600))
+        made = self.tool("calibrate", self.rom, short, "-o", self.folder / "short.calibration")
+        self.assertEqual(made.returncode, 3)
+        self.assertIn("10 min of test are too short to be judged, at least 20", made.stdout)
 
     def test_bad_logs_end_in_one_line(self):
         log = self.folder / "bad.csv"

@@ -58,6 +58,32 @@ class Usage(Case):
                 self.assertRegex(self.error_of(*arguments), r"; see spindle-twin( [a-z]+)? --help$")
         self.assertRegex(self.error_of("paint"), r"no command paint, allowed are .*build, .*solve|solve, .*build")
 
+    def test_no_command_writes_over_what_it_reads_nor_two_files_into_one(self):
+        description = self.text("own.toml", SMALL.read_text())
+        schedule = self.text("own.csv", "time_s,speed_rpm,load\n0,6000,1\n60,6000,1\n")
+        rom = self.folder / "own.rom"
+        self.good("build", description, "-o", rom, "--nodes", 8, "--certificate-cases", 0)
+        before = {path: path.read_bytes() for path in (description, schedule, rom)}
+        link = self.folder / "link"
+        link.symlink_to(description)
+        for arguments in (["build", description, "-o", description], ["build", description, "-o", link],
+                          ["simulate", rom, "--schedule", schedule, "-o", self.folder / "." / "own.csv"],
+                          ["simulate", rom, "--schedule", schedule, "-o", rom], ["inspect", rom, "--html", rom],
+                          ["calibrate", rom, schedule, "-o", schedule], ["export", rom, "--spice", rom]):
+            with self.subTest(str(arguments)):
+                self.assertRegex(self.error_of(*arguments), r"--[a-z]+: \S+ would be written over, and is read; see ")
+        self.assertRegex(self.error_of("export", rom, "--spice", self.folder / "x", "--fmu", link.parent / "." / "x"),
+                         r"two files, not one")
+        self.assertEqual(before, {path: path.read_bytes() for path in before})
+
+    def test_a_full_disk_behind_standard_output_is_no_success(self):
+        for arguments in (["registers"], ["laws"], ["solve", SMALL, "--json"]):
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([TWIN, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True,
+                                        timeout=60)
+            self.assertEqual(result.returncode, 1, arguments)
+            self.assertRegex(result.stderr, r"^spindle-twin: standard output cannot be written: .*\n$")
+
     def test_without_the_program_of_the_fe_model_commands_that_need_none_still_run(self):
         alone = shutil.copy(TWIN, self.folder / "spindle-twin")
         known = subprocess.run([alone, "laws"], capture_output=True, text=True)

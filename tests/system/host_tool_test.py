@@ -121,6 +121,15 @@ class Network(Case):
         for line in BUILT["progress"].splitlines():
             self.assertRegex(line, r"^[A-Za-z ]+: (done|\d+ %(, about \d+ (s|min) left)?)$")
 
+    def test_verify_takes_cases_of_its_own_and_says_where_it_does_not(self):
+        rom = self.folder / "small.rom"
+        self.good("build", SMALL, "-o", rom, "--nodes", 12, "--certificate-cases", 10, "--seed", 5)
+        asked = [self.good("verify", rom, SMALL, "--cases", 2, *seed).stdout
+                 for seed in ((), ("--seed", 6), ("--seed", 5))]
+        self.assertEqual(asked[0], asked[1])
+        self.assertNotIn("the certificate's own cases", asked[0])
+        self.assertIn("the certificate's own cases", asked[2])
+
     def test_verify_stays_within_the_limits_for_any_seed(self):
         for seed in (11, 2026):
             report = self.json_of("verify", self.rom, COARSE, "--cases", 2, "--seed", seed)

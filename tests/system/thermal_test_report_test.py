@@ -131,6 +131,27 @@ class ThermalTestReport(unittest.TestCase):
             self.assertAlmostEqual(drawn[time_s], value - zero_um, places=3)
         self.assertNotRegex(text, r'(src|href)="http')
 
+    def test_a_window_that_the_probe_does_not_cover_has_no_numbers(self):
+        lines = self.log.read_text().splitlines()
+        nose = lines[0].split(",").index("measured.nose_um")
+        for lost_from_s, lost_until_s in ((1200, 1e9), (0, 3000)):
+            cut = lines[:1]
+            for line in lines[1:]:
+                cells = line.split(",")
+                if lost_from_s <= float(cells[0]) < lost_until_s:
+                    cells[nose] = ""
+                cut.append(",".join(cells))
+            log = self.folder / "cut.csv"
+            log.write_text("\n".join(cut) + "\n")
+            made = subprocess.run([PROGRAMS["tool"], "thermal-test-report", log, "--json"], capture_output=True, text=True,
+                                  timeout=60)
+            self.assertEqual(made.returncode, 0, made.stderr)
+            report = json.loads(made.stdout)
+            of = report["rotation"]["lengths"][0]["measured"]
+            self.assertEqual([of[window] for window in ("first_15_min", "first_60_min", "whole")], [None] * 3)
+            self.assertIsNone(report["time_constants"][0]["time_constant_s"])
+            self.assertIsNotNone(report["rotation"]["temperatures"][0]["measured"]["whole"])
+
     def test_several_speeds_are_said_to_vary_and_a_short_log_has_no_hour(self):
         write_log(self.log, length_s=4000, stands_s=300, wild=True)
         report = self.report()

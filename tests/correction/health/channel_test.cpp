@@ -160,6 +160,28 @@ TEST(Channel, a_stuck_channel_fails_within_two_minutes_of_a_moving_model_and_the
   EXPECT_GE(withheld, 9 * moments / 10) << "twenty equal readings, but of a place that was rising steeply";
 }
 
+TEST(Channel, a_channel_that_never_moved_stays_out_until_it_does) {
+  int failed = 0, returned = 0;
+  for (int n = 0; n < moments; ++n) {
+    Case one(n);
+    one.drive.step();
+    const double held_K = one.drive.samples[one.channel].reading_K;
+    one.drive.tamper = [&](std::vector<HealthSample>& samples) { samples[one.channel].reading_K = held_K; };
+    for (int second = 0; second < 3600 && one.record().state != HealthState::failed; ++second) one.drive.step();
+    if (one.record().fault != HealthFault::stuck) continue;
+    ++failed;
+    for (int second = 0; second < 3600; ++second) {
+      one.drive.step();
+      ASSERT_FALSE(one.record().usable) << "case " << n << ", " << second << " s after the verdict";
+    }
+    one.drive.tamper = {};
+    for (int second = 0; second < 1200 && !one.record().usable; ++second) one.drive.step();
+    returned += one.record().usable ? 1 : 0;
+  }
+  EXPECT_GE(failed, moments / 2);
+  EXPECT_GE(returned, 9 * failed / 10);
+}
+
 TEST(Channel, a_repaired_channel_returns_after_its_probation_and_its_offset_is_open) {
   Case one(7);
   one.drive.tamper = [&](std::vector<HealthSample>& samples) {

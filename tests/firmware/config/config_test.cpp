@@ -249,6 +249,20 @@ TEST(Config, until_it_is_written_a_signal_is_standstill_without_load_at_twenty_d
   for (std::size_t s = 0; s < 4; ++s) EXPECT_DOUBLE_EQ(signals[s].value, s < 2 ? 0.0 : 293.15) << s;
 }
 
+TEST(ConfigErrors, a_file_that_the_daemon_writes_is_none_that_it_reads_and_no_other_of_them) {
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n";
+  const auto error = [&](const std::string& tables) { return error_of(start + tables); };
+  for (const std::string table : {"checkpoint", "orders", "history"}) {
+    for (const std::string path : {"small.rom", "./small.rom", "sub/../twin.toml"}) {
+      EXPECT_NE(error("[" + table + "]\npath = \"" + path + "\"\n").find("would be written over"), std::string::npos)
+          << table << ' ' << path;
+    }
+  }
+  EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"x\"\n"),
+            "/etc/twin.toml:11: checkpoint.path: \"/etc/x\" is history.path, which would be written over");
+  EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"y\"\nparameters = \"z\"\n"), "accepted");
+}
+
 TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
   const std::string& text = all_from_the_plc;
   EXPECT_EQ(error_of(text),

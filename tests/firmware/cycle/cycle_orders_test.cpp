@@ -185,6 +185,29 @@ TEST(Orders, a_length_counts_from_the_tare_at_the_nose_and_from_nothing_at_other
   }
 }
 
+TEST(Orders, a_length_that_no_spindle_can_have_is_refused_and_stands_in_no_history) {
+  const rom::Network network = tests::small_network();
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (const Displacement& length :
+       {Displacement{0, 1e3, 1e-7}, Displacement{0, -0.011, 1e-6}, Displacement{0, 3e-5, 1e-6},
+        Displacement{0, 1e-6, 0.0}, Displacement{0, none, 1e-6}}) {
+    CyclePlan plan = estimated();
+    plan.output_limit_m[0] = 1e-5;
+    Cycle cycle(network, plan, runtime), untold(network, plan, runtime);
+    PlcCommand command;
+    Machine machine(network, 1.0);
+    for (int n = 0; n < 60; ++n) {
+      if (n == 20) command.displacements = 1, command.displacement = length;
+      const Snapshot& now = cycle.step(machine.frame(at_s(n)), command, at_s(n), 0);
+      const Snapshot& alone = untold.step(machine.frame(at_s(n)), {}, at_s(n), 0);
+      EXPECT_EQ(now.displacement_orders, 0U);
+      EXPECT_EQ(now.deformation_deviation_m[0], alone.deformation_deviation_m[0]);
+      machine.advance(1.0);
+    }
+    EXPECT_EQ(result_of(cycle, OrderKind::length), OrderResult::refused) << length.value_m;
+  }
+}
+
 TEST(Orders, an_acknowledgement_takes_a_loss_back_and_is_counted_on_from_runs_before) {
   const rom::Network network = tests::small_network();
   Cycle cycle(network, open_loop(), runtime);
