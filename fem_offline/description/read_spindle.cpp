@@ -94,6 +94,9 @@ Spindle parse_spindle(const std::string& text, const std::string& file, double m
 Spindle read_spindle(const std::string& path, double mesh_factor) {
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream text;
+  if (stream && stream.peek() == std::ifstream::traits_type::eof() && !stream.bad()) {
+    throw InputError({path, 0}, "", "is empty; a description of a spindle is needed");
+  }
   if (stream) text << stream.rdbuf();
   if (!stream || !text) throw InputError({path, 0}, "", "cannot be read as a file");
   return parse_spindle(text.str(), path, mesh_factor);

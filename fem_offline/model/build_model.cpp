@@ -32,11 +32,18 @@ Eigen::VectorXd enlarged(const Eigen::VectorXd& row, int unknowns) {
   return result;
 }
 
-/// Air volumes get an unknown of their own, the last ones; of each surrounding its place, -1 for environments.
+/// Air volumes get an unknown of their own, the last ones; of each surrounding its place, -1 for environments. Throws
+/// for air that no film exchanges heat with, which would have any temperature.
 std::vector<int> add_air(const Spindle& spindle, AffineModel& model) {
   std::vector<int> air_unknown;
-  for (const Surrounding& surrounding : spindle.surroundings) {
+  for (std::size_t s = 0; s < spindle.surroundings.size(); ++s) {
+    const Surrounding& surrounding = spindle.surroundings[s];
     const bool is_air = surrounding.kind == SurroundingKind::air;
+    const bool is_used = std::any_of(spindle.films.begin(), spindle.films.end(),
+                                     [s](const Film& film) { return film.surrounding == s; });
+    if (is_air && !is_used) {
+      throw rom::InputError(surrounding.where, "surrounding." + surrounding.name, "no film leads to this air volume");
+    }
     air_unknown.push_back(is_air ? static_cast<int>(model.places.size()) : -1);
     if (!is_air) continue;
     model.air_names.push_back(surrounding.name);

@@ -134,7 +134,7 @@ void print_json(const correction::CalibrateOptions& options, const std::vector<L
                              {"last_quarter_deviation_W", after.deviation_W}};
   }
   json["held_out"] = channels_json(options, result.held_out.channels);
-  std::printf("%s\n", json.dump(2).c_str());
+  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
 }
 
 void print_channels(const char* title, const correction::CalibrateOptions& options,

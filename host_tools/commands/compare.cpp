@@ -143,7 +143,7 @@ void run_compare(const CompareCommand& command) {
     rom::write_whole_file(command.page, fill_page(compare_page_text, page_data(summary, comparison)));
   }
   if (command.json) {
-    std::printf("%s\n", summary.dump(2).c_str());
+    std::printf("%s\n", summary.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     return;
   }
   std::printf("first:  %s\nsecond: %s\n", of_first.name.c_str(), of_second.name.c_str());

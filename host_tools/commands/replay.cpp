@@ -99,7 +99,7 @@ void print_json(const ReplayCommand& options, const rom::Network& network, const
   for (std::size_t f = 0; f < fault_codes.size(); ++f) json["faults"][fault_codes[f].name] = tally.with_fault[f];
   json["sensors"] = errors_json(errors.sensors(), "K", 1.0);
   json["deformations"] = errors_json(errors.deformations(), "um", rom::um_per_m);
-  std::printf("%s\n", json.dump(2).c_str());
+  std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
 void print_errors(const char* title, const std::vector<OutputErrors>& outputs, double scale) {

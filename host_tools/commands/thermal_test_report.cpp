@@ -118,7 +118,7 @@ void run_report(const ReportCommand& command) {
   if (!command.output.empty()) rom::write_whole_file(command.output, fill_page(thermal_test_page_text, report));
   if (command.json) {
     report.erase("courses");
-    std::printf("%s\n", report.dump(2).c_str());
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
   } else {
     print_table(report);
   }

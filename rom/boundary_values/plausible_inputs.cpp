@@ -29,8 +29,12 @@ Range said(const Boundaries& boundaries, const std::string& of, Range otherwise)
 
 Range either_way(double most) { return most > 0.0 ? between(-most, most) : any_number; }
 
-/// Round to what a message needs.
-std::string rounded(double value) { return printed(std::round(value * 100.0) / 100.0); }
+/// Round to what a message needs: hundredths, of small values three digits.
+std::string rounded(double value) {
+  const double digits = value == 0.0 ? 0.0 : std::floor(std::log10(std::abs(value)));
+  const double steps_per_unit = std::pow(10.0, std::max(2.0, 2.0 - digits));
+  return printed(std::round(value * steps_per_unit) / steps_per_unit);
+}
 
 void judge(double value, Range believed, const std::string& field, const std::string& unit,
            std::vector<Implausible>& found) {

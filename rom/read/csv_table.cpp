@@ -39,6 +39,19 @@ double number(const std::string& cell, const std::string& column, const SourceLi
   return value;
 }
 
+/// Bytes of UTF-8 as far as their pattern goes, and no control character: else this is a file in UTF-16, of a Latin-1
+/// editor, or no text at all, and what it holds cannot be named in a message.
+bool is_text(std::string_view line) {
+  int continued = 0;
+  for (const char c : line) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool continues = (byte & 0xC0U) == 0x80U;
+    if (continues != (continued > 0) || (byte < 0x20U && byte != '\t' && byte != '\r')) return false;
+    continued = continues ? continued - 1 : byte >= 0xF0U ? 3 : byte >= 0xE0U ? 2 : byte >= 0xC0U ? 1 : 0;
+  }
+  return continued == 0;
+}
+
 void read_header(const std::string& line, const SourceLine& where, CsvTable& table) {
   table.names = split(line);
   table.header_line = where.line;
@@ -83,6 +96,7 @@ CsvTable read_csv_table(const std::string& path, LastLine last) {
     ++where.line;
     constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
     if (where.line == 1 && line.starts_with(byte_order_mark)) line.erase(0, byte_order_mark.size());
+    if (!is_text(line)) throw InputError(where, "", "is no text in UTF-8, as which a CSV must be saved");
     if (trimmed(line).empty()) continue;
     if (table.names.empty()) {
       read_header(line, where, table);

@@ -55,6 +55,7 @@ class Hour : public ::testing::Test {
     for (std::size_t n = static_cast<std::size_t>(minute); n < rows_.size(); ++n) {
       ++rows_[n].displacement_orders;
       rows_[n].displacement.value_m = length_m;
+      rows_[n].displacement.deviation_m = 1e-6;
       rows_[n].displacement.output = output;
       rows_[n].deformation_m[0] += 0.05 * um;  // what the estimator makes of it
     }

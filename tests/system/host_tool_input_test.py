@@ -76,6 +76,19 @@ class Usage(Case):
                          r"two files, not one")
         self.assertEqual(before, {path: path.read_bytes() for path in before})
 
+    def test_air_that_no_film_leads_to_and_an_empty_description_are_named(self):
+        air = self.text("air.toml", SMALL.read_text() + '\n[[surrounding]]\nname = "dry"\nkind = "air"\n'
+                                                        'capacity_J_per_K = 1.0\n')
+        self.assertRegex(self.error_of("solve", air), r"air\.toml:\d+: surrounding\.dry: no film leads to this air volume$")
+        self.assertRegex(self.error_of("solve", self.text("empty.toml", "")), r"empty\.toml: is empty; a description")
+
+    def test_a_csv_in_another_encoding_is_one_line_that_can_be_read(self):
+        for name, text in (("latin.csv", "time_s,speed_rpm,load,sp\u00fctze\n".encode("latin-1")),
+                           ("utf16.csv", "time_s,speed_rpm,load\n0,1,1\n".encode("utf-16")), ("nul.csv", b"time_s\n4\0\n")):
+            path = self.folder / name
+            path.write_bytes(text)
+            self.assertRegex(self.error_of("solve", SMALL, "--schedule", path), name + r":\d: is no text in UTF-8, as which a")
+
     def test_a_full_disk_behind_standard_output_is_no_success(self):
         for arguments in (["registers"], ["laws"], ["solve", SMALL, "--json"]):
             with open("/dev/full", "w") as full:

@@ -10,6 +10,7 @@ import stat
 import subprocess
 import tomllib
 import unittest
+import zipfile
 
 import host_tool_case
 from host_tool_case import DAEMON, TWIN, run
@@ -75,6 +76,19 @@ class NetworkFiles(host_tool_case.Case):
         self.assertGreater(last["winding_sensor_degC"], last["front_seat_degC"])
         self.assertGreater(last["nose_um"], 0.0)
         self.assertAlmostEqual(last["motor_loss_W"], 380.0, places=4)
+
+    def test_an_fmu_asks_for_no_library_but_the_c_librarys(self):
+        fmu = self.folder / "m.fmu"
+        self.good("export", self.assemble(), "--fmu", fmu)
+        with zipfile.ZipFile(fmu) as packed:
+            names = [name for name in packed.namelist() if name.endswith(".so")]
+            self.assertEqual(len(names), 1)
+            library = pathlib.Path(packed.extract(names[0], self.folder))
+        asked = subprocess.run(["ldd", "-r", library], capture_output=True, text=True, timeout=60)
+        self.assertNotRegex(asked.stdout + asked.stderr, "undefined symbol: (?!__(asan|ubsan|tsan|sanitizer))")
+        needed = {line.split()[0] for line in asked.stdout.splitlines() if "=>" in line}
+        self.assertLessEqual(needed - {name for name in needed if "san" in name or "gcc" in name or "stdc++" in name},
+                             {"libm.so.6", "libc.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1"})
 
     def test_flows_and_balances_of_the_steady_state_close(self):
         seen = self.json_of("inspect", self.assemble())["steady_state"]

@@ -132,6 +132,7 @@ class ThermalTestReport(unittest.TestCase):
         self.assertNotRegex(text, r'(src|href)="http')
 
     def test_a_window_that_the_probe_does_not_cover_has_no_numbers(self):
+        write_log(self.log)
         lines = self.log.read_text().splitlines()
         nose = lines[0].split(",").index("measured.nose_um")
         for lost_from_s, lost_until_s in ((1200, 1e9), (0, 3000)):

@@ -15,7 +15,7 @@
 namespace spindle_twin::correction::test {
 namespace calibrate_calibrate_limits_test {
 
-constexpr CalibrateLimits without_limits{1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9};
+constexpr CalibrateLimits without_limits{1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 0.0};
 
 struct CalibratedNode : testing::Test {
   CalibratedNode() : predictor(node.network, node.options) { node.read(predictor, 0.15, 2e-6); }
@@ -35,6 +35,7 @@ TEST(CalibrationLimits, are_those_that_are_stated) {
   EXPECT_EQ(limits.asked_before, 3.0);
   EXPECT_EQ(limits.asked_after, 1.0);
   EXPECT_EQ(limits.asked_heat, 4.0);
+  EXPECT_EQ(limits.shortest_s, 1200.0);
   const DriftOptions drift;
   EXPECT_EQ(drift.heat, 0.05);
   EXPECT_EQ(drift.contact, 0.10);
@@ -52,6 +53,8 @@ TEST_F(CalibratedNode, names_what_is_beyond_a_limit_and_nothing_that_is_at_it) {
     EXPECT_EQ(found.calibration.accepted, found.misfits.empty());
     return found.misfits;
   };
+  EXPECT_TRUE(misfits(&CalibrateLimits::shortest_s, result.calibration.tested_s).empty());
+  EXPECT_EQ(misfits(&CalibrateLimits::shortest_s, 1.001 * result.calibration.tested_s).size(), 1U);
   const double chi_square = result.fit.chi_square_per_reading;
   EXPECT_TRUE(misfits(&CalibrateLimits::chi_square, chi_square).empty());
   ASSERT_EQ(misfits(&CalibrateLimits::chi_square, 0.999 * chi_square).size(), 1U);

@@ -202,9 +202,11 @@ TEST(Orders, a_length_that_no_spindle_can_have_is_refused_and_stands_in_no_histo
       const Snapshot& alone = untold.step(machine.frame(at_s(n)), {}, at_s(n), 0);
       EXPECT_EQ(now.displacement_orders, 0U);
       EXPECT_EQ(now.deformation_deviation_m[0], alone.deformation_deviation_m[0]);
+      if (n == 20) {
+        EXPECT_EQ(result_of(cycle, OrderKind::length), OrderResult::refused) << length.value_m;
+      }
       machine.advance(1.0);
     }
-    EXPECT_EQ(result_of(cycle, OrderKind::length), OrderResult::refused) << length.value_m;
   }
 }
 
