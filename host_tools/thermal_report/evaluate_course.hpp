@@ -30,8 +30,8 @@ struct TimeConstant {
 };
 
 /// Least squares in first and swing for each τ, and τ by golden section in ln τ between 10 s and 5 times the span.
-/// Empty with fewer than eight readings, where a sixth of the time or more passes without one, where the swing is less than five times the rms that is left, and where τ ends
-/// at a border: the readings do not tell it.
+/// Empty with fewer than eight readings, where a sixth of the time or more passes without one, where the swing is less
+/// than five times the rms that is left, and where τ ends at a border: the readings do not tell it.
 std::optional<TimeConstant> fit_time_constant(const Course& course, double from_s, double until_s);
 
 }  // namespace spindle_twin::host_tools
