@@ -43,7 +43,7 @@ Json rotation_of(const Course& course, const Phase& whole) {
           {"steepest_15_min_per_h", steepest_json(course, whole)}};
 }
 
-Json named(const std::string& name, const char* unit, Json values) {
+Json named(const std::string& name, const char* unit, const Json& values) {
   Json json{{"name", name}, {"unit", unit}};
   json.update(values);
   return json;
