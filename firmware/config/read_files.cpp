@@ -93,6 +93,7 @@ void read_files(const TomlTable& root, Config& config) {
     keep.max_age_s = rom::seconds_per_hour * checkpoint->number_or("max_age_h", keep.max_age_s / rom::seconds_per_hour,
                                                                    rom::between(0.0, 8760.0));
   }
+  if (!orders) owners.take(config.keep.orders_path, root, "orders");
 }
 
 }  // namespace spindle_twin::firmware

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
-#include <vector>
 
 #include "correction/growth/growth_reading.hpp"
+#include "host_tools/replay/log_readings.hpp"
 #include "rom/read/input_error.hpp"
 
 namespace spindle_twin::host_tools {
@@ -52,29 +51,6 @@ Eigen::MatrixXd lengths_of(const rom::Network& network, const Log& log) {
   return lengths;
 }
 
-/// Of the sensors that have read within a minute of the first one: what comes later no longer shows the start.
-double first_mean_K(const rom::Network& network, const Log& log) {
-  constexpr double start_lasts_s = 60.0;
-  std::vector<std::pair<double, double>> firsts;  // time, reading
-  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
-    const auto first =
-        std::find_if(log.rows.begin(), log.rows.end(), [&](const LogRow& row) { return is_reading(row, k); });
-    if (log.has_sensor[k] && first != log.rows.end()) firsts.emplace_back(first->time_s, first->measured_K[k]);
-  }
-  double sum_K = 0.0;
-  int count = 0;
-  for (const auto& [time_s, reading_K] : firsts) {
-    if (time_s > std::min_element(firsts.begin(), firsts.end())->first + start_lasts_s) continue;
-    sum_K += reading_K;
-    ++count;
-  }
-  if (count == 0) {
-    throw rom::InputError({log.file, 1}, "measured.<key point>_degC",
-                          "a calibration needs readings of at least one key point");
-  }
-  return sum_K / count;
-}
-
 }  // namespace
 
 correction::ThermalTest read_thermal_test(const rom::Network& network, const Log& log,
@@ -98,8 +74,12 @@ correction::ThermalTest read_thermal_test(const rom::Network& network, const Log
     }
   }
   test.deformation_m = lengths_of(network, log);
-  const double mean_K = first_mean_K(network, log);
-  test.start_K = start_degC ? *start_degC + firmware::zero_degC_K : mean_K;
+  const std::optional<double> mean_K = start_of_log_K(log);
+  if (!mean_K) {
+    throw rom::InputError({log.file, 1}, "measured.<key point>_degC",
+                          "a calibration needs readings of at least one key point");
+  }
+  test.start_K = start_degC ? *start_degC + firmware::zero_degC_K : *mean_K;
   return test;
 }
 

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware/config/read_files.hpp"
+
 namespace spindle_twin::host_tools {
 namespace {
 
@@ -31,9 +33,7 @@ bool is_file(const std::string& path) {
 bool are_one(const std::string& a, const std::string& b) {
   std::error_code error;
   if (is_file(a) && is_file(b)) return fs::equivalent(a, b, error);
-  const fs::path first = fs::weakly_canonical(fs::absolute(a, error), error),
-                 second = fs::weakly_canonical(fs::absolute(b, error), error);
-  return !first.empty() && first == second && (is_file(a) || !fs::exists(first, error));
+  return firmware::one_way_to(a) == firmware::one_way_to(b) && !fs::exists(a, error);
 }
 
 }  // namespace

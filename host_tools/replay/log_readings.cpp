@@ -1,6 +1,7 @@
 #include "host_tools/replay/log_readings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -38,6 +39,24 @@ double resolution_of_log_K(const Log& log, std::size_t sensor) {
     if (log.has_sensor[k]) others_K = std::min(others_K, own_resolution_K(log, k).value_or(coarsest_resolution_K));
   }
   return others_K;
+}
+
+std::optional<double> start_of_log_K(const Log& log) {
+  constexpr double start_lasts_s = 60.0;
+  std::array<bool, firmware::slots::key_points> has_read{};
+  double first_s = 0.0, sum_K = 0.0;
+  int count = 0;
+  for (const LogRow& row : log.rows) {
+    if (count > 0 && row.time_s > first_s + start_lasts_s) break;
+    for (std::size_t k = 0; k < has_read.size(); ++k) {
+      if (!log.has_sensor[k] || has_read[k] || row.disbelieved[k] || !std::isfinite(row.measured_K[k])) continue;
+      if (count == 0) first_s = row.time_s;
+      has_read[k] = true;
+      sum_K += row.measured_K[k];
+      ++count;
+    }
+  }
+  return count > 0 ? std::optional(sum_K / count) : std::nullopt;
 }
 
 double noise_of_log_K(const Log& log, std::size_t sensor) {

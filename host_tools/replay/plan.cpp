@@ -48,7 +48,8 @@ firmware::Config config_of_log(const rom::Network& network, const Log& log, cons
     if (key_point != network.key_points.end()) {
       const auto slot = static_cast<std::size_t>(key_point - network.key_points.begin());
       sensor.resolution_K = resolution_of_log_K(log, slot);
-      if (const double noise_K = noise_of_log_K(log, slot); noise_K > usual_noise_K) sensor.noise_K = noise_K;
+      const double noise_K = std::min(noise_of_log_K(log, slot), correction::noise_range_K.max);
+      if (noise_K > usual_noise_K) sensor.noise_K = noise_K;
     }
     config.sensors.push_back(sensor);
   }
@@ -109,21 +110,6 @@ void apply_estimator_options(const rom::Network& network, const ReplayOptions& o
   cycle.estimator->priors.calibrated = prior_of(calibration, {});
 }
 
-/// Mean of the sensors' first readings, of those that have read by the first of them.
-std::optional<double> first_mean_K(const Log& log) {
-  for (const LogRow& row : log.rows) {
-    double sum_K = 0.0;
-    int count = 0;
-    for (std::size_t k = 0; k < row.measured_K.size(); ++k) {
-      if (!log.has_sensor[k] || !std::isfinite(row.measured_K[k])) continue;
-      sum_K += row.measured_K[k];
-      ++count;
-    }
-    if (count > 0) return sum_K / count;
-  }
-  return {};
-}
-
 void check_sensors(const rom::Network& network, const firmware::CyclePlan& plan, const Log& log) {
   for (std::size_t k = 0; k < network.key_points.size(); ++k) {
     if (!plan.sensors[k].configured || log.has_sensor[k]) continue;
@@ -151,7 +137,7 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
     plan.start_temperature_K = *options.start_degC + zero_degC_K;
     plan.start_nodes_K.resize(0);
   }
-  if (!plan.start_temperature_K && config.sensors.empty()) plan.start_temperature_K = first_mean_K(log);
+  if (!plan.start_temperature_K && config.sensors.empty()) plan.start_temperature_K = start_of_log_K(log);
   if (!plan.start_temperature_K && config.sensors.empty()) {
     throw rom::InputError({log.file, 1}, "--start-degC", "is needed where no sensor tells where to start from");
   }

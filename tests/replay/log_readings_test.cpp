@@ -49,6 +49,19 @@ TEST(LogReadings, a_sensor_that_stands_has_that_of_before_and_one_that_always_di
   EXPECT_EQ(resolution_of_log_K(log, 1), resolution_of_log_K(log, 0));
 }
 
+TEST(LogReadings, the_start_is_what_sensors_read_within_a_minute_of_the_first) {
+  Log log = log_of([](std::size_t k, double time_s) {
+    return k == 0 ? 293.0 + 0.01 * time_s : time_s < 50.0 ? std::nan("") : 295.0 + 0.01 * time_s;
+  });
+  EXPECT_NEAR(start_of_log_K(log).value(), 0.5 * (293.0 + 295.5), 1e-9);
+  for (LogRow& row : log.rows) {
+    if (row.time_s <= 60.0) row.disbelieved[1] = true;
+  }
+  EXPECT_EQ(start_of_log_K(log), 293.0) << "a minute later it has warmed up";
+  for (LogRow& row : log.rows) row.disbelieved.fill(true);
+  EXPECT_EQ(start_of_log_K(log), std::nullopt);
+}
+
 TEST(LogReadings, noise_is_what_readings_scatter_by_however_the_spindle_warms_up) {
   std::mt19937 random(4);
   for (const double deviation_K : {0.01, 0.3}) {

@@ -260,6 +260,9 @@ TEST(ConfigErrors, a_file_that_the_daemon_writes_is_none_that_it_reads_and_no_ot
   }
   EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"x\"\n"),
             "/etc/twin.toml:11: checkpoint.path: \"/etc/x\" is history.path, which would be written over");
+  EXPECT_NE(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"x.orders\"\n").find("is history.path"),
+            std::string::npos)
+      << "orders stand beside the checkpoint where nothing else is said";
   EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"y\"\nparameters = \"z\"\n"), "accepted");
 }
 
