@@ -101,6 +101,7 @@ Operating read_operating(const TomlTable& table, const std::vector<Surrounding>&
   operating.speed_rpm = table.number("speed_rpm", positive);
   operating.load = table.number_or("load", 1.0, not_negative);
   operating.reference_temperature_K = table.number("reference_temperature_degC", temperature_degC) + rom::zero_degC_K;
+  operating.where = table.where("reference_temperature_degC");
   operating.surrounding_K.assign(surroundings.size(), operating.reference_temperature_K);
   const auto temperatures = table.table("temperatures_degC");
   for (const auto& key : temperatures.free_keys()) {

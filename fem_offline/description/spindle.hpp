@@ -232,6 +232,7 @@ struct Operating {
   double load = 1.0;
   double reference_temperature_K = 0.0;
   std::vector<double> surrounding_K;  ///< one per surrounding; unused for air
+  rom::SourceLine where;              ///< of the reference temperature
 };
 
 /// One figure that a description with a known answer must give; what `spindle-twin verify-fem` compares.

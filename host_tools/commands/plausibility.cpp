@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cstdio>
 
 namespace spindle_twin::host_tools {
@@ -39,6 +40,17 @@ void Plausibility::note_log(const Log& log, const rom::Network& network) {
     take_signals(network, log, row, state);
     note(row.where, rom::implausible_inputs(boundaries, believed, state));
   }
+}
+
+void Plausibility::add_temperatures(const std::string& file, const rom::Boundaries& boundaries,
+                                    const Eigen::VectorXd& nodes_K) {
+  coldest_K_ = std::min(coldest_K_, nodes_K.minCoeff());
+  hottest_K_ = std::max(hottest_K_, nodes_K.maxCoeff());
+  if (strict_) note_temperatures(file, boundaries);
+}
+
+void Plausibility::note_temperatures(const std::string& file, const rom::Boundaries& boundaries) {
+  note({file, 0}, rom::implausible_temperatures(boundaries, coldest_K_, hottest_K_));
 }
 
 }  // namespace spindle_twin::host_tools

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <Eigen/Core>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,10 +28,16 @@ class Plausibility {
                      double certified_rpm = 0.0);
   /// Of every row of a machine's log.
   void note_log(const Log& log, const rom::Network& network);
+  /// Of what came out at one instant of a run. With --strict an error at once; else warned of at the run's end.
+  void add_temperatures(const std::string& file, const rom::Boundaries& boundaries, const Eigen::VectorXd& nodes_K);
+  /// The end of the run: warns of the hottest and the coldest of all instants.
+  void note_temperatures(const std::string& file, const rom::Boundaries& boundaries);
 
  private:
   bool strict_ = false;
   std::set<std::string> said_;
+  double coldest_K_ = std::numeric_limits<double>::infinity();
+  double hottest_K_ = 0.0;
 };
 
 }  // namespace spindle_twin::host_tools

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "host_tools/commands/column_names.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
 #include "host_tools/commands/plausibility.hpp"
@@ -34,26 +35,20 @@ struct SimulateOptions {
   Plausibility plausibility;
 };
 
-void add_name(std::string& header, const std::string& name, const char* suffix) {
-  const bool quoted = name.find_first_of(",\"") != std::string::npos;
-  header += quoted ? ",\"" : ",";
-  for (const char letter : name) header += letter == '"' ? std::string("\"\"") : std::string(1, letter);
-  header += suffix;
-  if (quoted) header += '"';
-}
-
-std::string header(const rom::Network& network) {
-  std::string text = "time_s";
-  for (const rom::KeyPoint& point : network.key_points) add_name(text, point.name, "_degC");
-  for (const rom::PartOutput& part : network.parts) add_name(text, part.name, "_max_degC");
-  for (const rom::DeformationOutput& output : network.deformations) add_name(text, output.name, "_um");
-  for (const rom::ContactPressureOutput& output : network.contact_pressures) add_name(text, output.name, "_MPa");
-  for (const rom::HeatSource& source : network.boundaries.sources) add_name(text, source.name, "_W");
-  for (const rom::CoolantCircuit& circuit : network.boundaries.circuits) {
-    add_name(text, circuit.name, "_outlet_degC");
-    add_name(text, circuit.name, "_heat_W");
+std::string header(const std::string& file, const rom::Network& network) {
+  ColumnNames names(file);
+  for (const rom::KeyPoint& point : network.key_points) names.add(point.name, "_degC", "key point");
+  for (const rom::PartOutput& part : network.parts) names.add(part.name, "_max_degC", "part");
+  for (const rom::DeformationOutput& output : network.deformations) names.add(output.name, "_um", "deformation");
+  for (const rom::ContactPressureOutput& output : network.contact_pressures) {
+    names.add(output.name, "_MPa", "contact pressure");
   }
-  return text + "\n";
+  for (const rom::HeatSource& source : network.boundaries.sources) names.add(source.name, "_W", "heat source");
+  for (const rom::CoolantCircuit& circuit : network.boundaries.circuits) {
+    names.add(circuit.name, "_outlet_degC", "coolant circuit");
+    names.add(circuit.name, "_heat_W", "coolant circuit");
+  }
+  return names.text() + "\n";
 }
 
 void add_number(std::string& row, const char* format, double number) {
@@ -98,11 +93,10 @@ void simulate(const SimulateOptions& options) {
   hold(0.0);
   stepper->set_temperatures(
       Eigen::VectorXd::Constant(network.capacity_J_per_K.rows(), rom::rest_temperature_K(boundaries, state)));
-  std::string table = header(network);
+  std::string table = header(options.network, network);
   const auto add_row_at = [&](double time_s) {
     const Eigen::VectorXd& nodes_K = stepper->temperatures_K();
-    plausibility.note({options.network, 0},
-                      rom::implausible_temperatures(network.boundaries, nodes_K.minCoeff(), nodes_K.maxCoeff()));
+    plausibility.add_temperatures(options.network, boundaries, nodes_K);
     rom::evaluate_outputs(network, nodes_K, outputs);
     channels.laws().at_temperatures(nodes_K, values);
     add_row(table, time_s, outputs, values.heat_W, rom::coolant_outlets(channels, values, nodes_K));
@@ -122,6 +116,7 @@ void simulate(const SimulateOptions& options) {
     while (due_s <= time_s + 1e-6 * options.period_s) due_s += options.every_s;
     add_row_at(time_s);
   }
+  plausibility.note_temperatures(options.network, boundaries);
   rom::write_whole_file(options.output, table);
   if (stepper->fallbacks() > 0) {
     std::fprintf(stderr, "simulate: CVODE failed in %ld cycles, the exact stepper did them\n", stepper->fallbacks());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/units.hpp"
@@ -38,14 +39,19 @@ std::string rounded(double value) {
 
 void judge(double value, Range believed, const std::string& field, const std::string& unit,
            std::vector<Implausible>& found) {
-  if (is_allowed(believed, value)) return;
-  found.push_back({field, rounded(value) + " is not plausible; believed is " + rounded(believed.min) + " to " +
-                              rounded(believed.max) + " " + unit});
+  if (auto amiss = judge_value(value, believed, field, unit)) found.push_back(std::move(*amiss));
 }
 
 Range shifted(Range range, double by) { return between(range.min + by, range.max + by); }
 
 }  // namespace
+
+std::optional<Implausible> judge_value(double value, Range believed, const std::string& field,
+                                       const std::string& unit) {
+  if (is_allowed(believed, value)) return std::nullopt;
+  return Implausible{field, rounded(value) + " is not plausible; believed is " + rounded(believed.min) + " to " +
+                                rounded(believed.max) + " " + unit};
+}
 
 PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_rpm) {
   const double fastest_rpm =
@@ -90,11 +96,15 @@ std::vector<Implausible> implausible_description(const Boundaries& boundaries, d
   std::vector<Implausible> found;
   const Range film = said(boundaries, "film_W_per_m2K", film_W_per_m2K);
   const Range touching = said(boundaries, "contact_W_per_m2K", contact_W_per_m2K);
-  for (const Conductance& conductance : boundaries.conductances) {
+  for (std::size_t i = 0; i < boundaries.conductances.size(); ++i) {
+    const Conductance& conductance = boundaries.conductances[i];
     const bool contact = conductance.kind == ConductanceKind::contact;
     if (conductance.nominal_W_per_m2K == 0.0) continue;  // switched off on purpose
-    judge(conductance.nominal_W_per_m2K, contact ? touching : film, (contact ? "contact " : "film ") + conductance.name,
-          "W/m2K", found);
+    const std::string field = (contact ? "contact " : "film ") + conductance.name;
+    if (auto amiss = judge_value(conductance.nominal_W_per_m2K, contact ? touching : film, field, "W/m2K")) {
+      amiss->conductance = i;
+      found.push_back(std::move(*amiss));
+    }
   }
   BoundaryValues values = make_boundary_values(boundaries);
   evaluate_boundaries(boundaries, boundaries.operating, no_correction(boundaries), values);

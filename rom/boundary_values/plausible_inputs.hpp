@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,9 +29,13 @@ PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_
 
 /// A value that is not believed.
 struct Implausible {
-  std::string field;    ///< as a schedule's column names it, or what of the description
-  std::string message;  ///< the value, what is believed, and which mistake it may be
+  std::string field;                            ///< as a schedule's column names it, or what of the description
+  std::string message;                          ///< the value, what is believed, and which mistake it may be
+  std::optional<std::size_t> conductance = {};  ///< that it is of, if it is of one
 };
+
+/// Of one value; none where it lies in the range. `unit` may say which mistake is likely.
+std::optional<Implausible> judge_value(double value, Range believed, const std::string& field, const std::string& unit);
 
 /// Of the inputs at one instant.
 std::vector<Implausible> implausible_inputs(const Boundaries& boundaries, const PlausibleInputs& believed,

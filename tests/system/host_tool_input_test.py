@@ -129,6 +129,23 @@ class Implausible(Case):
         self.assertIn("hottest temperature", said)
         self.assertIn("source: ", self.error_of("build", hot, "-o", self.folder / "x.rom", "--strict"))
 
+    def test_the_hottest_of_a_whole_run_is_named(self):
+        cool = self.text("cool.toml", REFERENCE.read_text() + "\n[plausible]\nresult_degC = [0, 60]\n")
+        schedule = self.text("hot.csv", "time_s,speed_rpm,load\n0,12000,2.9\n3600,12000,2.9\n")
+        warm = self.good("solve", cool, "--schedule", schedule, "--output-period", 300)
+        hottest_degC = max(float(cell) for line in warm.stdout.splitlines()[1:] if line[:1].isdigit()
+                           for cell in line.split(",")[1:])
+        said = re.search(r"hottest temperature: (\S+) is not", warm.stderr)
+        self.assertAlmostEqual(float(said[1]), hottest_degC, delta=0.3)  # columns know a part's vertices
+
+    def test_two_results_that_would_share_a_column_are_refused_by_name(self):
+        text = REFERENCE.read_text()
+        name = re.search(r'\[\[part\]\]\nname = "(\w+)"', text)[1]
+        doubled = self.text("doubled.toml", re.sub(r'(\[\[key_point\]\]\nname = ")\w+', rf"\1{name}_max", text, count=1))
+        schedule = self.text("short.csv", "time_s,speed_rpm,load\n0,6000,1\n60,6000,1\n")
+        said = self.error_of("solve", doubled, "--schedule", schedule)
+        self.assertIn(f"part {name}: its column {name}_max_degC would be that of key point {name}_max as well", said)
+
     def test_the_shipped_spindles_are_believed(self):
         for path in sorted(pathlib.Path(SPINDLES).glob("*.toml")):
             with self.subTest(path.name):

@@ -92,12 +92,6 @@ void print_json(const FeModel& model, const SolvedField& field, const SolvedSeri
   std::printf("%s\n", json.dump(2).c_str());
 }
 
-void note_temperatures(const FeModel& model, const Eigen::VectorXd& temperatures_K, SolveOptions& options) {
-  options.plausibility.note(
-      {options.spindle_path, 0},
-      rom::implausible_temperatures(model.affine().boundaries, temperatures_K.minCoeff(), temperatures_K.maxCoeff()));
-}
-
 /// Starts at the schedule's first ambient temperature, except parts with an initial temperature of their own, and
 /// reports rises above it.
 void run_schedule(const FeModel& model, SolveOptions& options) {
@@ -118,7 +112,7 @@ void run_schedule(const FeModel& model, SolveOptions& options) {
                                  options.max_step_s ? fem_offline::FeScheme::order_2 : fem_offline::FeScheme::order_4);
   stepper.set_temperatures(fem_offline::initial_temperatures(affine, start_K));
   const auto field = [&] { return solved_field(affine, values, stepper.temperatures_K(), start_K); };
-  SolvedSeries series(affine, options.json);
+  SolvedSeries series(options.spindle_path, affine, options.json);
   series.add(0.0, field());
   double time_s = 0.0;
   for (long next_output = 1; time_s < schedule.end_s; ++next_output) {
@@ -128,9 +122,10 @@ void run_schedule(const FeModel& model, SolveOptions& options) {
         {time_s, until_s, options.max_step_s.value_or(longest_held_s), options.max_step_s ? 0.0 : options.tolerance_K},
         stepper, values);
     time_s = until_s;
-    note_temperatures(model, stepper.temperatures_K(), options);
+    options.plausibility.add_temperatures(options.spindle_path, affine.boundaries, stepper.temperatures_K());
     series.add(time_s, field());
   }
+  options.plausibility.note_temperatures(options.spindle_path, affine.boundaries);
   if (options.json) {
     SolvedField last = field();
     last.stresses = model.probed_stresses(stepper.temperatures_K());
@@ -176,7 +171,10 @@ void run_field(const FeModel& model, SolveOptions& options) {
     values.conductance_W_per_m2K.setZero();
   }
   SolvedField field = solved_field(affine, values, still.temperatures_K, still.datum_K);
-  if (still.is_solved) note_temperatures(model, still.temperatures_K, options);
+  if (still.is_solved) {
+    options.plausibility.add_temperatures(options.spindle_path, affine.boundaries, still.temperatures_K);
+    options.plausibility.note_temperatures(options.spindle_path, affine.boundaries);
+  }
   if (still.is_solved) field.heat = fem_offline::steady_heat_balance(affine, values, still.temperatures_K);
   field.stresses = model.probed_stresses(still.temperatures_K);
   if (options.json) {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host_tools/commands/column_names.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
@@ -11,16 +12,17 @@ using fem_offline::AffineModel;
 
 namespace {
 
-void print_header(const AffineModel& model) {
-  std::printf("time_s");
-  for (const auto& point : model.key_points) std::printf(",%s_degC", point.name.c_str());
-  for (const auto& part : model.parts) std::printf(",%s_max_degC", part.name.c_str());
-  for (const auto& output : model.deformations) std::printf(",%s_um", output.name.c_str());
-  for (const auto& output : model.contact_pressures) std::printf(",%s_MPa", output.name.c_str());
+void print_header(const std::string& file, const AffineModel& model) {
+  ColumnNames names(file);
+  for (const auto& point : model.key_points) names.add(point.name, "_degC", "key point");
+  for (const auto& part : model.parts) names.add(part.name, "_max_degC", "part");
+  for (const auto& output : model.deformations) names.add(output.name, "_um", "deformation");
+  for (const auto& output : model.contact_pressures) names.add(output.name, "_MPa", "contact pressure");
   for (const auto& circuit : model.boundaries.circuits) {
-    std::printf(",%s_outlet_degC,%s_heat_W", circuit.name.c_str(), circuit.name.c_str());
+    names.add(circuit.name, "_outlet_degC", "coolant circuit");
+    names.add(circuit.name, "_heat_W", "coolant circuit");
   }
-  std::printf("\n");
+  std::printf("%s\n", names.text().c_str());
 }
 
 void print_row(double time_s, const SolvedField& field) {
@@ -55,9 +57,9 @@ void append_row(const AffineModel& model, double time_s, const SolvedField& fiel
 
 }  // namespace
 
-SolvedSeries::SolvedSeries(const AffineModel& model, bool json)
+SolvedSeries::SolvedSeries(const std::string& file, const AffineModel& model, bool json)
     : model_(&model), series_(json ? std::make_unique<nlohmann::json>() : nullptr) {
-  if (!json) print_header(model);
+  if (!json) print_header(file, model);
 }
 
 SolvedSeries::~SolvedSeries() = default;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "host_tools/commands/offline/solved_field.hpp"
 
@@ -11,8 +12,9 @@ namespace spindle_twin::host_tools {
 /// points, part maxima, deformations, outlets of circuits.
 class SolvedSeries {
  public:
-  /// Prints the CSV's header. The model outlives the series.
-  SolvedSeries(const fem_offline::AffineModel& model, bool json);
+  /// Prints the CSV's header; `file` is the description's. The model outlives the series. Throws rom::InputError where
+  /// two columns would have one name.
+  SolvedSeries(const std::string& file, const fem_offline::AffineModel& model, bool json);
   ~SolvedSeries();
   SolvedSeries(const SolvedSeries&) = delete;
   SolvedSeries& operator=(const SolvedSeries&) = delete;
