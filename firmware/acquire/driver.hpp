@@ -39,6 +39,7 @@ class Driver {
 struct ChannelSource {
   double scale = 1.0;       ///< default of the channel's key `scale`
   bool is_counted = false;  ///< whole steps of 1, as of an integer register; else its steps are not known
+  std::string place = {};   ///< of the device, for messages: "input register 6"
 };
 
 /// Where somebody waits for connections.

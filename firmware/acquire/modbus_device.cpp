@@ -34,13 +34,22 @@ struct ModbusDevice::Context {
   modbus_t* modbus;
 };
 
+namespace {
+
+std::string place_of(const RegisterSource& source) {
+  return (source.table == RegisterTable::input ? "input register " : "holding register ") +
+         std::to_string(source.address);
+}
+
+}  // namespace
+
 ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
   if (preset != nullptr && !table.has("register")) {
     RegisterSource source = preset->first;
     const auto channel = table.integer("channel", 0, preset->channels - 1);
     source.address = static_cast<std::uint16_t>(source.address + channel * words_of(source.type));
     sources.push_back(source);
-    return {preset->scale, true};
+    return {preset->scale, true, place_of(source)};
   }
   RegisterSource source;
   source.address = static_cast<std::uint16_t>(table.integer("register", 0, 65534));
@@ -49,7 +58,7 @@ ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
   source.type = *register_type_of(
       table.choice_or("type", "int16", {"int16", "uint16", "offset16", "int32", "uint32", "float32", "float32_cdab"}));
   sources.push_back(source);
-  return {1.0, source.type != RegisterType::float32 && source.type != RegisterType::float32_cdab};
+  return {1.0, source.type != RegisterType::float32 && source.type != RegisterType::float32_cdab, place_of(source)};
 }
 
 std::unique_ptr<Driver> ModbusPlan::make_driver(Clock& clock) const {

@@ -28,7 +28,9 @@ std::vector<AddressRange> read_allow_or(const rom::TomlTable& table, const char*
 }
 
 std::vector<AddressRange> read_allow(const rom::TomlTable& table) {
-  return read_allow_or(table, "allow", {*parse_address_range("127.0.0.0/8")});
+  std::vector<AddressRange> ranges = read_allow_or(table, "allow", {*parse_address_range("127.0.0.0/8")});
+  if (ranges.empty()) table.fail("allow", "must name at least one address or range; nobody else is answered");
+  return ranges;
 }
 
 }  // namespace spindle_twin::firmware

@@ -24,7 +24,7 @@ std::int64_t to_ns(double time_s) { return static_cast<std::int64_t>(1e9 * time_
 
 ChannelSource StreamPlan::add_channel(const rom::TomlTable& table) {
   numbers.push_back(static_cast<std::uint32_t>(table.integer("channel", 0, 65535)));
-  return {};
+  return {1.0, false, "channel " + std::to_string(numbers.back())};
 }
 
 std::unique_ptr<Driver> StreamPlan::make_driver(Clock& clock) const {

@@ -31,9 +31,16 @@ class Taken {
     const auto [entry, is_new] = owners_.try_emplace(thing, who);
     if (!is_new) table.fail(key, thing + " is that of \"" + entry->second + "\" already; each spindle needs its own");
   }
+  /// A file that is only read, by several if they like. The words for it, "the network of left".
+  void read(const std::string& file, const std::string& words) { readers_.try_emplace(one_way_to(file), words); }
+  /// Whose it is that would be written over; empty: nobody's.
+  std::string reader_of(const std::string& file) const {
+    const auto reader = readers_.find(one_way_to(file));
+    return reader == readers_.end() ? std::string() : reader->second;
+  }
 
  private:
-  std::map<std::string, std::string> owners_;
+  std::map<std::string, std::string> owners_, readers_;
 };
 
 /// For a path of HTTP, a label and a line of the log.
@@ -59,7 +66,20 @@ ConfiguredSpindle read_one(const TomlTable& table, const std::string& list, List
   for (const std::string& file : state_files(spindle.config)) {
     taken.take("the file " + one_way_to(file), spindle.name, table, "config");
   }
+  for (const FileRead& file : files_read(spindle.config)) taken.read(file.path, file.what + " of " + spindle.name);
   return spindle;
+}
+
+/// What one spindle writes, no other reads, nor all together.
+void check_written(const std::vector<TomlTable>& tables, const DaemonConfig& daemon, const Taken& taken) {
+  for (std::size_t s = 0; s < tables.size(); ++s) {
+    for (const std::string& file : state_files(daemon.spindles[s].config)) {
+      const std::string reader = taken.reader_of(file);
+      if (!reader.empty()) {
+        tables[s].fail("config", "its file \"" + file + "\" is " + reader + ", which would be written over");
+      }
+    }
+  }
 }
 
 DaemonConfig of_several(const TomlTable& root, const std::string& path) {
@@ -70,10 +90,14 @@ DaemonConfig of_several(const TomlTable& root, const std::string& path) {
   daemon.show = read_http(root, path, listeners);
   daemon.plant = read_plant(root.optional_table("plant"), path);
   Taken taken;
-  for (const TomlTable& table : root.tables("spindle")) {
+  taken.read(path, "the list of spindles");
+  for (const FileRead& file : files_read(daemon.serve, daemon.show, daemon.plant)) taken.read(file.path, file.what);
+  const std::vector<TomlTable> tables = root.tables("spindle");
+  for (const TomlTable& table : tables) {
     if (daemon.spindles.size() == most_spindles) table.fail("name", "is one too many; at most 32 spindles are allowed");
     daemon.spindles.push_back(read_one(table, path, listeners, taken));
   }
+  check_written(tables, daemon, taken);
   root.finish();
   return daemon;
 }

@@ -1,8 +1,16 @@
 #include "firmware/config/load_network.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 
 namespace spindle_twin::firmware {
+
+void check_is_there(const std::string& path, const rom::SourceLine& where, const std::string& field) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(path, unknown)) throw rom::InputError(where, field, "there is no file \"" + path + "\"");
+}
+
 void check_signature(const ConfiguredNetwork& configured, const SignedFile& file) {
   if (!configured.require_signature) return;
   if (!file.signed_by) {
@@ -36,6 +44,7 @@ void check_certificate(const ConfiguredNetwork& configured, const rom::RomFile& 
 }  // namespace
 
 rom::RomFile load_network(const ConfiguredNetwork& configured) {
+  check_is_there(configured.path, configured.where, configured.field);
   rom::RomFile file = rom::read_rom_file(configured.path);
   check_signature(configured, {configured.path, file.signed_by, configured.where, configured.field});
   check_certificate(configured, file);

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "firmware/acquire/read_address.hpp"
 #include "firmware/config/config.hpp"
@@ -27,6 +29,19 @@ double added_age_s(const ConfiguredChannel& channel, const Config& config) {
   constexpr double of_a_mean = 1.5;  // from the middle of a window to the end of the next
   const double share = channel.filter.kind == FilterPlan::Kind::mean ? of_a_mean : 1.0;
   return config.cycle.clock_rate * (config.devices[channel.device].delay_s + share * channel.filter.time_s);
+}
+
+/// Two of one kind that read one place are one cable written down twice.
+template <typename Configured>
+void refuse_same_place(const TomlTable& table, const char* key, const std::optional<ConfiguredChannel>& channel,
+                       const std::vector<Configured>& others, std::string Configured::*name) {
+  const std::string own = table.string(key);
+  for (const Configured& other : others) {
+    const std::optional<ConfiguredChannel> taken = other.channel;
+    if (own == other.*name) continue;  // said where names are bound
+    if (!channel || !taken || channel->device != taken->device || channel->place != taken->place) continue;
+    table.fail(key, channel->place + " is read for \"" + other.*name + "\" already; each needs its own");
+  }
 }
 
 struct SignalRules {
@@ -64,6 +79,9 @@ ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, 
     signal.min = table.optional_number("min", rom::between(rules.min, rules.max));
     signal.max = table.optional_number("max", rom::between(rules.min, rules.max));
     if (signal.min && signal.max && *signal.max <= *signal.min) table.fail("max", "must be above min");
+    if (table.has("first") && (first < signal.min.value_or(first) || first > signal.max.value_or(first))) {
+      table.fail("first", "must lie from min to max, is " + rom::printed(first));
+    }
     signal.most_per_s = table.optional_number("max_per_s", rom::positive);
     if (signal.min) signal.min = si(*signal.min);
     if (signal.max) signal.max = si(*signal.max);
@@ -211,11 +229,15 @@ void read_inputs(const TomlTable& root, Config& config, Listeners& listeners) {
   config.devices = read_devices(root, config.cycle.clock_rate, listeners);
   for (const TomlTable& table : root.tables_or_empty("sensor")) {
     if (config.devices.empty()) table.fail("key_point", "sensors need a [[device]] table");
-    config.sensors.push_back(read_sensor(table, config));
+    ConfiguredSensor sensor = read_sensor(table, config);
+    refuse_same_place(table, "key_point", sensor.channel, config.sensors, &ConfiguredSensor::key_point);
+    config.sensors.push_back(std::move(sensor));
   }
   for (const TomlTable& table : root.tables_or_empty("displacement")) {
     if (config.devices.empty()) table.fail("output", "displacement probes need a [[device]] table");
-    config.probes.push_back(read_probe(table, config));
+    ConfiguredProbe probe = read_probe(table, config);
+    refuse_same_place(table, "output", probe.channel, config.probes, &ConfiguredProbe::output);
+    config.probes.push_back(std::move(probe));
   }
 }
 

@@ -21,6 +21,7 @@ void read_priors(const rom::TomlTable& correction, Config& config, correction::E
   config.cycle.drift = drift;
   if (!file) return;
   const std::string path = beside(config.path, *file);
+  check_is_there(path, correction.where("calibration"), correction.path("calibration"));
   correction::CalibrationFile read = correction::read_calibration_file(path);
   check_signature(config.network,
                   {path, read.signed_by, correction.where("calibration"), correction.path("calibration")});
@@ -44,8 +45,8 @@ void read_paper(const rom::TomlTable& table, Config& config) {
   if (paper.window_s > paper.period_s) table.fail("window_s", "must be at most period_s");
   if (const auto guards = table.optional_table("guards")) {
     correction::PaperGuards::each(
-        paper.guards,
-        rom::ReadOptions(*guards).narrow("minimum_sensors", rom::between(1.0, static_cast<double>(slots::key_points))));
+        paper.guards, rom::ReadOptions(*guards).narrow("minimum_sensors",
+                                                       rom::between(1.0, static_cast<double>(config.sensors.size()))));
   }
   for (const rom::TomlTable& group : table.tables_or_empty("group")) {
     const std::string name = group.name();

@@ -93,6 +93,7 @@ ConfiguredChannel read_channel(const TomlTable& table, Unit unit, double clock_r
   DevicePlan& device = devices[channel.device];
   const ChannelSource source = device.driver->add_channel(table);
   channel.number = device.channels.size();
+  channel.place = source.place;
   device.channels.emplace_back();
   channel.conversion = read_conversion(table, unit, source.scale);
   channel.filter = read_filter(table, clock_rate);

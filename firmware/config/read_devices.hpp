@@ -14,7 +14,8 @@ struct ConfiguredChannel {
   std::size_t number = 0;  ///< among the device's channels
   Conversion conversion;   ///< to SI
   FilterPlan filter;
-  double step = 0.0;  ///< of the value, in the channel's unit; 0: not known
+  double step = 0.0;       ///< of the value, in the channel's unit; 0: not known
+  std::string place = {};  ///< of the device: "input register 6"
 };
 
 /// [[device]] tables, or the one [device] of before; those that nodes connect to are noted in `listeners`. Throws

@@ -18,9 +18,10 @@ using rom::TomlTable;
 class FileOwners {
  public:
   explicit FileOwners(const Config& config) {
-    owners_[one_way_to(config.path)] = "the configuration";
-    owners_[one_way_to(config.network.path)] = "the network";
-    if (config.calibration) owners_[one_way_to(config.calibration->path)] = "the calibration";
+    for (const FileRead& file : files_read(config)) owners_[one_way_to(file.path)] = file.what;
+    for (const FileRead& file : files_read(config.serve, config.show, config.plant)) {
+      owners_[one_way_to(file.path)] = file.what;
+    }
   }
   void take(const std::string& path, const TomlTable& table, const std::string& key) {
     const auto [owner, is_new] = owners_.try_emplace(one_way_to(path), table.path(key));
@@ -73,6 +74,29 @@ std::string one_way_to(const std::string& path) {
   const std::filesystem::path way =
       std::filesystem::weakly_canonical(std::filesystem::absolute(path, unknown), unknown);
   return unknown ? path : way.string();
+}
+
+std::vector<FileRead> files_read(const Config& config) {
+  std::vector<FileRead> files{{config.path, "the configuration"}, {config.network.path, "the network"}};
+  if (config.calibration) files.push_back({config.calibration->path, "the calibration"});
+  return files;
+}
+
+std::vector<FileRead> files_read(const ServePlan& serve, const ShowPlan& show, const PlantPlan& plant) {
+  std::vector<FileRead> files;
+  if (serve.tls) {
+    files.push_back({serve.tls->certificate, "serve.tls.certificate"});
+    files.push_back({serve.tls->key, "serve.tls.key"});
+    files.push_back({serve.tls->clients_ca, "serve.tls.clients_ca"});
+    if (!serve.tls->revoked.empty()) files.push_back({serve.tls->revoked, "serve.tls.revoked"});
+  }
+  if (plant.tls) {
+    files.push_back({plant.tls->ca, "plant.tls.ca"});
+    files.push_back({plant.tls->certificate, "plant.tls.certificate"});
+    files.push_back({plant.tls->key, "plant.tls.key"});
+  }
+  if (show.commands) files.push_back({show.commands->accounts_path, "http.commands.accounts"});
+  return files;
 }
 
 void read_files(const TomlTable& root, Config& config) {

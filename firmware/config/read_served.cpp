@@ -70,7 +70,7 @@ std::optional<CommandPlan> read_commands(const std::optional<TomlTable>& table, 
   if (!table) return std::nullopt;
   CommandPlan plan;
   constexpr double s_per_min = 60.0;
-  const std::string accounts = beside(config_path, table->string("accounts"));
+  plan.accounts_path = beside(config_path, table->string("accounts"));
   plan.idle_s = s_per_min * table->number_or("idle_min", plan.idle_s / s_per_min, rom::between(1.0, 1440.0));
   plan.longest_s = rom::seconds_per_hour *
                    table->number_or("longest_h", plan.longest_s / rom::seconds_per_hour, rom::between(0.1, 168.0));
@@ -81,7 +81,7 @@ std::optional<CommandPlan> read_commands(const std::optional<TomlTable>& table, 
                 "must be true where passwords pass a network as they are: http.address is " + address +
                     "; better leave it at 127.0.0.1, put a proxy with TLS before it and set behind_tls = true");
   }
-  plan.accounts = read_accounts(accounts);
+  plan.accounts = read_accounts(plan.accounts_path);
   return plan;
 }
 

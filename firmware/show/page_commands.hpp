@@ -20,7 +20,8 @@ namespace spindle_twin::firmware {
 
 /// Commands from the page; made once from the configuration.
 struct CommandPlan {
-  std::vector<Account> accounts;  ///< who may log in
+  std::string accounts_path;      ///< the file that says who may log in
+  std::vector<Account> accounts;  ///< and what it says
   double idle_s = 900.0;          ///< a session ends when nothing was commanded for so long
   double longest_s = 28800.0;     ///< and after so long in any case
   bool behind_tls = false;        ///< browsers come through a proxy by TLS: the cookie never goes another way

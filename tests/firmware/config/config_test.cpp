@@ -266,6 +266,33 @@ TEST(ConfigErrors, a_file_that_the_daemon_writes_is_none_that_it_reads_and_no_ot
   EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"y\"\nparameters = \"z\"\n"), "accepted");
 }
 
+TEST(ConfigErrors, what_nobody_can_mean_is_refused) {
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n";
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    return error_of(tests::with(start, from, to));
+  };
+  EXPECT_EQ(changed("[serve]\n", "[serve]\nallow = []\n"),
+            "/etc/twin.toml:3: serve.allow: must name at least one address or range; nobody else is answered");
+  EXPECT_EQ(changed("[serve]\n", "[serve]\nallow_write = []\n"), "accepted") << "nobody may write";
+  const std::string speed = "speed = { source = \"plc\" }";
+  EXPECT_EQ(changed(speed, "speed = { source = \"plc\", first = 9000.0, max = 8000.0 }"),
+            "/etc/twin.toml:4: signals.speed.first: must lie from min to max, is 9000");
+  EXPECT_EQ(changed(speed, "speed = { source = \"plc\", first = 8000.0, max = 8000.0 }"), "accepted");
+  EXPECT_EQ(
+      error_of(
+          start +
+          "[device]\n[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 6\n[[sensor]]\nkey_point = \"sleeve_outer\"\n"
+          "register = 6\n"),
+      "/etc/twin.toml:15: sensor[2].key_point: input register 6 is read for \"sleeve_inner\" already; each needs its "
+      "own");
+  EXPECT_EQ(
+      error_of(
+          start +
+          "[device]\n[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 6\n[[sensor]]\nkey_point = \"sleeve_outer\"\n"
+          "register = 6\ntable = \"holding\"\n"),
+      "accepted");
+}
+
 TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
   const std::string& text = all_from_the_plc;
   EXPECT_EQ(error_of(text),

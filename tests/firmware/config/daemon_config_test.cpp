@@ -46,6 +46,21 @@ class DaemonConfigTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(DaemonConfigTest, what_one_spindle_writes_no_other_reads) {
+  const std::string list = head + spindle("left", 1, "left.toml") + spindle("right", 2, "right.toml");
+  EXPECT_EQ(refusal(list), "accepted") << "both read small.rom";
+  for (const std::string& name : {std::string("left"), std::string("right")}) {
+    const std::string other = name == "left" ? "right" : "left";
+    for (const std::string& file : {other + ".toml", std::string("list.toml"), other + ".rom"}) {
+      write(other + ".toml", tests::with(of_one, "small.rom", other + ".rom"));
+      write(name + ".toml", of_one + "[checkpoint]\npath = \"" + file + "\"\n");
+      EXPECT_NE(refusal(list).find("which would be written over"), std::string::npos) << name << " " << file;
+      write(other + ".toml", of_one);
+      write(name + ".toml", of_one);
+    }
+  }
+}
+
 TEST_F(DaemonConfigTest, a_list_has_one_server_and_each_spindle_its_own_file) {
   write("right.toml", of_one + "[serve]\nplc_timeout_s = 3.0\n[checkpoint]\npath = \"kept/right.checkpoint\"\n");
   const DaemonConfig daemon = read(head + spindle("left", 1, "left.toml") + spindle("right", 247, "right.toml"));

@@ -208,7 +208,7 @@ TEST(HttpPages, a_command_does_not_wait_for_a_disk_and_gets_its_own_answer) {
                                        crypto_pwhash_argon2id_MEMLIMIT_MIN),
             0);
   ShowPlan plan = Serving::plan();
-  plan.commands = CommandPlan{{{"anna", hash.data()}}, 900.0, 28800.0, false};
+  plan.commands = CommandPlan{"accounts", {{"anna", hash.data()}}, 900.0, 28800.0, false};
   Gate gate;
   Serving serving(only(gate.spindle()), plan);
   Client looks(serving.server.port()), commands(serving.server.port());

@@ -32,7 +32,7 @@ std::string quick_hash(const std::string& password) {
 
 class PageOrders : public ::testing::Test {
  protected:
-  static CommandPlan plan() { return {{{"anna", quick_hash("correct horse")}}, 900.0, 28800.0, false}; }
+  static CommandPlan plan() { return {"accounts", {{"anna", quick_hash("correct horse")}}, 900.0, 28800.0, false}; }
   static HttpRequest post(const std::string& body, const std::string& cookie = "") {
     return {true, "", body, cookie, true, 0x7F000001U};
   }

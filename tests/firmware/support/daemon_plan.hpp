@@ -27,9 +27,9 @@ inline CyclePlan daemon_plan(const rom::Network& network, const DaemonLines& lin
   std::ostringstream text;
   text << "network = { file = \"by_hand.rom\", allow_uncertified = true }\n[cycle]\nperiod_s = " << lines.period_s
        << "\n[serve]\nport = 1502\n[device]\naddress = \"127.0.0.1\"\nport = 1503\n";
-  for (const std::string& key_point : lines.sensors) {
-    text << "[[sensor]]\nkey_point = \"" << key_point
-         << "\"\nregister = 0\ntype = \"float32\"\nmax_degC = " << lines.max_degC << "\nnoise_K = " << lines.noise_K
+  for (std::size_t k = 0; k < lines.sensors.size(); ++k) {
+    text << "[[sensor]]\nkey_point = \"" << lines.sensors[k] << "\"\nregister = " << 2 * k
+         << "\ntype = \"float32\"\nmax_degC = " << lines.max_degC << "\nnoise_K = " << lines.noise_K
          << "\noffset_K = " << lines.offset_K << "\n";
   }
   text << "[signals]\n";
