@@ -32,7 +32,7 @@ class Slot {
     std::string text = "network = { file = \"x.rom\", trusted_keys = [\"" + rom::to_hex(rom::public_key(key_)) +
                        "\"] }\n[serve]\nport = 1502\n[device]\nport = 1503\n";
     for (const std::string& place : sensors) {
-      text += "[[sensor]]\nkey_point = \"sleeve_" + place + "\"\nregister = 0\n";
+      text += "[[sensor]]\nkey_point = \"sleeve_" + place + "\"\nregister = " + std::to_string(place.front()) + "\n";
     }
     text +=
         "[signals]\nspeed = { source = \"constant\", value = 6000.0 }\nload = { source = \"constant\", value = 1.0 }\n"
