@@ -66,7 +66,7 @@ EstimatorCorrection::EstimatorCorrection(const rom::Network& network, EstimatorO
   // it.
   const bool is_a_guess = network.hand_written && parameters_.calibrated() == nullptr;
   disturbance_idle_ = open_.disturbance = is_a_guess ? 1.0 : idle_width;
-  filter_ = prior_ = SquareRootFilter(prior_mean_, covariance);
+  filter_ = prior_ = before_length_ = SquareRootFilter(prior_mean_, covariance);
   Eigen::VectorXd width = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < p; ++i) {
     if (parameters_.list()[static_cast<std::size_t>(i)].kind == ParameterKind::disturbance)

@@ -326,7 +326,8 @@ class EstimatorCorrection {
   void widen_environments(double widest_K);
   /// Of a parameter's prior deviation, how many it may be at the moment.
   static double width_of(const Parameter& parameter, const Widths& widths);
-  /// Heats that no source explains become wide where the length that waits is further off than its variance allows for.
+  /// Heats that no source explains become wide where the length that waits is further off than its variance allows
+  /// for; not where the gate rejects it even so, unless the one before was rejected as well.
   void open_heats_by_length();
   bool update(double time_s);
   /// z from the filter, within its limits, and the state with it. Whether θ moved.
@@ -341,6 +342,7 @@ class EstimatorCorrection {
   HeldPeriod period_;
   Consistency consistency_;
   SquareRootFilter filter_, prior_;
+  SquareRootFilter before_length_;  ///< before a length opened the unexplained heats
   CalibrationRecall recall_;
   bool knows_calibration_ = true;  ///< false: readings have contradicted it
   Eigen::VectorXd known_mean_;     ///< that the next start begins with instead of the prior; empty: with the prior

@@ -149,12 +149,20 @@ void EstimatorCorrection::open_heats_by_length() {
   if (!(nis > opening_nis)) return;
   keep_.setOnes();
   growth_.setZero();
+  const double opened = open_.disturbance;
+  before_length_ = filter_;
   if (nis > widening_nis) {
     widen_disturbances(disturbance_by_length);
   } else {
     widen_disturbances_to(std::max(open_.disturbance, disturbance_by_length));
   }
   filter_.widen(keep_, growth_);
+  // What no heat explains is more likely a wrong length than another machine, until the next says the same.
+  const double most_m2 = options_.gate * options_.gate * (filter_.variance_of(row_) + made_.displacement_variance_m2);
+  const bool explained = innovation_m * innovation_m <= most_m2;
+  if (explained || displacement_.record.rejected_in_a_row > 0) return;
+  filter_ = before_length_;
+  open_.disturbance = opened;
 }
 
 bool EstimatorCorrection::update(double time_s) {
@@ -242,6 +250,7 @@ void EstimatorCorrection::note_displacement(int index, double value_m, double de
   displacement_.value_m = value_m;
   displacement_.variance_m2 = deviation_m * deviation_m;
   displacement_.pending = true;
+  displacement_.record.fused = displacement_.record.rejected = false;
   if (second_pass_) second_pass_->note_displacement(index, value_m, deviation_m);
 }
 

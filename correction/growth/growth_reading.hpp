@@ -6,12 +6,17 @@
 namespace spindle_twin::correction {
 
 /// No spindle grows by more: what is larger was typed or scaled wrongly.
-inline constexpr double largest_growth_m = 0.01;
+inline constexpr double largest_growth_um = 10000.0;
+/// Deviations that a measured length can have: less measures nothing, more tells nothing.
+inline constexpr double least_growth_deviation_um = 0.01, most_growth_deviation_um = 1000.0;
 
 /// Whether a measured growth and its standard deviation can be what they are said to be: numbers, a growth of at most
-/// largest_growth_m, a deviation above 0. May run in the cycle.
+/// largest_growth_um, a deviation within its limits. May run in the cycle.
 inline bool is_growth(double growth_m, double deviation_m) {
-  return std::abs(growth_m) <= largest_growth_m && deviation_m > 0.0;
+  constexpr double um = 1e-6, rounding = 1.0 + 1e-6;  // registers hold single precision
+  return std::abs(growth_m) <= largest_growth_um * um * rounding &&
+         deviation_m * rounding >= least_growth_deviation_um * um &&
+         deviation_m <= most_growth_deviation_um * um * rounding;
 }
 
 /// How a growth was measured.

@@ -149,21 +149,30 @@ bool take_displacement(int index, double value_m, double deviation_m, Corrector&
   return true;
 }
 
+bool waits_for_update(const Corrector& corrector) {
+  return corrector.estimator && corrector.enabled && corrector.estimator->updates() < corrector.displacements.due;
+}
+
 void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_m, Corrector& corrector) {
-  if (!corrector.estimator || !corrector.enabled) return;
+  if (!corrector.estimator || !corrector.enabled || waits_for_update(corrector)) return;
+  constexpr std::size_t none = slots::deformations;
+  std::size_t next = none;  // of those that are due the one that has waited longest
   for (std::size_t d = 0; d < plan.probes.size(); ++d) {
     const ProbePlan& probe = plan.probes[d];
     const Sensed& reading = sensed.displacements[d];
-    std::int64_t& probed_ns = corrector.displacements.probed_ns[d];
-    if (!probe.configured || corrector.estimator->updates() < corrector.displacements.due) continue;
+    const std::int64_t probed_ns = corrector.displacements.probed_ns[d];
+    if (!probe.configured) continue;
     const double since_s = 1e-9 * static_cast<double>(reading.time_ns - probed_ns) * plan.clock_rate;
     const bool due = probed_ns == 0 || since_s >= probe.interval_s - reading_slack_s;
     const bool good = reading.value >= probe.min_m && reading.value <= probe.max_m &&
                       reading.age_s <= probe.stale_after_s && reading.time_ns != probed_ns;
-    if (!due || !good) continue;
-    probed_ns = reading.time_ns;
-    take_displacement(static_cast<int>(d), reading.value + (d == 0 ? tare_m : 0.0), probe.deviation_m, corrector);
+    if (due && good && (next == none || probed_ns < corrector.displacements.probed_ns[next])) next = d;
   }
+  if (next == none) return;
+  const Sensed& reading = sensed.displacements[next];
+  corrector.displacements.probed_ns[next] = reading.time_ns;
+  const double elongation_m = reading.value + (next == 0 ? tare_m : 0.0);
+  take_displacement(static_cast<int>(next), elongation_m, plan.probes[next].deviation_m, corrector);
 }
 
 }  // namespace spindle_twin::firmware

@@ -85,6 +85,10 @@ const rom::OperatingState& with_biases(const rom::OperatingState& operating, Cor
 /// Runs in the cycle.
 bool take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
 
+/// Whether a length that was noted before still waits for the estimator's update, which has room for one. Runs in the
+/// cycle.
+bool waits_for_update(const Corrector& corrector);
+
 /// The same for each probe whose interval has passed and whose reading is new, in range and fresh; one per update.
 void take_probes(const CyclePlan& plan, const SensedInputs& sensed, double tare_m, Corrector& corrector);
 

@@ -101,6 +101,8 @@ class Cycle {
   double catch_up(double gap_s);
   void take_orders(const PlcCommand& command);
   OrderResult take_length(const PlcCommand& command);
+  /// Of the length that was handed to the estimator: what its update made of it.
+  OrderResult length_result();
   OrderResult take_tare(const PlcCommand& command);
   void take_counts(const Cycle& running);
   /// Towards its end after take_over(), by no more than most_m; the published nose has moved by nose_moved_m.
@@ -132,7 +134,8 @@ class Cycle {
   std::int64_t first_ns_ = 0;
   std::uint32_t tare_orders_ = 0;
   std::uint32_t displacements_ = 0;
-  std::uint32_t acknowledgements_ = 0;       ///< of the command
+  long length_due_ = 0;                 ///< the estimator's update that takes in the last length; 0: none is on its way
+  std::uint32_t acknowledgements_ = 0;  ///< of the command
   std::uint32_t acknowledgements_kept_ = 0;  ///< of runs before and of this one
   SwitchOrder correction_order_ = SwitchOrder::as_configured;
   OrderResults results_{};

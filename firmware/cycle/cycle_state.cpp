@@ -104,7 +104,7 @@ void Cycle::take_orders(const PlcCommand& command) {
   const double now_s = 1e-9 * static_cast<double>(snapshot_.clock_ns);
   const OrderResult tried = compensation_.try_value(command.trial, now_s);
   result_of(OrderKind::trial) = network_.deformations.empty() ? OrderResult::refused : tried;
-  if (command.displacements != displacements_) result_of(OrderKind::length) = take_length(command);
+  result_of(OrderKind::length) = take_length(command);
   if (command.sensor_orders != watch_.orders) {
     result_of(OrderKind::sensors) = OrderResult::waiting;
     if (started_) {
@@ -130,21 +130,34 @@ constexpr double beyond_belief = 2.0;
 // Before the start there is no elongation yet: lengths and tares wait.
 
 OrderResult Cycle::take_length(const PlcCommand& command) {
+  if (length_due_ > 0) return length_result();
+  if (command.displacements == displacements_) return OrderResult::none;
   if (!started_) return OrderResult::waiting;
   const Displacement& length = command.displacement;
   const double zero_m = length.output == 0 ? snapshot_.tare_m : 0.0;
   const double elongation_m = length.value_m + zero_m;
-  displacements_ = command.displacements;
   // What no output can be is told to nobody: the history would hand it to whoever judges or fits.
   const bool exists = length.output < network_.deformations.size();
   if (exists && (!correction::is_growth(elongation_m, length.deviation_m) ||
                  std::abs(elongation_m) > beyond_belief * plan_.output_limit_m[length.output])) {
+    displacements_ = command.displacements;
     return OrderResult::refused;
   }
+  if (waits_for_update(corrector_)) return OrderResult::waiting;
+  displacements_ = command.displacements;
   const bool taken = take_displacement(static_cast<int>(length.output), elongation_m, length.deviation_m, corrector_);
   snapshot_.displacement = length;
   ++snapshot_.displacement_orders;
-  return taken ? OrderResult::done : OrderResult::refused;
+  if (!taken) return OrderResult::refused;
+  length_due_ = corrector_.displacements.due;
+  return OrderResult::waiting;
+}
+
+OrderResult Cycle::length_result() {
+  const bool in_time = corrector_.enabled && corrector_.estimator;
+  if (in_time && corrector_.estimator->updates() < length_due_) return OrderResult::waiting;
+  length_due_ = 0;
+  return in_time && corrector_.estimator->displacement_record().fused ? OrderResult::done : OrderResult::refused;
 }
 
 OrderResult Cycle::take_tare(const PlcCommand& command) {

@@ -29,8 +29,8 @@ std::uint16_t quality_of(SensorQuality sensor) {
   }
 }
 
-bool is_fresh(const SignalPlan& plan, const SensedInputs& sensed, const Sensed& signal) {
-  if (plan.source == SignalSource::plc && sensed.plc_silent) return false;
+bool is_fresh(const SignalPlan& plan, const Sensed& signal) {
+  if (signal.silent) return false;
   return std::isfinite(signal.value) && (plan.stale_after_s == 0.0 || signal.age_s <= plan.stale_after_s);
 }
 
@@ -44,7 +44,7 @@ bool is_plausible(const SignalPlan& plan, const Sensed& signal, double last, std
 void judge_signal(const CyclePlan& plan, const SensedInputs& sensed, std::size_t s, Judgement& judgement) {
   const SignalPlan& of = plan.signals[s];
   const Sensed& signal = sensed.signals[s];
-  const bool fresh = is_fresh(of, sensed, signal);
+  const bool fresh = is_fresh(of, signal);
   if (fresh && is_plausible(of, signal, judgement.signals[s], judgement.believed_ns[s], plan.clock_rate)) {
     judgement.signals[s] = signal.value;
     judgement.believed_ns[s] = signal.time_ns;

@@ -15,9 +15,13 @@ bool is_known(const Order& order) {
     case OrderKind::length:
     case OrderKind::acknowledge:
       return order.code == 1;
-    default:
-      return true;
+    case OrderKind::correction:
+    case OrderKind::compensation:
+      return order.code <= 1 || order.code == not_present_code;
+    case OrderKind::none:
+      break;
   }
+  return true;
 }
 
 SwitchOrder switch_of(std::uint16_t code) {
@@ -80,12 +84,11 @@ void OrderDesk::add(const Order& order, PlcCommand& command) {
 }
 
 void OrderDesk::hand_out(PlcCommand& command) {
-  if (waiting_) return;
   OrderKind last = OrderKind::none;
   while (true) {
     Order order;
     if (!next_ && queue_.pop(order)) next_ = order;
-    if (!next_ || next_->kind <= last) return;
+    if (!next_ || next_->kind <= last || waits_[static_cast<std::size_t>(next_->kind)]) return;
     last = next_->kind;
     add(*next_, command);
     next_.reset();
@@ -105,14 +108,14 @@ void OrderDesk::renew(const StandingOrders& standing) {
 
 void OrderDesk::settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot) {
   const std::uint32_t before = revision_;
-  waiting_ = false;
+  waits_.fill(false);
   // The oldest first: revisions count in the order of the orders.
   for (std::size_t i = records_.size(); i-- > 0;) {
     Record& record = records_[i];
     if (!record.handed_out) continue;
     record.told.result = results[static_cast<std::size_t>(record.told.kind)];
     if (record.told.result == OrderResult::waiting) {
-      waiting_ = true;
+      waits_[static_cast<std::size_t>(record.told.kind)] = true;
       continue;
     }
     record.handed_out = false;

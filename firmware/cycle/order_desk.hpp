@@ -63,8 +63,8 @@ class OrderDesk {
     return command;
   }
   /// Adds the next orders to `command`: in the order in which they came, as long as each is of a later kind than the
-  /// one before, so that a row of the history tells all of them. None while an order of before waits for the
-  /// prediction. That a trial goes on is no order of its own: it gets no record.
+  /// one before, so that a row of the history tells all of them. None while one of its kind waits for the
+  /// prediction or an update. That a trial goes on is no order of its own: it gets no record.
   void hand_out(PlcCommand& command);
   /// After the cycle: the results of what was handed out, and of those that wait for the disk.
   void settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot);
@@ -97,7 +97,7 @@ class OrderDesk {
   std::uint32_t revision_ = 0;
   SwitchOrder correction_ = SwitchOrder::as_configured;
   SwitchOrder compensation_ = SwitchOrder::as_configured;
-  bool waiting_ = false;
+  std::array<bool, order_kind_codes.size()> waits_{};  ///< an order of this kind waits for the cycle
   Latest<StandingOrders> standing_;
   std::atomic<std::uint32_t> kept_{0};
   std::atomic<std::uint32_t> not_kept_{0};

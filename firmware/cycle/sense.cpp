@@ -15,6 +15,12 @@ Sensed sensed_at(const Reading& reading, std::int64_t now_ns, double clock_rate)
   return sensed;
 }
 
+/// Whether who told a signal has not been heard for longer than the plan allows.
+bool is_silent(const CyclePlan& plan, std::int64_t alive_ns, std::int64_t now_ns) {
+  const double silence_s = 1e-9 * static_cast<double>(now_ns - alive_ns);
+  return plan.plc_timeout_s > 0.0 && alive_ns != 0 && silence_s > plan.plc_timeout_s;
+}
+
 }  // namespace
 
 void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& command, std::int64_t now_ns,
@@ -37,13 +43,12 @@ void sense(const CyclePlan& plan, const DeviceFrame& frame, const PlcCommand& co
         break;
       case SignalSource::plc:
         sensed.signals[s] = sensed_at(command.signals[s], now_ns, plan.clock_rate);
+        sensed.signals[s].silent = is_silent(plan, command.alive_ns[s], now_ns);
         break;
     }
   }
   sensed.device_connected = frame.connected;
   sensed.devices = frame.devices;
-  const double silence_s = 1e-9 * static_cast<double>(now_ns - command.alive_ns);
-  sensed.plc_silent = plan.plc_timeout_s > 0.0 && command.alive_ns != 0 && silence_s > plan.plc_timeout_s;
 }
 
 }  // namespace spindle_twin::firmware

@@ -9,6 +9,7 @@ struct Sensed {
   double value = not_a_value;
   double age_s = std::numeric_limits<double>::infinity();  ///< model time; infinite: never read
   std::int64_t time_ns = 0;                                ///< of the reading, monotonic; tells a new one from a repeat
+  bool silent = false;                                     ///< who told it is not heard any more (plc_timeout_s)
 };
 
 struct SensedInputs {
@@ -18,7 +19,6 @@ struct SensedInputs {
   std::array<Sensed, slots::deformations> displacements;
   bool device_connected = false;
   std::array<DeviceState, slots::devices> devices;
-  bool plc_silent = false;  ///< for longer than the plan allows
 };
 
 /// Picks each value from where the plan says and works out its age, clock_rate · (now − time of reading).

@@ -77,7 +77,8 @@ enum class SwitchOrder : std::uint8_t { as_configured, off, on };
 /// What the PLC last told of the machine.
 struct PlcSignals {
   std::array<Reading, signal_count> values;
-  std::int64_t alive_ns = 0;  ///< monotonic, of the last request of the client that tells them; 0: never heard
+  std::array<std::int64_t, signal_count> alive_ns{};  ///< monotonic, of the last request of the client that told each
+                                                      ///< of them last; 0: never heard
 };
 
 /// A known value of the compensation, to try the control's input with; firmware/cycle/compensation_trial.hpp.
@@ -90,7 +91,7 @@ struct TrialOrder {
 /// What the PLC wants of one cycle; of each kind of order one at most (OrderDesk hands them out).
 struct PlcCommand {
   std::array<Reading, signal_count> signals;
-  std::int64_t alive_ns = 0;  ///< as in PlcSignals
+  std::array<std::int64_t, signal_count> alive_ns{};  ///< as in PlcSignals
   SwitchOrder correction = SwitchOrder::as_configured;
   TareOrder tare_order = TareOrder::take;
   std::uint32_t tare_orders = 0;  ///< counts up with each order

@@ -79,8 +79,8 @@ std::vector<Order> take_orders(WriteRange written, const Switched& switched, Reg
   return orders;
 }
 
-bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told) {
-  bool any = false;
+SignalSet take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told) {
+  SignalSet taken;
   struct SignalWay {
     Register from;
     Signal to;
@@ -97,7 +97,7 @@ bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& 
   const auto take = [&](Register from, int slot, std::size_t to, double scale, double shift) {
     if (!touches(written, from, slot)) return;
     told.values[to] = {get(image, from, slot) * scale + shift, now_ns};
-    any = true;
+    taken.set(to);
   };
   for (const SignalWay& way : ways) take(way.from, 0, static_cast<std::size_t>(way.to), way.scale, way.shift);
   constexpr double kg_per_gram = 1e-3;
@@ -107,7 +107,7 @@ bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& 
   for (std::size_t h = 0; h < slots::heats; ++h) {
     take(Register::command_heat, static_cast<int>(h), first_heat_signal + h, 1.0, 0.0);
   }
-  return any;
+  return taken;
 }
 
 }  // namespace spindle_twin::firmware

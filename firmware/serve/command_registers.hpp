@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bitset>
 #include <vector>
 
 #include "firmware/cycle/order_desk.hpp"
@@ -20,9 +21,12 @@ bool may_order(WriteRange written);
 /// More orders cannot come with one request.
 inline constexpr std::size_t most_orders = 6;
 
-/// Takes over what a request wrote to `image` at now_ns into `told`: only what it wrote counts as read now. True where
-/// it wrote one of these.
-bool take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told);
+/// Which signals.
+using SignalSet = std::bitset<signal_count>;
+
+/// Takes over what a request wrote to `image` at now_ns into `told`: only what it wrote counts as read now. Which of
+/// these it wrote.
+SignalSet take_signals(WriteRange written, std::int64_t now_ns, const RegisterImage& image, PlcSignals& told);
 
 /// How the switches stand by the last order, as their registers have it.
 struct Switched {

@@ -234,11 +234,11 @@ bool ModbusServer::make_room_for(std::uint32_t host) {
   return true;
 }
 
-/// `told`: the spindle that the request has told signals. Who talks to one spindle is there for the others too.
-void ModbusServer::note_request(Connection& connection, const SpindleRegisters* told) {
+/// `to`: the spindle that the request has told these signals. Who talks to one spindle is there for the others too.
+void ModbusServer::note_request(Connection& connection, const SpindleRegisters* to, SignalSet told) {
   connection.asked_ns = clock_.now_ns();
   for (std::size_t s = 0; s < spindles_.size(); ++s) {
-    spindles_[s].note_request(connection.talks[s], &spindles_[s] == told);
+    spindles_[s].note_request(connection.talks[s], &spindles_[s] == to ? told : SignalSet());
   }
 }
 
@@ -325,7 +325,7 @@ bool ModbusServer::hand_over(Connection& connection, const Gate& gate, std::uint
   const int sent = modbus_reply(modbus_.get(), query.data(), length, spindle.renew());
   constexpr int exception_bytes = 9;
   const bool wrote = gate.write.count > 0 && sent > exception_bytes;
-  note_request(connection, wrote && spindle.take(gate.write) ? &spindle : nullptr);
+  note_request(connection, &spindle, wrote ? spindle.take(gate.write) : SignalSet());
   return sent > 0;
 }
 

@@ -78,7 +78,7 @@ class ModbusServer {
   bool make_room_for(std::uint32_t host);
   void wait_for_descriptors(int reason);
   void rest_behind_failed_poll(int reason);
-  void note_request(Connection& connection, const SpindleRegisters* told = nullptr);
+  void note_request(Connection& connection, const SpindleRegisters* to = nullptr, SignalSet told = {});
   void look_at(Connection& connection, short events);
   void await(Connection& connection, std::size_t bytes);
   void answer(Connection& connection, const Gate& gate, std::span<const std::uint8_t> frame);

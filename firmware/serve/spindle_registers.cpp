@@ -55,7 +55,7 @@ modbus_mapping_t* SpindleRegisters::renew() {
   return mapping_.get();
 }
 
-bool SpindleRegisters::take(WriteRange written) {
+SignalSet SpindleRegisters::take(WriteRange written) {
   const WriteRange writable = writable_registers();
   std::copy_n(mapping_->tab_registers + writable.address, writable.count, image_.begin() + writable.address);
   for (const Order& order : take_orders(written, switched_, image_)) give(order);
@@ -81,15 +81,21 @@ void SpindleRegisters::give(const Order& order) {
   ports_.orders.give(order);
 }
 
-void SpindleRegisters::note_request(Talk& talk, bool told_signals) {
-  talk.tells_signals = talk.tells_signals || told_signals;
-  if (!talk.tells_signals) return;
+void SpindleRegisters::note_request(Talk& talk, SignalSet told) {
+  if (talk.number == 0 && told.none()) return;
+  if (talk.number == 0) talk.number = ++talks_;
   const std::int64_t now_ns = clock_.now_ns();
   talk.requests = std::min(talk.requests + 1, talks_cyclically);
-  const bool is_watched = told_.alive_ns != 0;
-  const bool is_alive = talk.requests >= talks_cyclically || (is_watched && told_signals);
-  if (is_alive) told_.alive_ns = now_ns;
-  if (told_signals || is_alive) ports_.signals.write(told_);
+  bool is_new = told.any();
+  for (std::size_t s = 0; s < signal_count; ++s) {
+    if (told.test(s)) told_by_[s] = talk.number;
+    const bool is_watched = told_.alive_ns[s] != 0;
+    const bool is_alive = talk.requests >= talks_cyclically || (is_watched && told.test(s));
+    if (told_by_[s] != talk.number || !is_alive) continue;
+    told_.alive_ns[s] = now_ns;
+    is_new = true;
+  }
+  if (is_new) ports_.signals.write(told_);
 }
 
 }  // namespace spindle_twin::firmware

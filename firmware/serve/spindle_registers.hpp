@@ -26,8 +26,8 @@ struct SpindlePorts {
 
 /// What one connection has said to one spindle.
 struct Talk {
-  int requests = 0;            ///< since it first told a signal; saturates
-  bool tells_signals = false;  ///< it has written a signal
+  int requests = 0;          ///< since it first told a signal; saturates
+  std::uint64_t number = 0;  ///< among those that have told a signal; 0: it has told none
 };
 
 /// The registers of one spindle: read from the newest snapshot, written by clients. For the server's thread.
@@ -40,16 +40,16 @@ class SpindleRegisters {
   bool has_room_for(WriteRange written) const;
   /// The newest snapshot, for libmodbus to read from and to write to. Of this object.
   modbus_mapping_t* renew();
-  /// Takes over what a request wrote to the mapping: signals are the newest, orders are queued one by one. True where
-  /// it told signals.
-  bool take(WriteRange written);
+  /// Takes over what a request wrote to the mapping: signals are the newest, orders are queued one by one. Gives the
+  /// signals that it told.
+  SignalSet take(WriteRange written);
   /// Queues an order that did not come by registers, which keep what a PLC has written but for the switches; false: no
   /// room.
   bool take(const Order& order);
-  /// A request has come by the connection of this talk; `told_signals` of this spindle with it. Who told signals and
-  /// goes on talking is watched: when it falls silent its signals are no longer believed. Who wrote once and never came
-  /// back is a tool, or writes on change only.
-  void note_request(Talk& talk, bool told_signals);
+  /// A request has come by the connection of this talk; it told these signals of this spindle. Who told signals and
+  /// goes on talking is watched: when it falls silent, the signals that it was the last to tell are no longer believed,
+  /// whoever else talks. Who wrote once and never came back is a tool, or writes on change only.
+  void note_request(Talk& talk, SignalSet told);
 
  private:
   struct FreeMapping {
@@ -63,6 +63,8 @@ class SpindleRegisters {
   std::unique_ptr<modbus_mapping_t, FreeMapping> mapping_;
   Snapshot snapshot_;
   PlcSignals told_;
+  std::array<std::uint64_t, signal_count> told_by_{};  ///< Talk::number of who told each last
+  std::uint64_t talks_ = 0;
   RegisterImage image_{};
   Switched switched_;  ///< by the last orders
 };

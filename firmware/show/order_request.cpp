@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "correction/growth/growth_reading.hpp"
 #include "firmware/login/password.hpp"
 #include "rom/units.hpp"
 
@@ -84,7 +85,10 @@ OrderRequest by_word(const std::string& command, const WordOrder& known, Body& b
 }
 
 OrderRequest of_length(const std::vector<std::string>& deformations, Body& body) {
-  constexpr double most_um = 10000.0, least_sd_um = 0.01, most_sd_um = 1000.0;
+  using rom::m_per_um;
+  constexpr double most_um = correction::largest_growth_um;
+  constexpr double least_sd_um = correction::least_growth_deviation_um;
+  constexpr double most_sd_um = correction::most_growth_deviation_um;
   const double um = body.number("um", -most_um, most_um);
   const double sd_um = body.number("sd_um", least_sd_um, most_sd_um);
   const std::string allowed = fmt::format("one of {}", fmt::join(deformations, ", "));
@@ -94,7 +98,6 @@ OrderRequest of_length(const std::vector<std::string>& deformations, Body& body)
     if (found == deformations.end()) throw std::invalid_argument("output: must be " + allowed);
     output = static_cast<std::size_t>(found - deformations.begin());
   }
-  using rom::m_per_um;
   return {{OrderKind::length, 0, 1, {output, m_per_um * um, m_per_um * sd_um}},
           fmt::format("length {} um, sd {} um, output {}", um, sd_um, output)};
 }

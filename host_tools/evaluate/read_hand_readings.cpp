@@ -84,7 +84,7 @@ HandReading reading_of(const std::vector<std::string>& cells, const Columns& col
   if (!time) throw rom::InputError(where, "time_utc", "must be a time like 2026-11-22 14:05 or 2026-11-22 14:05:30");
   reading.unix_s = *time;
   const auto growth_um = number_of(cells[*columns.growth]);
-  if (!growth_um || std::abs(*growth_um) * rom::m_per_um > correction::largest_growth_m) {
+  if (!growth_um || std::abs(*growth_um) > correction::largest_growth_um) {
     throw rom::InputError(where, "growth_um", "must be a number from -10000 to 10000");
   }
   reading.growth_m = *growth_um * rom::m_per_um;

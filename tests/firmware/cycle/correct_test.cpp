@@ -149,14 +149,15 @@ TEST(Displacement, is_of_an_output_that_exists_a_number_and_with_a_deviation_abo
     return take_displacement(index, value_m, deviation_m, law.corrector);
   };
   EXPECT_TRUE(taken(0, 1e-6, 1e-6));
-  EXPECT_TRUE(taken(1, -1e-6, 1e-12));
+  EXPECT_TRUE(taken(1, -1e-6, 1e-8));
   EXPECT_EQ(law.corrector.displacements.count, 2);
   EXPECT_EQ(law.corrector.displacements.due, law.corrector.estimator->updates() + 1);
   EXPECT_FALSE(taken(-1, 1e-6, 1e-6));
   EXPECT_FALSE(taken(2, 1e-6, 1e-6));
   EXPECT_FALSE(taken(0, not_a_value, 1e-6));
   EXPECT_FALSE(taken(0, inf, 1e-6));
-  for (const double deviation_m : {0.0, -1e-6, not_a_value}) EXPECT_FALSE(taken(0, 1e-6, deviation_m)) << deviation_m;
+  for (const double deviation_m : {0.0, -1e-6, not_a_value, 1e-12, 1.1e-3, inf})
+    EXPECT_FALSE(taken(0, 1e-6, deviation_m)) << deviation_m;
   law.corrector.enabled = false;
   EXPECT_FALSE(taken(0, 1e-6, 1e-6));
   EXPECT_EQ(law.corrector.displacements.count, 2);

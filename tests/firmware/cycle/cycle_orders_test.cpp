@@ -109,11 +109,16 @@ TEST(Orders, lengths_sensor_orders_and_tares_wait_for_the_start_and_are_obeyed_o
   // The cycle in which it starts still takes them up before the start.
   cycle.step(frame_of({300.0, 300.0, 300.0}, 2), command, at_s(2), 0);
   now = cycle.step(frame_of({300.0, 300.0, 300.0}, 3), command, at_s(3), 0);
-  for (const OrderKind kind : {OrderKind::length, OrderKind::sensors, OrderKind::tare}) {
+  for (const OrderKind kind : {OrderKind::sensors, OrderKind::tare}) {
     EXPECT_EQ(result_of(cycle, kind), OrderResult::done);
   }
   EXPECT_EQ(now.sensor_order, SensorOrder::acknowledge);
-  now = cycle.step(frame_of({300.0, 300.0, 300.0}, 4), command, at_s(4), 0);
+  int n = 4;
+  const auto step = [&] { now = cycle.step(frame_of({300.0, 300.0, 300.0}, n), command, at_s(n), 0), ++n; };
+  while (result_of(cycle, OrderKind::length) == OrderResult::waiting && n < 30) step();
+  EXPECT_EQ(result_of(cycle, OrderKind::length), OrderResult::done) << "once an update has taken it in";
+  EXPECT_EQ(now.displacement_update.flags, bits(Update::fused));
+  step();
   for (const OrderKind kind : {OrderKind::length, OrderKind::sensors, OrderKind::tare}) {
     EXPECT_EQ(result_of(cycle, kind), OrderResult::none);
   }
@@ -183,6 +188,63 @@ TEST(Orders, a_length_counts_from_the_tare_at_the_nose_and_from_nothing_at_other
     EXPECT_NEAR(now.displacement_update.observation, output == 0 ? 4e-6 : 1e-6, 1e-12);
     EXPECT_EQ(now.displacement.value_m, 1e-6) << "as it was told";
   }
+}
+
+/// Lengths told one after the other through the desk, as a control writes them.
+struct ToldLengths {
+  explicit ToldLengths(const CyclePlan& plan) : network(tests::small_network()), cycle(network, plan, runtime) {
+    for (int i = 0; i < 600; ++i) step();
+  }
+  void step() {
+    desk.hand_out(command);
+    now = cycle.step(machine.frame(at_s(n)), command, at_s(n), 0);
+    ++n;
+    desk.settle(cycle.order_results(), cycle.standing_orders(), now);
+    machine.advance(1.0);
+    if (now.displacement_count != count) seen.push_back(now.displacement);
+    count = now.displacement_count;
+  }
+  void tell(std::size_t output, double value_m) { desk.give({OrderKind::length, 0, 1, {output, value_m, 1e-6}}); }
+  rom::Network network;
+  Machine machine{network, 1.0};
+  Cycle cycle;
+  OrderDesk desk;
+  PlcCommand command;
+  Snapshot now;
+  std::vector<Displacement> seen;
+  std::uint32_t count = 0;
+  int n = 0;
+};
+
+TEST(Orders, lengths_told_within_one_update_are_all_taken_in_one_after_the_other) {
+  ToldLengths run(estimated());
+  const double grown_m = run.now.deformation_raw_m[0], other_m = run.now.deformation_raw_m[1];
+  run.tell(0, grown_m + 1e-7);
+  run.tell(1, other_m);
+  run.tell(0, grown_m - 1e-7);
+  for (int i = 0; i < 60; ++i) run.step();
+  ASSERT_EQ(run.seen.size(), 3U);
+  EXPECT_EQ(run.seen[1].output, 1U);
+  EXPECT_EQ(run.seen[2].value_m, grown_m - 1e-7);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(run.now.last_orders[i].result, OrderResult::done) << i;
+}
+
+TEST(Orders, a_length_beyond_the_gate_is_refused_and_forgotten_until_another_says_the_same) {
+  ToldLengths run(estimated()), untold(estimated());
+  const auto steps = [&](int count) {
+    for (int i = 0; i < count; ++i) run.step(), untold.step();
+  };
+  const double wrong_m = run.now.deformation_raw_m[0] + 9e-5;
+  run.tell(0, wrong_m);
+  steps(40);
+  EXPECT_EQ(run.now.last_orders[0].result, OrderResult::refused);
+  EXPECT_EQ(run.now.displacement_update.flags, bits(Update::rejected));
+  EXPECT_NEAR(run.now.deformation_deviation_m[0], untold.now.deformation_deviation_m[0],
+              1e-3 * untold.now.deformation_deviation_m[0]);
+  run.tell(0, wrong_m);
+  steps(40);
+  EXPECT_EQ(run.now.last_orders[0].result, OrderResult::done) << "a second one that agrees is heard";
+      << "a second one that agrees is heard";
 }
 
 TEST(Orders, a_length_that_no_spindle_can_have_is_refused_and_stands_in_no_history) {

@@ -42,15 +42,15 @@ TEST(Sense, a_plc_is_silent_after_its_time_of_any_length_and_without_one_never) 
     Inputs inputs;
     inputs.plan.plc_timeout_s = timeout_s;
     inputs.at(100.0);
-    EXPECT_FALSE(inputs.sensed.plc_silent) << "it was never heard";
-    inputs.command.alive_ns = 100 * second_ns;
+    EXPECT_FALSE(inputs.sensed.signals[1].silent) << "it was never heard";
+    inputs.command.alive_ns[1] = 100 * second_ns;
     inputs.at(100.0 + 0.9 * timeout_s);
-    EXPECT_FALSE(inputs.sensed.plc_silent);
+    EXPECT_FALSE(inputs.sensed.signals[1].silent);
     inputs.at(100.0 + 1.1 * timeout_s);
-    EXPECT_TRUE(inputs.sensed.plc_silent);
+    EXPECT_TRUE(inputs.sensed.signals[1].silent);
     inputs.plan.plc_timeout_s = 0.0;
     inputs.at(100.0 + 1.1 * timeout_s);
-    EXPECT_FALSE(inputs.sensed.plc_silent);
+    EXPECT_FALSE(inputs.sensed.signals[1].silent);
   }
 }
 
@@ -217,13 +217,14 @@ struct OneSignal {
     judgement = first_judgement(plan);
   }
   bool believes(double value, double age_s, std::int64_t time_ns) {
-    sensed.signals[s] = {value, age_s, time_ns};
+    sensed.signals[s] = {value, age_s, time_ns, is_silent};
     judge(plan, sensed, judgement);
     const bool held = (judgement.quality & bits(Quality::signal_held)) != 0;
     EXPECT_EQ(judgement.signals_held, held ? 1U << s : 0U);
     return !held;
   }
   std::size_t s;
+  bool is_silent = false;  ///< who tells it
   CyclePlan plan;
   SensedInputs sensed;
   Judgement judgement;
@@ -262,17 +263,29 @@ TEST(Judge, a_change_is_believed_from_the_time_on_in_which_it_could_come_so_fast
   }
 }
 
-TEST(Judge, what_a_silent_plc_tells_is_held_and_what_a_device_tells_is_not) {
-  for (const SignalSource source : {SignalSource::plc, SignalSource::device}) {
-    OneSignal signal({source, 1.0, 0.0, 9.0, 0.0});
-    signal.sensed.plc_silent = true;
-    EXPECT_EQ(signal.believes(5.0, 0.0, 1), source == SignalSource::device);
-    EXPECT_EQ(signal.judgement.signals_implausible, 0U);
-    signal.sensed.plc_silent = false;
-    EXPECT_TRUE(signal.believes(6.0, 1e9, 1)) << "without a time it never grows stale";
-  }
+TEST(Judge, what_a_silent_client_told_is_held_until_it_is_heard_again) {
+  OneSignal signal({SignalSource::plc, 1.0, 0.0, 9.0, 0.0});
+  signal.is_silent = true;
+  EXPECT_FALSE(signal.believes(5.0, 0.0, 1));
+  EXPECT_EQ(signal.judgement.signals_implausible, 0U);
+  signal.is_silent = false;
+  EXPECT_TRUE(signal.believes(6.0, 1e9, 1)) << "without a time it never grows stale";
 }
 
+TEST(Sense, silence_is_of_each_signal_and_of_those_that_a_plc_tells_only) {
+  Inputs inputs;
+  inputs.plan.plc_timeout_s = 2.0;
+  inputs.command.alive_ns.fill(100 * second_ns);
+  inputs.at(103.0);
+  EXPECT_TRUE(inputs.sensed.signals[1].silent);
+  EXPECT_FALSE(inputs.sensed.signals[0].silent) << "a device's";
+  EXPECT_FALSE(inputs.sensed.signals[2].silent) << "a constant";
+  inputs.plan.signals[0] = inputs.plan.signals[1];
+  inputs.command.alive_ns[0] = 102 * second_ns;
+  inputs.at(103.0);
+  EXPECT_FALSE(inputs.sensed.signals[0].silent) << "another client's, which talks";
+  EXPECT_TRUE(inputs.sensed.signals[1].silent);
+}
 TEST(Judge, a_device_is_missed_where_a_sensor_or_a_signal_comes_from_one) {
   for (const bool sensor : {false, true}) {
     for (const SignalSource source :
@@ -323,9 +336,10 @@ TEST(Sense, a_plc_is_silent_beyond_its_time_by_the_clock_and_not_at_it) {
     SensedInputs sensed;
     const auto is_silent = [&](double timeout_s, std::int64_t alive_ns, std::int64_t now_ns) {
       plan.plc_timeout_s = timeout_s;
-      command.alive_ns = alive_ns;
+      command.alive_ns.fill(alive_ns);
+      plan.signals[0].source = SignalSource::plc;
       sense(plan, {}, command, now_ns, sensed);
-      return sensed.plc_silent;
+      return sensed.signals[0].silent;
     };
     EXPECT_FALSE(is_silent(2.0, second_ns, 3 * second_ns));
     EXPECT_TRUE(is_silent(2.0, second_ns, 3 * second_ns + 1000));

@@ -77,12 +77,12 @@ TEST(PlcTimeout, a_plc_that_talked_and_is_silent_is_no_longer_believed) {
   plan.plc_timeout_s = 10.0;
   Told told(plan);
   EXPECT_EQ(told.run(60).state, State::running) << "it writes on change only, nobody ever heard it talk";
-  told.command.alive_ns = at_s(told.n);
+  told.command.alive_ns.fill(at_s(told.n));
   EXPECT_EQ(told.run(11).state, State::running);
   EXPECT_EQ(told.run(1).state, State::degraded);
   EXPECT_EQ(told.last.signals_held, 15U);
   EXPECT_EQ(told.last.signals_implausible, 0U);
-  told.command.alive_ns = at_s(told.n);
+  told.command.alive_ns.fill(at_s(told.n));
   EXPECT_EQ(told.run(1).state, State::running);
 }
 

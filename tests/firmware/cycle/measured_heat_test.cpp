@@ -74,7 +74,7 @@ TEST(MeasuredHeat, what_the_plc_writes_warms_the_winding_and_is_served_again) {
 
   put(image, Register::command_heat, 90.0, 0);
   PlcSignals told;
-  EXPECT_TRUE(take_signals({entry_of(Register::command_heat).address, 2}, 77, image, told));
+  EXPECT_TRUE(take_signals({entry_of(Register::command_heat).address, 2}, 77, image, told).any());
   twin.command.signals = told.values;
   EXPECT_EQ(twin.command.signals[first_heat_signal].value, 90.0);
   EXPECT_EQ(twin.command.signals[first_heat_signal].time_ns, 77);

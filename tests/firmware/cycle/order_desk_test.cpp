@@ -162,6 +162,40 @@ TEST(OrderDesk, each_kind_knows_its_own_codes) {
   }
 }
 
+TEST(OrderDesk, a_switch_is_off_on_or_as_configured_and_nothing_else) {
+  for (const OrderKind kind : {OrderKind::correction, OrderKind::compensation}) {
+    for (const int code : {0, 1, 2, 7, 65534, 65535}) {
+      OrderDesk desk;
+      PlcCommand command;
+      Snapshot snapshot;
+      desk.give(order(kind, static_cast<std::uint16_t>(code)));
+      desk.hand_out(command);
+      OrderResults refused{};
+      refused.fill(OrderResult::refused);
+      desk.settle(refused, {}, snapshot);
+      const bool known = code <= 1 || code == 65535;
+      EXPECT_EQ(snapshot.last_orders[0].result, known ? OrderResult::refused : OrderResult::unknown) << code;
+      if (!known) {
+        EXPECT_EQ(command.correction, SwitchOrder::as_configured);
+        EXPECT_EQ(command.compensation, SwitchOrder::as_configured);
+      }
+    }
+  }
+}
+
+TEST(OrderDesk, what_waits_holds_up_only_its_own_kind) {
+  CyclePlan plan = with_sensors();
+  plan.start_temperature_K.reset();
+  Desked run(plan);
+  run.desk.give(order(OrderKind::tare, 1, 1));
+  run.desk.give(order(OrderKind::compensation, 0, 2));
+  run.desk.give(order(OrderKind::acknowledge, 1, 3));
+  for (int n = 0; n < 3; ++n) run.step();
+  EXPECT_EQ(run.last.orders, 3U);
+  EXPECT_EQ(run.cycle.standing_orders().compensation, SwitchOrder::off) << "at once, before there is a prediction";
+  EXPECT_EQ(run.last.tare_count, 0);
+}
+
 TEST(OrderDesk, codes_mean_what_the_registers_say) {
   const auto command_of = [](OrderKind kind, std::uint16_t code) {
     OrderDesk desk;

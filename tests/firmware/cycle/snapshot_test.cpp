@@ -96,14 +96,14 @@ TEST(BeforeAnything, nothing_was_read_or_ordered) {
   EXPECT_FALSE(frame.connected);
   for (const Reading& reading : frame.sensors) EXPECT_EQ(reading.time_ns, 0);
   const SensedInputs sensed;
-  EXPECT_FALSE(sensed.device_connected || sensed.plc_silent);
+  EXPECT_FALSE(sensed.device_connected || sensed.signals[0].silent);
   for (const Sensed& each : sensed.sensors) EXPECT_EQ(each.time_ns, 0);
   const PlcCommand command;
   EXPECT_EQ(command.tare_orders + command.sensor_orders + command.displacements + command.acknowledgements +
                 command.trial.orders + command.trial.renewals,
             0U);
-  EXPECT_EQ(command.alive_ns, 0);
-  EXPECT_EQ(PlcSignals{}.alive_ns, 0);
+  EXPECT_EQ(command.alive_ns[0], 0);
+  EXPECT_EQ(PlcSignals{}.alive_ns[0], 0);
   const StandingOrders orders;
   EXPECT_EQ(orders.revision + orders.sensor_tares + orders.acknowledgements, 0U);
   EXPECT_EQ(orders.tare_m, 0.0);

@@ -307,18 +307,18 @@ TEST(ModbusServer, who_told_signals_and_goes_on_talking_is_heard_and_who_wrote_o
   plc.ask(write_single(Register::command_speed, 6000));
   finish();
   ASSERT_TRUE(serving.signals.read(told));
-  EXPECT_EQ(told.alive_ns, 0) << "a tool that writes once";
+  EXPECT_EQ(told.alive_ns[0], 0) << "a tool that writes once";
   for (int i = 0; i < 3; ++i) plc.ask(read_known);
   finish();
   ASSERT_TRUE(serving.signals.read(told));
-  const std::int64_t heard_ns = told.alive_ns;
+  const std::int64_t heard_ns = told.alive_ns[0];
   EXPECT_GT(heard_ns, 0);
   for (int i = 0; i < 5; ++i) reader.ask(read_known);
   EXPECT_FALSE(serving.signals.read(told)) << "another one's requests say nothing of the PLC";
   plc.ask(read_known);
   finish();
   ASSERT_TRUE(serving.signals.read(told));
-  EXPECT_GT(told.alive_ns, heard_ns);
+  EXPECT_GT(told.alive_ns[0], heard_ns);
 }
 
 TEST(ModbusServer, once_a_plc_is_heard_a_new_connection_counts_by_what_it_tells_and_only_then_by_what_it_asks) {
@@ -328,7 +328,7 @@ TEST(ModbusServer, once_a_plc_is_heard_a_new_connection_counts_by_what_it_tells_
   /// What the cycle is told after the server is done with the request before; 0: nothing new.
   const auto heard_ns = [&] {
     EXPECT_EQ(payload(reader.ask(read_known)), known_words);
-    return serving.signals.read(told) ? told.alive_ns : 0;
+    return serving.signals.read(told) ? told.alive_ns[0] : 0;
   };
   Client plc(serving.server.port());
   plc.ask(write_single(Register::command_speed, 6000));
@@ -370,7 +370,7 @@ TEST(ModbusServer, who_may_only_read_gets_exception_2_for_each_way_of_writing_an
   }
   PlcSignals told;
   serving.signals.read(told);
-  EXPECT_EQ(told.alive_ns, 0);
+  EXPECT_EQ(told.alive_ns[0], 0);
   EXPECT_EQ(client.ask({3, 0, 0, 0, 1}).size(), 11U) << "reading goes on";
 }
 

@@ -71,19 +71,45 @@ TEST(SpindleRegisters, who_tells_a_signal_and_asks_three_times_is_watched_from_t
   Registers spindle;
   Talk talk;
   PlcSignals told;
-  spindle.registers->note_request(talk, false);
+  spindle.registers->note_request(talk, {});
   EXPECT_FALSE(spindle.signals.read(told)) << "it has told nothing";
-  for (const bool tells : {true, false}) {
+  for (const unsigned tells : {1U, 0U}) {
     spindle.registers->note_request(talk, tells);
     spindle.signals.read(told);
-    EXPECT_EQ(told.alive_ns, 0);
+    EXPECT_EQ(told.alive_ns[0], 0);
   }
   for (int n = 0; n < 3; ++n) {
     spindle.clock.pass(7);
-    spindle.registers->note_request(talk, false);
+    spindle.registers->note_request(talk, {});
     ASSERT_TRUE(spindle.signals.read(told));
-    EXPECT_EQ(told.alive_ns, spindle.clock.now_ns());
+    EXPECT_EQ(told.alive_ns[0], spindle.clock.now_ns());
+    EXPECT_EQ(told.alive_ns[1], 0) << "nobody told it";
   }
+}
+
+TEST(SpindleRegisters, each_signal_lives_with_who_told_it_last_whoever_else_talks) {
+  Registers spindle;
+  Talk plc, panel;
+  PlcSignals told;
+  for (int n = 0; n < 3; ++n) spindle.registers->note_request(plc, 0b0011U);
+  const std::int64_t plc_ns = spindle.clock.now_ns();
+  spindle.clock.pass(5);
+  spindle.registers->note_request(panel, 0b1000U);
+  for (int n = 0; n < 5; ++n) spindle.registers->note_request(panel, {});
+  spindle.signals.read(told);
+  EXPECT_EQ(told.alive_ns[0], plc_ns) << "the panel polls on, the PLC is silent";
+  EXPECT_EQ(told.alive_ns[1], plc_ns);
+  EXPECT_EQ(told.alive_ns[3], plc_ns + 5);
+  spindle.clock.pass(5);
+  spindle.registers->note_request(panel, 0b0001U);
+  spindle.registers->note_request(plc, {});
+  spindle.signals.read(told);
+  EXPECT_EQ(told.alive_ns[0], plc_ns + 10) << "now the panel's";
+  EXPECT_EQ(told.alive_ns[1], plc_ns + 10) << "still the PLC's, which is back";
+  spindle.clock.pass(5);
+  spindle.registers->note_request(plc, {});
+  spindle.signals.read(told);
+  EXPECT_EQ(told.alive_ns[0], plc_ns + 10) << "no longer the PLC's";
 }
 
 }  // namespace serve_spindle_registers_test
