@@ -132,10 +132,11 @@ TEST(Loosened, lengths_far_off_leave_heats_that_no_source_explains_as_wide_as_th
   pair.truth = pair.estimator.parameters().mean();
   pair.run_until(602.0);
   pair.valid.setConstant(false);
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 4; ++k) {
     pair.estimator.note_displacement(0, 1.0, 1e-6);
     pair.run_until(pair.time_s + 10.0);
     ASSERT_TRUE(pair.estimator.displacement_record().rejected);
+    if (k == 0) continue;  // what no heat explains opens none until the next says the same
     const double open = pair.estimator.widths().disturbance;
     for (Eigen::Index group = 0; group < pair.estimator.parameters().group_count(); ++group) {
       const ParameterEstimate heat = pair.estimator.estimate(pair.estimator.parameters().disturbance(group));

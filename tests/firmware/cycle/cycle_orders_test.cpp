@@ -244,7 +244,6 @@ TEST(Orders, a_length_beyond_the_gate_is_refused_and_forgotten_until_another_say
   run.tell(0, wrong_m);
   steps(40);
   EXPECT_EQ(run.now.last_orders[0].result, OrderResult::done) << "a second one that agrees is heard";
-      << "a second one that agrees is heard";
 }
 
 TEST(Orders, a_length_that_no_spindle_can_have_is_refused_and_stands_in_no_history) {
