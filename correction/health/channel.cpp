@@ -5,6 +5,12 @@
 #include <limits>
 
 namespace spindle_twin::correction {
+namespace {
+
+// A sensor that jumped is off by its step, and a second one while it was out; what else departs is the model.
+constexpr double jump_sizes = 2.0;
+
+}  // namespace
 
 void Channel::meet(ChannelEvent event, HealthFault cause) {
   const auto [next, action] = transition(record_.state, event);
@@ -118,7 +124,7 @@ void Channel::take(const HealthSample& sample, double time_s, double h_s) {
   gap_.note_reading(time_s, was_away_, limits_);
   unread_s_ = 0.0;
   detrended_K_ = sample.reading_K - model_.integrated_K();
-  off_course_ = course_.is_outlier(detrended_K_);
+  off_course_ = course_.is_outlier(detrended_K_) && stepped_K() > course_.least_jump_K(limits_);
 }
 
 void Channel::look_at_wire() {
@@ -140,6 +146,12 @@ void Channel::note_spike() {
 void Channel::restart_course(double rate_K_per_s) {
   jump_.end_row();
   course_.begin(detrended_K_, rate_K_per_s, plan_.noise_K);
+  on_course_K_ = sample_.reading_K;
+}
+
+void Channel::accept_reading(double elapsed_s) {
+  course_.accept(detrended_K_, elapsed_s, plan_.noise_K);
+  on_course_K_ = sample_.reading_K;
 }
 
 void Channel::follow_reading() {
@@ -201,6 +213,7 @@ void Channel::judge_outlier() {
       meet(ChannelEvent::doubtful, HealthFault::jump);
       break;
     case JumpDetector::Meaning::jump:
+      jumped_K_ = stepped_K();
       meet(ChannelEvent::fault, HealthFault::jump);
       break;
     case JumpDetector::Meaning::place_moves:
@@ -216,7 +229,7 @@ void Channel::judge_in_use(double elapsed_s) {
   }
   if (jump_.end_row()) note_spike();
   if (is_out()) return;
-  course_.accept(detrended_K_, elapsed_s, plan_.noise_K);
+  accept_reading(elapsed_s);
   gap_.note_course(course_.expected_K(), time_s_);
   if (is_stuck()) {
     meet(ChannelEvent::fault, HealthFault::stuck);
@@ -259,7 +272,7 @@ void Channel::judge_return(double elapsed_s) {
   } else {
     without_sign_s_ += elapsed_s;
   }
-  course_.accept(detrended_K_, elapsed_s, plan_.noise_K);
+  accept_reading(elapsed_s);
   record_.read_for_partner = reads_for_partner() && without_sign_s_ > 0.0;
   if (latched_ || without_sign_s_ <= 0.0) return;
   if (without_sign_s_ < limits_.return_after_s) {
@@ -268,8 +281,9 @@ void Channel::judge_return(double elapsed_s) {
   }
   // A verdict that was taken back was no failure.
   if (review_.is_active() && record_.fault == HealthFault::drift) --record_.failures;
-  record_.return_offset_deviation_K =
-      limits_.return_offset_deviation_K + std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
+  const double departure_K = std::abs(usual_.departure_K(sample_.reading_K - sample_.predicted_K));
+  const double most_K = record_.fault == HealthFault::jump ? jump_sizes * jumped_K_ : departure_K;
+  record_.return_offset_deviation_K = limits_.return_offset_deviation_K + std::min(departure_K, most_K);
   usual_.forget();
   review_.dismiss();
   meet(ChannelEvent::probation_over);

@@ -112,6 +112,11 @@ class Channel {
   /// The course begins anew with the last reading.
   void restart_course(double rate_K_per_s);
   bool is_stuck();
+  /// The reading belongs to the course, elapsed_s after the one before.
+  void accept_reading(double elapsed_s);
+  /// By how much the reading is off the last one of its course, as read. What is no more than a course may miss is no
+  /// step, however far the model has moved meanwhile.
+  double stepped_K() const { return std::abs(sample_.reading_K - on_course_K_); }
   /// Of a channel that failed as stuck: it shows nothing but its old value until it has moved by more than a step of
   /// its resolution, and again where it repeats itself.
   bool stands_still();
@@ -145,6 +150,8 @@ class Channel {
   double time_s_ = 0.0;
   bool present_ = false;       ///< it brought a number
   bool off_course_ = false;    ///< which is an outlier
+  double on_course_K_ = 0.0;   ///< last reading of the course
+  double jumped_K_ = 0.0;      ///< size of the last jump
   bool was_away_ = false;      ///< which is the first after a gap, with a wire that is right
   double unread_s_ = 0.0;      ///< since the last such reading
   double detrended_K_ = 0.0;   ///< e = r − u, of the last reading

@@ -14,8 +14,9 @@ namespace spindle_twin::correction {
 /// gains (Kalata, IEEE Trans. AES 20, 1984):
 ///   ê = c + ċ h,   d = e − ê,   c = ê + α d,   ċ += β d / h
 /// An outlier is |d| > max(jump, 6 s) + share · (Σ |Δu| of the last four samples), s the mean deviation of d from the
-/// accepted samples. The share is for speed steps, where the model's heat is wrong by as much. Outliers leave the
-/// course alone. All functions may run in the cycle.
+/// accepted samples. The share is for speed steps, where the model's heat is wrong by as much; a model that relaxes
+/// from a wrong start bends e all the same, so that a channel asks the reading itself besides (Channel::stepped_K).
+/// Outliers leave the course alone. All functions may run in the cycle.
 class CourseTracker {
  public:
   /// Forgets the course: the next samples are judged by nothing until three were accepted.

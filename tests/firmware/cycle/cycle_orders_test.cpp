@@ -241,9 +241,11 @@ TEST(Orders, a_length_beyond_the_gate_is_refused_and_forgotten_until_another_say
   EXPECT_EQ(run.now.displacement_update.flags, bits(Update::rejected));
   EXPECT_NEAR(run.now.deformation_deviation_m[0], untold.now.deformation_deviation_m[0],
               1e-3 * untold.now.deformation_deviation_m[0]);
-  run.tell(0, wrong_m);
-  steps(40);
-  EXPECT_EQ(run.now.last_orders[0].result, OrderResult::done) << "a second one that agrees is heard";
+  for (int again = 0; again < 3; ++again) {
+    run.tell(0, wrong_m);
+    steps(40);
+  }
+  EXPECT_GT(run.now.deformation_raw_m[0] - untold.now.deformation_raw_m[0], 1e-5) << "who says the same again is heard";
 }
 
 TEST(Orders, a_length_that_no_spindle_can_have_is_refused_and_stands_in_no_history) {
