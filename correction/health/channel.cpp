@@ -191,7 +191,7 @@ bool Channel::exchanged_over_gap_with(const Channel& other) const {
 bool Channel::is_stuck() {
   const double uncorrected_K = std::isfinite(sample_.uncorrected_K) ? sample_.uncorrected_K : model_.integrated_K();
   return stuck_.observe(time_s_, sample_.reading_K, {model_.integrated_K(), model_.steady_K(), uncorrected_K},
-                        {plan_.resolution_K, course_.noise_K(plan_.noise_K), plan_.lag_s}, limits_);
+                        {plan_.resolution_K, course_.noise_K(plan_.noise_K), plan_.lag_s, model_settles()}, limits_);
 }
 
 void Channel::judge() {

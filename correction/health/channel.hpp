@@ -55,6 +55,8 @@ class Channel {
 
   /// The course goes on from this reading, whatever it is: the model is in doubt, or has no say.
   void follow_reading();
+  /// The estimate began anew at time_s: for settle_s the model may move where the place does not.
+  void note_restart(double time_s) { restart_s_ = time_s; }
   /// Fails by what others found out; latched: it returns only after acknowledge().
   void fail(HealthFault fault, bool latched);
   /// Fails because its readings do not fit those of all others, by misfit_K with 1σ deviation_K > 0. Drift latches, but
@@ -112,6 +114,7 @@ class Channel {
   /// The course begins anew with the last reading.
   void restart_course(double rate_K_per_s);
   bool is_stuck();
+  bool model_settles() const { return time_s_ - restart_s_ < limits_.settle_s; }
   /// The reading belongs to the course, elapsed_s after the one before.
   void accept_reading(double elapsed_s);
   /// By how much the reading is off the last one of its course, as read. What is no more than a course may miss is no
@@ -148,6 +151,7 @@ class Channel {
 
   HealthSample sample_;  ///< the last one taken
   double time_s_ = 0.0;
+  double restart_s_ = 0.0;     ///< of the estimate
   bool present_ = false;       ///< it brought a number
   bool off_course_ = false;    ///< which is an outlier
   double on_course_K_ = 0.0;   ///< last reading of the course

@@ -198,7 +198,10 @@ HealthVerdict SensorHealth::note_suspect(int channel, double misfit_K, double de
   return {channel, -1};
 }
 
-void SensorHealth::note_restart() { isolation_.note_restart(time_s_); }
+void SensorHealth::note_restart() {
+  isolation_.note_restart(time_s_);
+  for (Channel& channel : channels_) channel.note_restart(time_s_);
+}
 
 void SensorHealth::acknowledge() {
   for (std::size_t i = 0; i < channels_.size(); ++i) {

@@ -19,7 +19,8 @@ constexpr double turns_to_changes = 1.5;  // of white noise two changes in three
 /// model have this sum of squares about their mean.
 double evidence(int samples, double spread_K2, const StuckDetector::Sensor& sensor) {
   const double of_one_step = std::log(std::sqrt(2.0 * std::numbers::pi) * sensor.noise_K / (2.0 * sensor.resolution_K));
-  return 0.5 * spread_K2 / (sensor.noise_K * sensor.noise_K) + (samples - 1) * std::max(of_one_step, 0.0);
+  const double of_noise = (samples - 1) * std::max(of_one_step, 0.0);
+  return sensor.model_settles ? of_noise : 0.5 * spread_K2 / (sensor.noise_K * sensor.noise_K) + of_noise;
 }
 
 }  // namespace

@@ -15,7 +15,9 @@ namespace spindle_twin::correction {
 ///   dy/dt = (u − y) / lag
 /// And noise of deviation s would hardly hide the movement: with e = r − u over the n readings of the stretch,
 ///   Σ (e − mean e)² / 2 s² + (n − 1) max(ln(√(2π) s / 2 q), 0) >= stuck_evidence
-/// which is how much likelier these readings are of a channel that stands than of one that follows.
+/// which is how much likelier these readings are of a channel that stands than of one that follows. While the model
+/// settles, none is held against it: it may relax from a start that was none of the spindle's, and what a live sensor
+/// shows of a place that stands then is its noise, the second term alone.
 ///   A late sensor stands still for a while where its place has begun to move, and may by chance have done so before. A
 /// steady spindle raises nothing, whatever the corrected model does, because the uncorrected one stands still. One step
 /// of q is allowed because a held analogue value flickers between two counts.
@@ -29,9 +31,10 @@ class StuckDetector {
 
   /// What a sensor makes of its place's temperature.
   struct Sensor {
-    double resolution_K;  ///< above 0
-    double noise_K;       ///< 1σ of a reading, above 0
-    double lag_s = 0.0;   ///< that it is said to have
+    double resolution_K;         ///< above 0
+    double noise_K;              ///< 1σ of a reading, above 0
+    double lag_s = 0.0;          ///< that it is said to have
+    bool model_settles = false;  ///< what the model moves may be its own: it began, or began anew, not long ago
   };
 
   /// The place's temperature in the model: integrated, the same without steady corrections, never corrected. [K], from
