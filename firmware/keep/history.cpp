@@ -158,12 +158,18 @@ bool History::begin_file() {
     return false;
   }
   written_ = header_.size();
+  note_file();
   works();
   return true;
 }
 
 void History::write_rows(const std::string& rows, std::uint64_t count) {
   if (count == 0) return;
+  if (file_ >= 0 && is_gone()) {
+    errno = ENOENT;
+    fail("was removed or replaced");
+    begin_file();
+  }
   const bool is_open = file_ >= 0 || (may_try() && begin_file());
   if (is_open && write_all(file_, rows)) {
     written_ += rows.size();

@@ -1,6 +1,7 @@
 #include "firmware/keep/history_writer.hpp"
 
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <thread>
@@ -31,6 +32,19 @@ void HistoryWriter::complain(const std::string& what, const std::string& reason)
   try_from_ns_ = now_ns + 1'000'000'000;
   const auto before = complaints_.pass(now_ns);
   if (before) spdlog::error("history {}: {}: {}; rows are lost{}", path_, what, reason, LogLimit::also(*before));
+}
+
+void HistoryWriter::note_file() {
+  struct stat status {};
+  const bool known = stat(path_.c_str(), &status) == 0;
+  device_ = known ? status.st_dev : 0;
+  inode_ = known ? status.st_ino : 0;
+}
+
+bool HistoryWriter::is_gone() const {
+  struct stat status {};
+  if (inode_ == 0) return false;
+  return stat(path_.c_str(), &status) != 0 || status.st_dev != device_ || status.st_ino != inode_;
 }
 
 bool HistoryWriter::may_try() const { return MonotonicClock().now_ns() >= try_from_ns_; }

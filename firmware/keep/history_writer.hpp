@@ -39,12 +39,17 @@ class HistoryWriter {
   /// It is written, again.
   void works();
   void lose(std::uint64_t rows) { lost_ += rows; }
+  /// The file is open now: remembers which one it is.
+  void note_file();
+  /// Somebody has removed or replaced it: what is written goes nowhere. False before note_file().
+  bool is_gone() const;
   const std::string& path() const { return path_; }
 
  private:
   std::string path_;
   Troubles& troubles_;
   std::int64_t try_from_ns_ = 0;
+  std::uint64_t device_ = 0, inode_ = 0;  ///< of the open file; 0: not known
   SnapshotRing ring_;
   std::atomic<std::uint64_t> lost_{0};
   LogLimit complaints_;

@@ -9,6 +9,7 @@
 
 #include "firmware/keep/checkpoint.hpp"
 #include "firmware/keep/parameters.hpp"
+#include "firmware/keep/state_files.hpp"
 #include "firmware/watch/clock.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
@@ -39,7 +40,7 @@ std::optional<Checkpoint> look_for_checkpoint(const KeepPlan& plan) {
     if (!checkpoint) spdlog::info("checkpoint {}: there is none yet", path);
     return checkpoint;
   } catch (const rom::InputError& error) {
-    spdlog::warn("checkpoint {}; not used, a cold start", error.what());
+    spdlog::warn("checkpoint {}; not used, a cold start{}", error.what(), put_state_aside(path));
     return std::nullopt;
   }
 }
@@ -58,8 +59,11 @@ Resumed resume_from_checkpoint(const KeepPlan& plan, const std::optional<Checkpo
   if (resumed == Resumed::implausible) reason = "it has temperatures or tares that no spindle has";
   if (!reason.empty()) {
     const int known = resumed == Resumed::implausible ? 0 : cycle.begin_with_machine(checkpoint->remembered);
-    spdlog::warn("checkpoint {}: not used, {}; a cold start{}", path, reason,
-                 known == 0 ? "" : fmt::format(", with what was known of {} parameters of the machine", known));
+    const bool in_time = age_s >= 0.0 && age_s <= plan.max_age_s;
+    std::string besides;
+    if (known > 0) besides = fmt::format(", with what was known of {} parameters of the machine", known);
+    if (known == 0 && in_time) besides = put_state_aside(path);
+    spdlog::warn("checkpoint {}: not used, {}; a cold start{}", path, reason, besides);
   } else {
     spdlog::info("checkpoint {}: goes on from {:.0f} s ago, {}", path, age_s,
                  resumed == Resumed::temperatures ? "temperatures and tare only" : "with what the estimator knew");

@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "firmware/keep/state_files.hpp"
 #include "firmware/watch/clock.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -50,6 +51,7 @@ StandingOrders recall_orders(const std::string& path, const std::string& network
   StandingOrders orders = from_checkpoint(checkpoint, network_sha256);
   const std::uint32_t known = checkpoint ? checkpoint->order_revision : 0;
   std::string lost;
+  bool aside = false;
   try {
     const std::optional<KeptOrders> kept = read_orders(path);
     if (kept) {
@@ -63,7 +65,8 @@ StandingOrders recall_orders(const std::string& path, const std::string& network
         orders.sensor_tares = 0;
         orders.sensor_tare_K.fill(0.0);
         orders.sensor_tare_deviation_K.fill(0.0);
-        if (has_tares(other)) lost = "its tares are of another network";
+        aside = has_tares(other);
+        if (aside) lost = "its tares are of another network";
       } else if (known > other.revision) {
         lost = "it is older than the checkpoint";
         orders = stood_in;
@@ -75,7 +78,9 @@ StandingOrders recall_orders(const std::string& path, const std::string& network
     }
   } catch (const rom::InputError& error) {
     lost = error.what();
+    aside = true;
   }
+  if (aside) lost += put_state_aside(path);
   if (!lost.empty()) {
     orders.lost = true;
     spdlog::error("orders {}: lost, {}; in use: {}. Tare again, then acknowledge", path, lost, told(orders));

@@ -1,6 +1,6 @@
 #include "firmware/keep/sqlite_history.hpp"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -20,6 +20,7 @@ constexpr std::int64_t our_application_id = 0x53545748;  ///< "STWH"
 constexpr std::int64_t our_version = 1;
 constexpr int rows_in_a_transaction = 64;
 constexpr int removed_at_once = 256;
+constexpr std::uint64_t removed_for_each = 2;  ///< too old rows go no faster: a clock that leaps costs few
 constexpr double seconds_per_day = 86400.0;
 
 std::vector<std::string> split(const std::string& header) {
@@ -82,6 +83,32 @@ void SqliteHistory::open_file() {
   }
 }
 
+/// Rows grow old by the time that passes while the daemon runs: from now on, or where the clock on the wall says a
+/// later time than the newest row, from that row on, as the clock may be wrong.
+void SqliteHistory::begin_aging() {
+  began_ns_ = MonotonicClock().now_ns();
+  began_unix_s_ = unix_now_s();
+  Statement newest = database_->prepare("SELECT unix_s FROM cycle ORDER BY id DESC LIMIT 1");
+  if (!newest.step()) return;
+  const double newest_s = newest.number(0);
+  if (began_unix_s_ - newest_s > seconds_per_day * plan_.most_days) {
+    spdlog::warn(
+        "history {}: its last row is {:.0f} days old by the clock, which may be wrong; rows go as they grow old "
+        "while the daemon runs",
+        path(), (began_unix_s_ - newest_s) / seconds_per_day);
+  }
+  began_unix_s_ = std::min(began_unix_s_, newest_s);
+}
+
+/// A file that somebody removed or replaced is given up; the next row begins another.
+void SqliteHistory::give_up_removed() {
+  if (!database_ || !is_gone()) return;
+  insert_.reset();
+  database_.reset();
+  complain("was removed or replaced", std::strerror(ENOENT));
+  open();
+}
+
 /// False where that is not possible now; it has been complained about.
 bool SqliteHistory::open() {
   run_ = 0;
@@ -95,6 +122,8 @@ bool SqliteHistory::open() {
     std::string places;
     for (std::size_t i = 0; i < columns_.size() + 3; ++i) places += i == 0 ? "?" : ",?";
     insert_.emplace(database_->prepare("INSERT INTO cycle VALUES (" + places + ")"));
+    note_file();
+    begin_aging();
     return true;
   } catch (const DatabaseError& error) {
     fail("cannot be opened", error);
@@ -133,12 +162,12 @@ void SqliteHistory::add(const Snapshot& snapshot, double clock_offset_s) {
 
 /// The id up to which rows go: the too old ones, and where there are too many an eighth; a few at a time, as the rows
 /// that come meanwhile wait in the ring. 0: none.
-std::int64_t SqliteHistory::last_to_remove() {
+std::int64_t SqliteHistory::last_to_remove(int too_old_at_once) {
   // Not one behind a younger row: where the clock on the wall was set, times are not in the order of the rows.
   Statement too_old = database_->prepare(
       fmt::format("WITH first AS (SELECT id, unix_s FROM cycle ORDER BY id LIMIT {}) SELECT max(id) FROM first "
                   "WHERE id < coalesce((SELECT min(id) FROM first WHERE unix_s >= ?), 9223372036854775807)",
-                  removed_at_once));
+                  too_old_at_once));
   const double now_s = began_unix_s_ + 1e-9 * static_cast<double>(MonotonicClock().now_ns() - began_ns_);
   too_old.bind(0, now_s - seconds_per_day * plan_.most_days);
   too_old.step();
@@ -148,8 +177,8 @@ std::int64_t SqliteHistory::last_to_remove() {
   return std::max(too_old.whole(0), first + std::clamp<std::int64_t>((next_id_ - first) / 8, 1, removed_at_once) - 1);
 }
 
-void SqliteHistory::remove_old() {
-  const std::int64_t last = last_to_remove();
+void SqliteHistory::remove_old(int too_old_at_once) {
+  const std::int64_t last = last_to_remove(too_old_at_once);
   if (last == 0) return;
   database_->run(
       fmt::format("BEGIN; DELETE FROM cycle WHERE id <= {}; "
@@ -160,6 +189,7 @@ void SqliteHistory::remove_old() {
 void SqliteHistory::drain() {
   while (ring().size() > 0) {
     Snapshot snapshot;
+    give_up_removed();
     const bool is_open = database_ || (may_try() && open());
     std::uint64_t taken = 0;
     try {
@@ -174,9 +204,8 @@ void SqliteHistory::drain() {
         continue;
       }
       database_->run("COMMIT");
-      taken = 0;
       works();
-      remove_old();
+      remove_old(static_cast<int>(removed_for_each * std::exchange(taken, 0)));
     } catch (const DatabaseError& error) {
       lose(taken);
       fail("cannot be written", error);

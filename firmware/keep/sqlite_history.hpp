@@ -17,9 +17,10 @@ bool is_sqlite_path(const std::string& path);
 /// A history in an SQLite file (WAL): the table `cycle` with a row per cycle, its columns those of history_header()
 /// behind id, run and unix_s (indexed), the numbers as the daemon has them; the table `run` with a row per start and
 /// gap, whose id is that of its first cycle. What was committed outlives a crash, and the file is readable at any
-/// moment. Rows older than most_days go, and the oldest when the rows take more than most_bytes; the file keeps its
-/// size then. A file that is damaged, or of other columns, gets a number as an earlier history. On a full disk nothing
-/// is deleted.
+/// moment. Rows older than most_days go, by the time that passes while the
+/// daemon runs and at most two for each new one, and the oldest when the rows take more than most_bytes; the file keeps
+/// its size then. A file that is damaged, or of other columns, gets a number as an earlier history. On a full disk
+/// nothing is deleted.
 class SqliteHistory final : public HistoryWriter {
  public:
   SqliteHistory(HistoryPlan plan, const rom::Network& network, Troubles& troubles);
@@ -34,8 +35,10 @@ class SqliteHistory final : public HistoryWriter {
   bool has_our_tables();
   void put_aside();
   void add(const Snapshot& snapshot, double clock_offset_s);
-  std::int64_t last_to_remove();
-  void remove_old();
+  void begin_aging();
+  void give_up_removed();
+  std::int64_t last_to_remove(int too_old_at_once);
+  void remove_old(int too_old_at_once);
   void fail(const char* what, const DatabaseError& error);
 
   HistoryPlan plan_;

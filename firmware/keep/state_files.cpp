@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
+#include "firmware/keep/history.hpp"
 #include "rom/file/whole_file.hpp"
 #include "rom/read/input_error.hpp"
 
@@ -21,6 +24,13 @@ bool exists_as_file(const std::string& path) {
   if (!std::filesystem::exists(status)) return false;
   if (std::filesystem::is_regular_file(status)) return true;
   throw rom::InputError({path, 0}, "", "it exists and is not a regular file");
+}
+
+std::string put_state_aside(const std::string& path) {
+  const std::string aside = next_earlier_history(path);
+  if (std::rename(path.c_str(), aside.c_str()) == 0) return "; it is kept as " + aside;
+  if (errno == ENOENT) return "";
+  return std::string("; it could not be put aside (") + std::strerror(errno) + ") and will be written over";
 }
 
 int remove_left_overs(const std::string& path) {

@@ -13,6 +13,11 @@ bool exists_as_file(const std::string& path);
 /// digits, ordinary files only. Returns how many. Only where nobody else writes `path` (StateLock).
 int remove_left_overs(const std::string& path);
 
+/// A file that cannot be used is not written over: it gets the next number, "twin.000001.checkpoint", for a person to
+/// look at. Gives words for the end of a line of the log: where it lies now, or that it could not be put aside; none
+/// where there is no file.
+std::string put_state_aside(const std::string& path);
+
 /// Keeps other daemons away from the files that this one writes, whatever their configurations are called: an
 /// exclusive flock on `<file>.lock` for each, which the kernel drops however the process ends. The lock files stay;
 /// they are empty and mean nothing by themselves. Turned down: a lock on the configuration, which an editor replaces

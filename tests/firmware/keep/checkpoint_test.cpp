@@ -13,6 +13,7 @@
 #include <fstream>
 #include <random>
 
+#include "firmware/keep/history.hpp"
 #include "firmware/keep/keeper.hpp"
 #include "firmware/keep/parameters.hpp"
 #include "rom/file/whole_file.hpp"
@@ -279,9 +280,30 @@ TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
   EXPECT_EQ(resumed(sha256, saved_unix_s + 60.0), Resumed::temperatures_and_estimator);
   EXPECT_EQ(resumed(sha256, saved_unix_s - 1.0), Resumed::nothing) << "from the future";
   EXPECT_EQ(resumed(sha256, saved_unix_s + folder.plan.max_age_s + 1.0), Resumed::nothing) << "too old";
+  EXPECT_EQ(earlier_histories(folder.plan.checkpoint_path).size(), 0U) << "age is no reason to keep it";
   EXPECT_EQ(resumed(std::string(64, 'b'), saved_unix_s + 60.0), Resumed::nothing) << "another network";
+  write_checkpoint(ran.checkpoint, folder.plan.checkpoint_path);
   std::ofstream(folder.plan.checkpoint_path, std::ios::app) << "x";
   EXPECT_EQ(resumed(sha256, saved_unix_s + 60.0), Resumed::nothing) << "damaged";
+}
+
+TEST(Keeper, a_checkpoint_that_cannot_be_used_is_kept_under_a_number) {
+  const rom::Network network = tests::small_network();
+  const Ran ran(network);
+  const InFolder folder;
+  const std::string& path = folder.plan.checkpoint_path;
+  const auto resume = [&](const std::string& hash) {
+    Cycle cycle(network, estimated(), runtime);
+    resume_from_checkpoint(folder.plan, look_for_checkpoint(folder.plan), {hash, 1.0, saved_unix_s + 60.0}, cycle);
+  };
+  std::ofstream(path) << "restored by hand, and not readable";
+  resume(sha256);
+  ASSERT_EQ(earlier_histories(path).size(), 1U);
+  std::string kept;
+  std::getline(std::ifstream(earlier_histories(path)[0]) >> std::ws, kept);
+  EXPECT_EQ(kept, "restored by hand, and not readable");
+  resume(sha256);
+  EXPECT_EQ(earlier_histories(path).size(), 1U) << "there is none now";
 }
 
 TEST(Keeper, what_could_not_be_written_is_tried_again_in_a_second_and_else_after_the_interval) {

@@ -88,6 +88,23 @@ TEST(History, what_runs_before_wrote_stays_and_a_row_that_was_torn_is_cut_off) {
   EXPECT_EQ(text_of(path), history_header(network) + "\n");
 }
 
+TEST(History, one_that_is_removed_or_moved_away_while_it_is_written_is_begun_anew) {
+  const rom::Network network = tests::small_network();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  Troubles troubles;
+  History history({path}, network, troubles);
+  write_cycles(history, 1, 3);
+  std::filesystem::remove(path);
+  write_cycles(history, 4, 5);
+  EXPECT_EQ(text_of(path).substr(0, history_header(network).size()), history_header(network));
+  EXPECT_EQ(std::ranges::count(text_of(path), '\n'), 3);
+  std::filesystem::rename(path, folder.file("elsewhere.csv"));
+  write_cycles(history, 6, 6);
+  EXPECT_EQ(std::ranges::count(text_of(path), '\n'), 2) << "the head and the row behind it";
+  EXPECT_EQ(troubles.faults() & bits(Fault::history_lost), 0);
+}
+
 TEST(History, what_follows_a_hole_that_a_power_cut_left_is_cut_off_with_the_row_it_begins_in) {
   const rom::Network network = tests::small_network();
   const tests::TemporaryFolder folder;

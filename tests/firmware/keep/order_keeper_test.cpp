@@ -103,7 +103,8 @@ TEST(RecallOrders, of_the_network_before_an_exchange_all_hold) {
   EXPECT_FALSE(orders.lost);
   EXPECT_EQ(orders.tare_m, 2e-6);
   EXPECT_TRUE(file.recalled(std::nullopt, of_others).lost) << "it took the place of another one";
-  EXPECT_TRUE(file.recalled(std::nullopt).lost);
+  EXPECT_FALSE(std::filesystem::exists(file.path)) << "it is kept under a number, not written over";
+  EXPECT_TRUE(InFile(tared(), of_before).recalled(std::nullopt).lost);
   EXPECT_FALSE(InFile(tared()).recalled(std::nullopt, of_before).lost) << "they are of this one already";
 }
 

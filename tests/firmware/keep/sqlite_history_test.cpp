@@ -154,11 +154,31 @@ TEST_F(SqliteFile, rows_older_than_most_days_go_and_runs_without_rows_with_them)
   change_ = [](Snapshot&) {};
   HistoryPlan plan{path_};
   plan.most_days = 2.0;
-  SqliteHistory history(plan, network_, troubles_);
-  write_cycles(history, 1, 10);
-  ASSERT_EQ(runs().size(), 1U);
+  const auto write_more = [&](std::uint64_t rows) {
+    SqliteHistory history(plan, network_, troubles_);
+    write_cycles(history, 1, rows);
+  };
+  write_more(10);
+  ASSERT_EQ(runs().size(), 2U);
+  EXPECT_EQ(runs()[0].rows, 100) << "the clock may be wrong: nothing goes by its leap";
+  write_more(10);
+  ASSERT_EQ(runs().size(), 3U);
+  EXPECT_GE(runs()[0].rows, 80) << "two at most for each new one";
+  EXPECT_LT(runs()[0].rows, 100);
+  write_more(100);
+  ASSERT_EQ(runs().size(), 3U);
   EXPECT_EQ(runs()[0].rows, 10);
   EXPECT_EQ(runs()[0].id, 101);
+}
+
+TEST_F(SqliteFile, one_that_is_removed_while_it_is_written_is_begun_anew_and_said) {
+  SqliteHistory history({path_}, network_, troubles_);
+  write_cycles(history, 1, 10);
+  std::filesystem::remove(path_);
+  write_cycles(history, 11, 12);
+  write_cycles(history, 13, 20);
+  EXPECT_EQ(table().rows(), 10U);
+  EXPECT_FALSE(is_at_fault());
 }
 
 TEST_F(SqliteFile, rows_of_a_clock_that_was_wrong_for_a_while_take_no_younger_ones_with_them) {
