@@ -20,15 +20,20 @@ std::string in_words(const char* format, Values... values) {
   return text;
 }
 
-/// Parameters beyond what a network is made for go back to there, and are named.
+/// Deviations within which a value that lies beyond its limits is no other than the limit itself.
+constexpr double sure_of = 2.0;
+
+/// Parameters beyond what a network is made for go back to there; those that are surely beyond are named.
 std::vector<std::string> bound_parameters(const std::vector<Parameter>& machine, Calibration& calibration) {
   std::vector<std::string> misfits;
   for (std::size_t i = 0; i < machine.size(); ++i) {
     double& value = calibration.mean[static_cast<Eigen::Index>(i)];
     const double bounded = std::clamp(value, machine[i].minimum, machine[i].maximum);
-    if (bounded == value) continue;
-    misfits.push_back(in_words("%s: would have to be %.2f, believed is %.2f to %.2f", machine[i].name.c_str(), value,
-                               machine[i].minimum, machine[i].maximum));
+    const double deviation = calibration.root.row(static_cast<Eigen::Index>(i)).norm();
+    if (std::abs(value - bounded) > sure_of * deviation) {
+      misfits.push_back(in_words("%s: would have to be %.3g, sure to %.2g; believed is %.3g to %.3g",
+                                 machine[i].name.c_str(), value, deviation, machine[i].minimum, machine[i].maximum));
+    }
     value = bounded;
   }
   return misfits;

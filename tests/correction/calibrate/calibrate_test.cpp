@@ -143,6 +143,28 @@ TEST(Calibrate, a_parameter_beyond_what_is_believed_is_bounded_and_named) {
   EXPECT_TRUE(named);
 }
 
+TEST(Calibrate, a_machine_at_the_end_of_what_is_believed_of_it_is_no_misfit) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = calibrate_options(network);
+  const ParameterModel parameters(network, options.priors);
+  const auto& list = parameters.list();
+  const auto slope = std::find_if(list.begin(), list.end(), [](const Parameter& parameter) {
+    return parameter.kind == ParameterKind::bearing_temperature;
+  });
+  ASSERT_NE(slope, list.end());
+  int bounded = 0, named = 0;
+  for (const double slope_per_K : {-0.03, -0.04, -0.05, -0.06}) {
+    Eigen::VectorXd truth = drawn(parameters, 71);
+    truth[slope - list.begin()] = slope_per_K;  // friction that rises with temperature
+    const CalibrationResult result = calibrate(network, options, {record(network, parameters, truth, {})}, {});
+    const auto& names = result.calibration.names;
+    bounded += result.calibration.mean[std::find(names.begin(), names.end(), slope->name) - names.begin()] == 0.0;
+    for (const std::string& misfit : result.misfits) named += misfit.starts_with(slope->name);
+  }
+  EXPECT_GE(bounded, 1);
+  EXPECT_LT(named, bounded) << "not where the fit cannot tell it from the end";
+}
+
 TEST(Calibrate, a_test_without_any_reading_is_refused_by_its_name) {
   const rom::Network network = plates();
   const CalibrateOptions options = calibrate_options(network);
