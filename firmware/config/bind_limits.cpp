@@ -41,6 +41,8 @@ void limit_by_network(std::size_t signal, const rom::Network& network, SignalPla
     limit_surrounding(boundaries, believed, rom::EnvironmentKind::ambient, ambient_K_per_s, plan);
   } else if (signal >= first_flow_signal && signal < first_heat_signal) {
     keep_within(believed.flow_kg_per_s[signal - first_flow_signal], plan);
+  } else if (signal >= first_heat_signal && signal - first_heat_signal < believed.heat_W.size()) {
+    keep_within(believed.heat_W[signal - first_heat_signal], plan);
   }
 }
 

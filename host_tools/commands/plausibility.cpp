@@ -4,7 +4,10 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+
+#include "rom/units.hpp"
 
 namespace spindle_twin::host_tools {
 
@@ -34,6 +37,7 @@ void Plausibility::note_log(const Log& log, const rom::Network& network) {
     environment.name = environment.kind == rom::EnvironmentKind::coolant ? "coolant" : "ambient";
   }
   for (rom::CoolantCircuit& circuit : boundaries.circuits) circuit.name = "flow." + circuit.name;
+  for (rom::HeatSource& source : boundaries.sources) source.name = "heat." + source.name;
   const rom::PlausibleInputs believed = rom::plausible_inputs(boundaries, network.certificate.box.speed_high_rpm);
   rom::OperatingState state = boundaries.operating;
   for (const LogRow& row : log.rows) {
@@ -42,14 +46,30 @@ void Plausibility::note_log(const Log& log, const rom::Network& network) {
   }
 }
 
+void Plausibility::note_readings(const Log& log, const rom::Network& network, const firmware::CyclePlan& plan) {
+  for (const LogRow& row : log.rows) {
+    for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+      const firmware::SensorPlan& sensor = plan.sensors[k];
+      const double reading_K = row.measured_K[k];
+      if (!sensor.configured || std::isnan(reading_K)) continue;
+      const auto amiss = rom::judge_value(
+          reading_K - rom::zero_degC_K, rom::between(sensor.min_K - rom::zero_degC_K, sensor.max_K - rom::zero_degC_K),
+          "measured." + network.key_points[k].name + "_degC", "degC, not kelvin, and is not used");
+      if (amiss) note(row.where, {*amiss});
+    }
+  }
+}
+
 void Plausibility::add_temperatures(const std::string& file, const rom::Boundaries& boundaries,
                                     const Eigen::VectorXd& nodes_K) {
+  if (nodes_K.size() == 0) return;
   coldest_K_ = std::min(coldest_K_, nodes_K.minCoeff());
   hottest_K_ = std::max(hottest_K_, nodes_K.maxCoeff());
   if (strict_) note_temperatures(file, boundaries);
 }
 
 void Plausibility::note_temperatures(const std::string& file, const rom::Boundaries& boundaries) {
+  if (coldest_K_ > hottest_K_) return;
   note({file, 0}, rom::implausible_temperatures(boundaries, coldest_K_, hottest_K_));
 }
 

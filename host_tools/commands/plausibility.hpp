@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/cycle/plan.hpp"
 #include "host_tools/replay/log.hpp"
 #include "rom/boundary_values/plausible_inputs.hpp"
 #include "rom/boundary_values/schedule.hpp"
@@ -28,6 +29,8 @@ class Plausibility {
                      double certified_rpm = 0.0);
   /// Of every row of a machine's log.
   void note_log(const Log& log, const rom::Network& network);
+  /// Of every reading of a sensor that the plan has, beyond its range.
+  void note_readings(const Log& log, const rom::Network& network, const firmware::CyclePlan& plan);
   /// Of what came out at one instant of a run. With --strict an error at once; else warned of at the run's end.
   void add_temperatures(const std::string& file, const rom::Boundaries& boundaries, const Eigen::VectorXd& nodes_K);
   /// The end of the run: warns of the hottest and the coldest of all instants.

@@ -139,6 +139,13 @@ void print_table(const ReplayCommand& options, const rom::Network& network, cons
   print_errors("deformation, error in um", errors.deformations(), rom::um_per_m);
 }
 
+/// Of the key points; none before the prediction has begun.
+Eigen::VectorXd predicted_K(const firmware::Snapshot& snapshot) {
+  const bool begun = snapshot.state != firmware::State::starting;
+  return Eigen::Map<const Eigen::VectorXd>(snapshot.predicted_K.data(),
+                                           begun ? static_cast<Eigen::Index>(snapshot.key_points) : 0);
+}
+
 void run_replay(const ReplayCommand& options) {
   if (!options.output.empty()) rom::check_writable(options.output, "--output");
   const rom::Network network = rom::read_network(options.replay.network);
@@ -146,14 +153,17 @@ void run_replay(const ReplayCommand& options) {
   Plausibility plausibility = options.plausibility;
   plausibility.note_log(log, network);
   const firmware::CyclePlan plan = plan_replay(network, log, options.replay);
+  plausibility.note_readings(log, network, plan);
   ReplayErrors errors(network, plan, log, options.from_s);
   Tally tally;
   std::string table = replay_header(network) + "\n";
   replay(network, plan, log, [&](const ReplayedCycle& cycle) {
     const std::vector<double>& error_K = errors.add(cycle);
     tally.add(cycle.snapshot);
+    plausibility.add_temperatures(options.replay.network, network.boundaries, predicted_K(cycle.snapshot));
     if (!options.output.empty()) table.append(replay_row(cycle.snapshot, error_K)).append("\n");
   });
+  plausibility.note_temperatures(options.replay.network, network.boundaries);
   if (!options.output.empty()) rom::write_whole_file(options.output, table);
   options.json ? print_json(options, network, plan, log, tally, errors)
                : print_table(options, network, plan, log, tally, errors);

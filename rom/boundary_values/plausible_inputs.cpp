@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "rom/boundary_values/evaluate_boundaries.hpp"
+#include "rom/boundary_values/held_law.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::rom {
@@ -15,6 +16,8 @@ constexpr double most_load = 3.0;
 constexpr double coolant_within_K = 25.0;
 constexpr double ambient_within_K = 30.0;
 constexpr double flow_reserve = 5.0;
+constexpr double heat_reserve = 5.0;
+constexpr double heat_backwards = 0.5;
 constexpr Range film_W_per_m2K = between(0.1, 5e4);
 constexpr Range contact_W_per_m2K = between(1.0, 1e6);
 constexpr double fastest_warming_K_per_s = 1.0;
@@ -59,6 +62,7 @@ PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_
   PlausibleInputs believed{said(boundaries, "speed_rpm", either_way(speed_reserve * fastest_rpm)),
                            said(boundaries, "load", either_way(most_load)),
                            {},
+                           {},
                            {}};
   for (std::size_t e = 0; e < boundaries.environments.size(); ++e) {
     const double middle_K = boundaries.operating.environment_K[static_cast<Eigen::Index>(e)];
@@ -71,6 +75,11 @@ PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_
     const double described_kg_per_s = std::abs(boundaries.operating.flow_kg_per_s[static_cast<Eigen::Index>(c)]);
     believed.flow_kg_per_s.push_back(said(boundaries, plausible_flow_prefix + boundaries.circuits[c].name,
                                           either_way(flow_reserve * described_kg_per_s)));
+  }
+  for (const std::size_t heat : measured_heats(boundaries)) {
+    const double described_W = boundaries.sources[heat].nominal_W;
+    believed.heat_W.push_back(described_W > 0.0 ? between(-heat_backwards * described_W, heat_reserve * described_W)
+                                                : any_number);
   }
   return believed;
 }
@@ -88,6 +97,12 @@ std::vector<Implausible> implausible_inputs(const Boundaries& boundaries, const 
   for (std::size_t c = 0; c < boundaries.circuits.size(); ++c) {
     judge(state.flow_kg_per_s[static_cast<Eigen::Index>(c)], believed.flow_kg_per_s[c],
           boundaries.circuits[c].name + "_kg_per_s", "kg/s, not kg/min", found);
+  }
+  const std::vector<std::size_t> measured = measured_heats(boundaries);
+  for (std::size_t h = 0; h < measured.size(); ++h) {
+    const auto slot = static_cast<Eigen::Index>(h);
+    if (slot >= state.heat_W.size() || std::isnan(state.heat_W[slot])) continue;
+    judge(state.heat_W[slot], believed.heat_W[h], boundaries.sources[measured[h]].name + "_W", "W, not kW", found);
   }
   return found;
 }

@@ -17,12 +17,14 @@ struct PlausibleInputs {
   Range load;
   std::vector<Range> environment_K;  ///< one per environment
   std::vector<Range> flow_kg_per_s;  ///< one per circuit; any number where the description has no flow
+  std::vector<Range> heat_W;         ///< one per measured heat; any number where the description has none
 };
 
 /// speed     up to twice the fastest of the description's speeds and of `certified_rpm`, that of the certificate
 /// load      up to 3 times the rated one, either way
 /// coolant   within 25 K of the description's, ambient within 30 K
 /// flow      up to 5 times the description's, either way
+/// a measured heat  up to 5 times the description's; as noise, half of it the other way
 /// A limit is any number where the description's own value is 0. Ranges of Boundaries::plausible take the place of
 /// these, here and below.
 PlausibleInputs plausible_inputs(const Boundaries& boundaries, double certified_rpm = 0.0);

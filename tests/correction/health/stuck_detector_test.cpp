@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace spindle_twin::correction::test {
 namespace health_stuck_detector_test {
@@ -54,6 +55,36 @@ TEST(StuckDetector, a_model_that_takes_longer_than_two_minutes_for_a_tenth_of_a_
     }
     EXPECT_EQ(found, movement_s < 120.0) << movement_s;
   }
+}
+
+/// Read each 10 s a live sensor of a place that stands shows four readings within a step once in some hundred minutes.
+TEST(StuckDetector, while_the_model_settles_its_movement_is_not_held_against_a_sensor_that_stands) {
+  int taken_for_stuck = 0;
+  for (const bool settles : {false, true}) {
+    std::mt19937_64 random(1);
+    std::normal_distribution<double> noise_K(0.0, 0.03);
+    StuckDetector detector;
+    const StuckDetector::Sensor of{resolution_K, 0.03, 0.0, settles};
+    int found = 0;
+    for (int t = 0; t < 900000; t += 10) {
+      const double model_K = 0.01 * t, reading_K = std::round((300.0 + noise_K(random)) / resolution_K) * resolution_K;
+      found += detector.observe(t, reading_K, {model_K, model_K, model_K}, of, {}) ? 1 : 0;
+    }
+    if (settles) {
+      EXPECT_EQ(found, 0);
+    } else {
+      taken_for_stuck = found;
+    }
+  }
+  EXPECT_GT(taken_for_stuck, 0) << "the test shows nothing";
+  StuckDetector dead;
+  double found_s = -1.0;
+  for (int t = 0; t < 600 && found_s < 0.0; ++t) {
+    const double model_K = 0.01 * t;
+    if (dead.observe(t, 300.0, {model_K, model_K, model_K}, {resolution_K, 0.03, 0.0, true}, {})) found_s = t;
+  }
+  EXPECT_GE(found_s, 0.0);
+  EXPECT_LE(found_s, 60.0) << "its own noise is missed";
 }
 
 TEST(StuckDetector, a_coarse_channel_needs_eight_steps_of_its_resolution) {
