@@ -119,6 +119,9 @@ void warn_of_implausible(const PreparedSpindle& spindle, bool strict) {
     if (strict) throw each;
     std::fprintf(stderr, "warning: %s\n", each.what());
   }
+  for (const rom::InputError& each : unwritable_files(spindle.config)) {
+    std::fprintf(stderr, "warning: %s\n", each.what());
+  }
 }
 
 void log_network(const PreparedSpindle& spindle) {

@@ -117,14 +117,14 @@ void Channel::take(const HealthSample& sample, double time_s, double h_s) {
     stuck_.restart();
     model_.interrupt();
   }
-  course_.carry_on(moved_K_, elapsed_s_, limits_);
+  course_.carry_on(moved_K_, elapsed_s_, plan_.resolution_K, limits_);
   look_at_wire();
   if (!electrical_.is_right()) return;
   was_away_ = unread_s_ > gap_s;
   gap_.note_reading(time_s, was_away_, limits_);
   unread_s_ = 0.0;
   detrended_K_ = sample.reading_K - model_.integrated_K();
-  off_course_ = course_.is_outlier(detrended_K_) && stepped_K() > course_.least_jump_K(limits_);
+  off_course_ = course_.is_outlier(detrended_K_) && stepped_K() > course_.least_jump_K(plan_.resolution_K, limits_);
 }
 
 void Channel::look_at_wire() {
@@ -179,7 +179,7 @@ double Channel::off_course_before_K() const {
 
 bool Channel::came_back_as(const Channel& other) const {
   const double own_K = off_course_before_K();
-  return own_K > 2.0 * course_.least_jump_K(limits_) &&
+  return own_K > 2.0 * course_.least_jump_K(plan_.resolution_K, limits_) &&
          std::abs(off_course_before_of_K(other)) <= limits_.swap_fit * own_K;
 }
 

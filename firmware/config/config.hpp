@@ -99,6 +99,7 @@ struct ConfiguredNetwork {
   bool allow_uncertified = false;  ///< a hand-written network, which cannot have a certificate
   bool require_signature = false;
   std::vector<rom::PublicKey> trusted_keys;  ///< whose signature counts
+  std::vector<std::string> key_files = {};   ///< those of them that stand in files
 };
 
 /// Where new networks come in while the daemon runs, and how they are judged.
@@ -148,6 +149,10 @@ struct Config {  // NOLINT(public-members): the configuration as read, a member 
 
 /// Reads and checks. Throws rom::InputError with file, line, field and what is allowed.
 Config read_config(const std::string& path);
+
+/// That of one spindle for who replays or fits its logs: a daemon's own file, or one of those that a list of spindles
+/// names, which has no [serve] but for `plc_timeout_s`. Throws likewise, also for such a list itself.
+Config read_spindle_config(const std::string& path);
 Config parse_config(const std::string& text, const std::string& path);
 /// Of one spindle among several: without what all have together, which stands in the file `list`. Its devices' ports
 /// are noted in `listeners`.

@@ -1,11 +1,16 @@
 #include "firmware/config/daemon_config.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <utility>
 
+#include "firmware/config/load_network.hpp"
 #include "firmware/config/read_files.hpp"
 #include "firmware/config/read_served.hpp"
 
@@ -62,6 +67,7 @@ ConfiguredSpindle read_one(const TomlTable& table, const std::string& list, List
   spindle.unit = static_cast<int>(table.integer("unit", 1, last_unit));
   taken.take("unit " + std::to_string(spindle.unit), spindle.name, table, "unit");
   const std::string path = beside(list, table.string("config"));
+  check_is_there(path, table.where("config"), table.path("config"));
   spindle.config = read_config_of_one(TomlTable::read(path), path, list, listeners);
   for (const std::string& file : state_files(spindle.config)) {
     taken.take("the file " + one_way_to(file), spindle.name, table, "config");
@@ -112,6 +118,19 @@ std::vector<std::string> state_files(const Config& config) {
   }
   if (!config.exchange.slot.empty()) files.push_back(config.exchange.slot + "/exchange");
   return files;
+}
+
+std::vector<rom::InputError> unwritable_files(const Config& config) {
+  std::vector<rom::InputError> found;
+  for (const std::string& file : state_files(config)) {
+    std::string folder = std::filesystem::path(file).parent_path().string();
+    if (folder.empty()) folder = ".";
+    if (access(folder.c_str(), W_OK | X_OK) == 0) continue;
+    const int reason = errno;
+    found.emplace_back(rom::SourceLine{config.path, 0}, file,
+                       "could not be written by this user, its folder: " + std::string(std::strerror(reason)));
+  }
+  return found;
 }
 
 DaemonConfig read_daemon_config(const std::string& path) {

@@ -26,6 +26,9 @@ struct DaemonConfig {
 /// The files that a spindle writes: orders, checkpoint, history, parameters.
 std::vector<std::string> state_files(const Config& config);
 
+/// For --check: those of them that this user could not write now, as the folder is not there or not his; one each.
+std::vector<rom::InputError> unwritable_files(const Config& config);
+
 /// Reads a configuration: of one spindle, or a list of spindles (`[[spindle]]`: name, unit, config) with what they have
 /// together ([serve], [http], [plant], log_level) and one file for each. Throws rom::InputError with file, line, field
 /// and what is allowed, also where two spindles share a name, a unit, a port or a file that both would write.

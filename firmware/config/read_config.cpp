@@ -204,6 +204,7 @@ ConfiguredNetwork read_network_table(const TomlTable& root, const std::string& p
   network.require_signature = table.boolean_or("require_signature", false);
   for (const std::string& text : table.strings_or_empty("trusted_keys")) {
     network.trusted_keys.push_back(read_trusted_key(table, text, path));
+    if (text.ends_with(".pub")) network.key_files.push_back(beside(path, text));
   }
   if (network.require_signature && network.trusted_keys.empty()) {
     table.fail("trusted_keys", "at least one key is needed where require_signature is true");
@@ -325,6 +326,19 @@ Config read_root(const TomlTable& root, const std::string& path) {
 }  // namespace
 
 Config read_config(const std::string& path) { return read_root(TomlTable::read(path), path); }
+
+Config read_spindle_config(const std::string& path) {
+  const TomlTable root = TomlTable::read(path);
+  if (root.has("spindle")) root.fail("spindle", "this is a list of spindles; the file of one of them is wanted");
+  const auto serve = root.optional_table("serve");
+  bool is_one_of_several = true;
+  if (serve) {
+    for (const std::string& key : serve->free_keys()) is_one_of_several = is_one_of_several && key == "plc_timeout_s";
+  }
+  if (!is_one_of_several || root.has("http") || root.has("plant")) return read_config(path);
+  Listeners listeners;
+  return read_config_of_one(TomlTable::read(path), path, "the list of spindles", listeners);
+}
 
 Config parse_config(const std::string& text, const std::string& path) {
   return read_root(TomlTable::parse(text, path), path);

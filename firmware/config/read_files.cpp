@@ -26,6 +26,7 @@ class FileOwners {
   void take(const std::string& path, const TomlTable& table, const std::string& key) {
     const auto [owner, is_new] = owners_.try_emplace(one_way_to(path), table.path(key));
     if (!is_new) table.fail(key, "\"" + path + "\" is " + owner->second + ", which would be written over");
+    owners_.try_emplace(one_way_to(path + ".lock"), "the lock file of " + table.path(key));
   }
 
  private:
@@ -79,6 +80,7 @@ std::string one_way_to(const std::string& path) {
 std::vector<FileRead> files_read(const Config& config) {
   std::vector<FileRead> files{{config.path, "the configuration"}, {config.network.path, "the network"}};
   if (config.calibration) files.push_back({config.calibration->path, "the calibration"});
+  for (const std::string& key : config.network.key_files) files.push_back({key, "one of the trusted_keys"});
   return files;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
+#include <system_error>
 
 #include "firmware/acquire/read_address.hpp"
 #include "firmware/config/read_files.hpp"
@@ -80,6 +82,10 @@ std::optional<CommandPlan> read_commands(const std::optional<TomlTable>& table, 
     table->fail("unencrypted",
                 "must be true where passwords pass a network as they are: http.address is " + address +
                     "; better leave it at 127.0.0.1, put a proxy with TLS before it and set behind_tls = true");
+  }
+  std::error_code unknown;
+  if (!std::filesystem::exists(plan.accounts_path, unknown)) {
+    table->fail("accounts", "there is no file \"" + plan.accounts_path + "\"");
   }
   plan.accounts = read_accounts(plan.accounts_path);
   return plan;

@@ -47,7 +47,7 @@ std::string index_text(const Routes& routes) {
 HttpServer::HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles, Clock& clock)
     : plan_(plan),
       clock_(clock),
-      listener_(listen_on(plan.address, plan.port)),
+      listener_(listen_on(plan.address, plan.port, "http")),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       answerer_([this](const HttpRequest& request) { return page(request); }, plan.names),
       commands_(plan.commands, clock) {

@@ -92,7 +92,8 @@ Page PageCommands::log_in(const HttpRequest& request) {
         std::find_if(accounts.begin(), accounts.end(), [&](const Account& each) { return each.user == login.user; });
     const bool is_known = account != accounts.end();
     if (!is_password(is_known ? account->hash : desk->nobody, login.password) || !is_known) {
-      spdlog::warn("http: login as {} from {} refused", login.user, from);
+      // A name that nobody has may be a password in the wrong field.
+      spdlog::warn("http: login as {} from {} refused", is_known ? login.user : "nobody known", from);
       return error_page(401, "the name or the password is wrong");
     }
     spdlog::warn("http: {} logged in from {}", login.user, from);

@@ -17,7 +17,7 @@ correction::CalibrateOptions test_options(const rom::Network& network, const std
   if (config_file.empty()) {
     options.sensors = correction::key_point_sensors(network, estimator);
   } else {
-    const firmware::Config config = firmware::read_config(config_file);
+    const firmware::Config config = firmware::read_spindle_config(config_file);
     if (!config.cycle.estimator) {
       throw rom::InputError({config_file, 0}, "correction.law",
                             "must be \"estimator\": a calibration is of its parameters");

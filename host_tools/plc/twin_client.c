@@ -59,7 +59,7 @@ static long number(const char* text, const char* name, long least, long most) {
 }
 
 int main(int count, char** arguments) {
-  if (count > 5) {
+  if (count > 5 || (count > 1 && arguments[1][0] == '-')) {
     fprintf(stderr, "usage: %s [ADDRESS [PORT [UNIT [SECONDS]]]]\n", arguments[0]);
     return 2;
   }

@@ -126,7 +126,7 @@ firmware::CyclePlan plan_replay(const rom::Network& network, const Log& log, con
     throw rom::InputError({}, "--sensors", "is of a replay without a configuration, which says what sensors there are");
   }
   firmware::Config config =
-      options.config.empty() ? config_of_log(network, log, options) : firmware::read_config(options.config);
+      options.config.empty() ? config_of_log(network, log, options) : firmware::read_spindle_config(options.config);
   choose_correction(options.correction, options.calibration, config);
   apply_estimator_options(network, options, config.cycle);
   firmware::CyclePlan plan = firmware::bind_config(config, network).cycle;

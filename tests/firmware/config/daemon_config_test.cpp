@@ -46,6 +46,28 @@ class DaemonConfigTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(DaemonConfigTest, a_state_file_in_a_folder_that_is_not_there_is_warned_of) {
+  write("right.toml", of_one + "[checkpoint]\npath = \"nowhere/right.checkpoint\"\n");
+  const DaemonConfig daemon = read(head + spindle("left", 1, "left.toml") + spindle("right", 2, "right.toml"));
+  EXPECT_TRUE(unwritable_files(daemon.spindles[0].config).empty());
+  const std::vector<rom::InputError> found = unwritable_files(daemon.spindles[1].config);
+  ASSERT_EQ(found.size(), 2U) << "orders stand beside the checkpoint";
+  EXPECT_NE(std::string(found[1].what()).find("right.checkpoint: could not be written by this user, its folder: "),
+            std::string::npos)
+      << found[1].what();
+}
+
+TEST_F(DaemonConfigTest, a_file_of_one_of_several_is_read_for_a_replay_and_a_list_of_them_is_not) {
+  write("right.toml", of_one + "[serve]\nplc_timeout_s = 3.0\n");
+  EXPECT_EQ(read_spindle_config(folder_ / "left.toml").cycle.period_s, 2.0);
+  EXPECT_EQ(read_spindle_config(folder_ / "right.toml").cycle.plc_timeout_s, 3.0);
+  write("alone.toml", of_one + "[serve]\nport = 1502\n");
+  EXPECT_EQ(read_spindle_config(folder_ / "alone.toml").serve.port, 1502);
+  write("list.toml", head + spindle("left", 1, "left.toml"));
+  EXPECT_NE(tests::refusal_of([&] { read_spindle_config(folder_ / "list.toml"); }).find("the file of one of them"),
+            std::string::npos);
+}
+
 TEST_F(DaemonConfigTest, what_one_spindle_writes_no_other_reads) {
   const std::string list = head + spindle("left", 1, "left.toml") + spindle("right", 2, "right.toml");
   EXPECT_EQ(refusal(list), "accepted") << "both read small.rom";

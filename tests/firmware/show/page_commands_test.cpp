@@ -225,7 +225,7 @@ TEST_F(PageOrders, who_orders_what_from_where_is_said_in_the_log) {
   made(commands_->log_out(post("", cookie)));
   EXPECT_EQ(log.text(),
             "warning http: anna logged in from 127.0.0.1\n"
-            "warning http: login as bert from 127.0.0.1 refused\n"
+            "warning http: login as nobody known from 127.0.0.1 refused\n"
             "warning http: left: anna at 127.0.0.1: tare take, order 60001\n"
             "warning http: anna at 127.0.0.1: tare take: not taken, the queue of orders is full\n"
             "warning http: anna logged out from 127.0.0.1\n");
