@@ -171,6 +171,9 @@ std::vector<SensorPlace> find_places(const rom::Network& network, const std::vec
   for (const std::string& name : names) {
     const auto place = std::find_if(all.begin(), all.end(), [&](const SensorPlace& one) { return one.name == name; });
     if (place == all.end()) throw unknown_place(network, all, name, field);
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      throw rom::InputError({}, field, "\"" + name + "\" stands there twice; one place has one sensor");
+    }
     found.push_back(*place);
   }
   return found;

@@ -92,7 +92,10 @@ DaemonConfig of_several(const TomlTable& root, const std::string& path) {
   DaemonConfig daemon;
   daemon.log_level = read_log_level(root);
   Listeners listeners;
-  daemon.serve = read_serve(root.table("serve"), path, listeners);
+  const TomlTable serve = root.table("serve");
+  if (serve.has("plc_timeout_s"))
+    serve.fail("plc_timeout_s", "is of each spindle and stands in [serve] of its own file");
+  daemon.serve = read_serve(serve, path, listeners);
   daemon.show = read_http(root, path, listeners);
   daemon.plant = read_plant(root.optional_table("plant"), path);
   Taken taken;

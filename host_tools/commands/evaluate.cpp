@@ -4,6 +4,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <limits>
@@ -99,10 +100,14 @@ void print_json(const Evaluation& result) {
 }
 
 void print_line(const std::string& name, const GrowthJudgement& judged) {
-  std::printf("%-12s %8zu %10.2f %10.2f %10.2f %10.2f %8.2f  %s\n", name.c_str(), judged.readings,
+  std::array<char, 16> left{"-"};  // where nothing has grown
+  if (judged.growth_rms_m > 0.0) {
+    std::snprintf(left.data(), left.size(), "%.2f", judged.left_rms_m / judged.growth_rms_m);
+  }
+  std::printf("%-12s %8zu %10.2f %10.2f %10.2f %10.2f %8s  %s\n", name.c_str(), judged.readings,
               judged.growth_rms_m * rom::um_per_m, judged.growth_worst_m * rom::um_per_m,
-              judged.left_rms_m * rom::um_per_m, judged.left_worst_m * rom::um_per_m,
-              judged.left_rms_m / judged.growth_rms_m, name_of(judged.verdict));
+              judged.left_rms_m * rom::um_per_m, judged.left_worst_m * rom::um_per_m, left.data(),
+              name_of(judged.verdict));
 }
 
 void print_table(const EvaluateOptions& options, const Evaluation& result) {

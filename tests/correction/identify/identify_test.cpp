@@ -103,6 +103,11 @@ TEST(Identify, a_yardstick_knows_heats_joints_and_films_only_and_nothing_of_it_w
   }
 }
 
+TEST(Identify, one_place_has_one_sensor) {
+  const rom::Network network = plates();
+  EXPECT_THROW(find_places(network, {"point 0", "point 0"}, "--sensors"), rom::InputError);
+}
+
 TEST(Identify, unknown_places_are_refused_with_the_known_ones) {
   const rom::Network network = plates();
   try {
