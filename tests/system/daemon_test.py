@@ -293,7 +293,7 @@ class BadInput(unittest.TestCase):
         self.network.write_bytes(data)
         self.assertIn(f"spindle-twind: {self.network}: ", self.error_of(self.config))
         self.network.unlink()
-        self.assertIn(f"spindle-twind: {self.network}: ", self.error_of(self.config))
+        self.assertIn(f'{self.config}:2: network: there is no file "{self.network}"', self.error_of(self.config))
 
 
 if __name__ == "__main__":

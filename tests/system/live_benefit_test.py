@@ -149,6 +149,7 @@ class Benefit(LivePage):
         self.start_again()
         self.write_signals()
         (self.folder / "history.sqlite").unlink()
+        (self.folder / "history.sqlite").mkdir()  # a file would be begun anew
         self.open()
         wait_until(lambda: "The history cannot be read: " in self.text("benefit-said"), "the reason", 20)
         self.wait_for_next_state()

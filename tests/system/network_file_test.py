@@ -157,8 +157,22 @@ class NetworkFiles(host_tool_case.Case):
         warned = [line for line in said.splitlines() if line.startswith("warning: ")]
         self.assertIn(f"{log}:3: load: 70 is not plausible; believed is -3 to 3", warned[0])
         self.assertIn(f"{log}:3: coolant_degC: 295 is not plausible; believed is ", warned[1])
-        self.assertEqual(len(warned), 2, said)
+        self.assertIn("hottest temperature: ", warned[2])
+        self.assertEqual(len(warned), 3, said)
         self.assertIn(f"{log}:3: load: 70 is not plausible", self.error_of("replay", network, log, "--strict"))
+        kelvin = self.text("kelvin.csv", "time_s,speed_rpm,load,coolant_degC,ambient_degC,measured.front_seat_degC\n"
+                                         "0,6000,0.7,20,20,20\n10,6000,0.7,20,20,294\n20,6000,0.7,20,20,294\n")
+        self.assertIn(f"{kelvin}:3: measured.front_seat_degC: 294 is not plausible; believed is -20 to 150 degC",
+                      self.good("replay", network, kelvin, "--start-degC", 20).stderr)
+
+    def test_measured_heats_of_a_log_are_looked_at(self):
+        network = self.folder / "two.rom"
+        self.good("assemble", EXAMPLE.parent / "two_node.toml", "-o", network)
+        heats = [source["name"] for source in self.json_of("inspect", network)["sources"]]
+        log = self.text("kilowatts.csv", f"time_s,speed_rpm,load,coolant_degC,ambient_degC,heat.{heats[0]}_W\n"
+                                         "0,1,1,20,20,1\n10,1,1,20,20,1e6\n20,1,1,20,20,1e6\n")
+        said = self.error_of("replay", network, log, "--correction", "none", "--start-degC", 20, "--strict")
+        self.assertIn(f"{log}:3: heat.{heats[0]}_W: 1e+06 is not plausible; believed is ", said)
 
     def declared_states_and_faults(self):
         declared = tomllib.loads((EXAMPLE.parents[2] / "firmware" / "cycle" / "states.toml").read_text())
