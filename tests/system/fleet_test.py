@@ -5,7 +5,9 @@ import importlib.machinery
 import importlib.util
 import pathlib
 import struct
+import subprocess
 import sys
+import tempfile
 import unittest
 
 FLEET = pathlib.Path(__file__).resolve().parents[2] / "host_tools" / "fleet"
@@ -149,6 +151,22 @@ class Board(unittest.TestCase):
         page = BOARD.page(rows, 3, 5.0)
         self.assertIn("hall/&lt;one&gt;/spindle", page)
         self.assertIn('<tr class="gone">', page)
+
+    def test_without_an_answer_the_page_says_so_in_place_of_old_states(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "board.html"
+            page.write_text("running, age 1")
+            board = subprocess.Popen([sys.executable, "-B", BOARD.__file__, "--store", "http://127.0.0.1:9", "--page", page,
+                                      "--each", "0.1"], stderr=subprocess.PIPE, text=True)
+            try:
+                self.assertIn("127.0.0.1:9", board.stderr.readline())
+                board.stderr.readline()  # the second time: the first page is written
+            finally:
+                board.terminate()
+                board.communicate()
+            text = page.read_text()
+            self.assertIn("No states: the store does not answer since ", text)
+            self.assertNotIn("running, age 1", text)
 
     def test_states(self):
         self.assertEqual([BOARD.state_of(1, 0.0, 1.0), BOARD.state_of(1, 1.0, 1e3), BOARD.state_of(2, 1.0, 1.0)],
