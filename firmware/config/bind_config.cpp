@@ -167,6 +167,10 @@ SpindlePlan bind_config(const Config& config, const rom::Network& network) {
       if (!plan.cycle.sensors[k].configured) {
         throw rom::InputError(configured.where, configured.field, "key point \"" + sensor + "\" has no [[sensor]]");
       }
+      const bool is_twice = std::count(configured.sensors.begin(), configured.sensors.end(), sensor) > 1;
+      if (is_twice) {
+        throw rom::InputError(configured.where, configured.field, "\"" + sensor + "\" stands there twice, but is one");
+      }
       group.key_points.push_back(static_cast<int>(k));
     }
     for (const std::string& source : configured.sources) {

@@ -118,7 +118,7 @@ struct ConfiguredCalibration {
 struct ConfiguredCompensation {
   std::string other;  ///< deformation output that the slope comes from; empty: none
   std::optional<double> limit_m, warning_m;
-  rom::SourceLine where, warning_where;
+  rom::SourceLine where, warning_where, step_where;
 };
 
 /// The configuration file as it stands, checked as far as that goes without the network.

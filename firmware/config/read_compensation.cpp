@@ -50,6 +50,7 @@ void read_compensation(const std::optional<rom::TomlTable>& table, Config& confi
   if (plan.sign == 0.0) table->fail("sign", "must be 1 or -1");
   plan.slew_m_per_s = m_per_um * table->number_or("slew_um_per_s", plan.slew_m_per_s / m_per_um, rom::positive);
   plan.step_m = m_per_um * table->number_or("step_um", 0.0, rom::between(0.0, 100.0));
+  config.compensation.step_where = table->where("step_um");
   if (table->has("limit_um")) config.compensation.limit_m = m_per_um * table->number("limit_um", length_um);
   if (table->has("warning_um")) {
     config.compensation.warning_m = m_per_um * table->number("warning_um", length_um);
@@ -72,6 +73,11 @@ void bind_compensation(const Config& config, const rom::Network& network, CycleP
   if (to.warning_m > to.limit_m) {
     throw rom::InputError(from.warning_where, "compensation.warning_um",
                           fmt::format("must be at most the limit, {:g} um, or it never comes", to.limit_m / m_per_um));
+  }
+  if (to.step_m > to.limit_m) {
+    throw rom::InputError(
+        from.step_where, "compensation.step_um",
+        fmt::format("must be at most the limit, {:g} um, or nothing ever moves", to.limit_m / m_per_um));
   }
   if (from.other.empty()) return;
   to.other = find_by_name(network.deformations, from.other, "deformation output", from.where, "compensation.other");

@@ -293,6 +293,13 @@ TEST(ConfigErrors, what_nobody_can_mean_is_refused) {
       "accepted");
 }
 
+TEST(ConfigErrors, a_step_beyond_the_limit_would_never_move) {
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n[compensation]\nlimit_um = 10.0\n";
+  EXPECT_EQ(error_of(start + "step_um = 10.0\n"), "accepted");
+  EXPECT_EQ(error_of(start + "step_um = 10.1\n"),
+            "/etc/twin.toml:12: compensation.step_um: must be at most the limit, 10 um, or nothing ever moves");
+}
+
 TEST(ConfigErrors, start_without_sensors_needs_a_temperature) {
   const std::string& text = all_from_the_plc;
   EXPECT_EQ(error_of(text),
