@@ -120,6 +120,34 @@ void bind_start(const Config& config, const rom::Network& network, CyclePlan& cy
   }
 }
 
+/// Groups of the published law: those of the configuration, or one of all sensors and heats.
+void bind_groups(const Config& config, const rom::Network& network, CyclePlan& cycle) {
+  for (const ConfiguredGroup& configured : config.groups) {
+    correction::HeatGroup group{configured.name, {}, {}};
+    for (const std::string& sensor : configured.sensors) {
+      const std::size_t k = find_by_name(network.key_points, sensor, "key point", configured.where, configured.field);
+      if (!cycle.sensors[k].configured) {
+        throw rom::InputError(configured.where, configured.field, "key point \"" + sensor + "\" has no [[sensor]]");
+      }
+      const bool is_twice = std::count(configured.sensors.begin(), configured.sensors.end(), sensor) > 1;
+      if (is_twice) {
+        throw rom::InputError(configured.where, configured.field, "\"" + sensor + "\" stands there twice, but is one");
+      }
+      group.key_points.push_back(static_cast<int>(k));
+    }
+    for (const std::string& source : configured.sources) {
+      group.sources.push_back(static_cast<int>(
+          find_by_name(network.boundaries.sources, source, "heat source", configured.where, configured.field)));
+    }
+    cycle.paper->groups.push_back(group);
+  }
+  if (cycle.paper->groups.empty()) {
+    correction::HeatGroup all = correction::common_heat_group(network).front();
+    std::erase_if(all.key_points, [&](int k) { return !cycle.sensors[static_cast<std::size_t>(k)].configured; });
+    cycle.paper->groups.push_back(all);
+  }
+}
+
 }  // namespace
 
 SpindlePlan bind_config(const Config& config, const rom::Network& network) {
@@ -159,31 +187,7 @@ SpindlePlan bind_config(const Config& config, const rom::Network& network) {
   bind_start(config, network, plan.cycle);
   limit_outputs(config, network, plan.cycle);
   bind_compensation(config, network, plan.cycle);
-  if (!plan.cycle.paper) return plan;
-  for (const ConfiguredGroup& configured : config.groups) {
-    correction::HeatGroup group{configured.name, {}, {}};
-    for (const std::string& sensor : configured.sensors) {
-      const std::size_t k = find_by_name(network.key_points, sensor, "key point", configured.where, configured.field);
-      if (!plan.cycle.sensors[k].configured) {
-        throw rom::InputError(configured.where, configured.field, "key point \"" + sensor + "\" has no [[sensor]]");
-      }
-      const bool is_twice = std::count(configured.sensors.begin(), configured.sensors.end(), sensor) > 1;
-      if (is_twice) {
-        throw rom::InputError(configured.where, configured.field, "\"" + sensor + "\" stands there twice, but is one");
-      }
-      group.key_points.push_back(static_cast<int>(k));
-    }
-    for (const std::string& source : configured.sources) {
-      group.sources.push_back(static_cast<int>(
-          find_by_name(network.boundaries.sources, source, "heat source", configured.where, configured.field)));
-    }
-    plan.cycle.paper->groups.push_back(group);
-  }
-  if (plan.cycle.paper->groups.empty()) {
-    correction::HeatGroup all = correction::common_heat_group(network).front();
-    std::erase_if(all.key_points, [&](int k) { return !plan.cycle.sensors[static_cast<std::size_t>(k)].configured; });
-    plan.cycle.paper->groups.push_back(all);
-  }
+  if (plan.cycle.paper) bind_groups(config, network, plan.cycle);
   return plan;
 }
 
