@@ -6,7 +6,6 @@
 
 namespace spindle_twin::fem_offline {
 
-using rom::any_number;
 using rom::not_negative;
 using rom::positive;
 

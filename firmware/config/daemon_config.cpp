@@ -80,10 +80,9 @@ ConfiguredSpindle read_one(const TomlTable& table, const std::string& list, List
 void check_written(const std::vector<TomlTable>& tables, const DaemonConfig& daemon, const Taken& taken) {
   for (std::size_t s = 0; s < tables.size(); ++s) {
     for (const std::string& file : state_files(daemon.spindles[s].config)) {
-      const std::string reader = taken.reader_of(file);
-      if (!reader.empty()) {
-        tables[s].fail("config", "its file \"" + file + "\" is " + reader + ", which would be written over");
-      }
+      std::string reader = taken.reader_of(file);
+      if (reader.empty()) continue;
+      tables[s].fail("config", "its file \"" + file + "\" is " + reader.append(", which would be written over"));
     }
   }
 }
