@@ -327,7 +327,7 @@ class EstimatorCorrection {
   /// Of a parameter's prior deviation, how many it may be at the moment.
   static double width_of(const Parameter& parameter, const Widths& widths);
   /// Heats that no source explains become wide where the length that waits is further off than its variance allows
-  /// for; not where the gate rejects it even so, unless the one before was rejected as well.
+  /// for; not where the gate rejects it even so, unless the one before was rejected to the same side.
   void open_heats_by_length();
   bool update(double time_s);
   /// z from the filter, within its limits, and the state with it. Whether θ moved.

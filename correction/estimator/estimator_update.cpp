@@ -157,10 +157,12 @@ void EstimatorCorrection::open_heats_by_length() {
     widen_disturbances_to(std::max(open_.disturbance, disturbance_by_length));
   }
   filter_.widen(keep_, growth_);
-  // What no heat explains is more likely a wrong length than another machine, until the next says the same.
+  // What no heat explains is more likely a wrong length than another machine, until the next is off to the same side.
   const double most_m2 = options_.gate * options_.gate * (filter_.variance_of(row_) + made_.displacement_variance_m2);
   const bool explained = innovation_m * innovation_m <= most_m2;
-  if (explained || displacement_.record.rejected_in_a_row > 0) return;
+  const SensorRecord& before = displacement_.record;
+  const bool again = before.rejected_in_a_row > 0 && before.innovation_K * innovation_m > 0.0;
+  if (explained || again) return;
   filter_ = before_length_;
   open_.disturbance = opened;
 }

@@ -67,11 +67,4 @@ std::vector<ImplausibleValue> implausible_parts(const Spindle& spindle) {
   return judged.found;
 }
 
-rom::SourceLine where_of_conductance(const Spindle& spindle, std::size_t index) {
-  if (index < spindle.contacts.size()) return spindle.contacts[index].where;
-  index -= spindle.contacts.size();
-  if (index < spindle.gap_films.size()) return spindle.gap_films[index].where;
-  return spindle.films.at(index - spindle.gap_films.size()).where;
-}
-
 }  // namespace spindle_twin::fem_offline

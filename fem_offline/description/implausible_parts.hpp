@@ -25,7 +25,4 @@ struct ImplausibleValue {
 /// Each material, joint and quantity once.
 std::vector<ImplausibleValue> implausible_parts(const Spindle& spindle);
 
-/// The line of the table that conductance `index` of the network (model_places) comes from.
-rom::SourceLine where_of_conductance(const Spindle& spindle, std::size_t index);
-
 }  // namespace spindle_twin::fem_offline

@@ -4,6 +4,13 @@
 
 namespace spindle_twin::fem_offline {
 
+rom::SourceLine where_of_conductance(const Spindle& spindle, std::size_t index) {
+  const std::size_t first_gap = conductance_of_gap_film(spindle, 0), first_film = conductance_of_film(spindle, 0);
+  if (index < first_gap) return spindle.contacts[index].where;
+  if (index < first_film) return spindle.gap_films[index - first_gap].where;
+  return spindle.films.at(index - first_film).where;
+}
+
 int environment_of(const Spindle& spindle, std::size_t surrounding) {
   int index = 0;
   for (std::size_t s = 0; s < surrounding; ++s) index += spindle.surroundings[s].kind != SurroundingKind::air;

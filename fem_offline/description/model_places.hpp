@@ -17,6 +17,9 @@ inline std::size_t conductance_of_film(const Spindle& spindle, std::size_t film)
   return conductance_of_gap_film(spindle, spindle.gap_films.size()) + film;
 }
 
+/// The line of the table that conductance `index` of the network comes from.
+rom::SourceLine where_of_conductance(const Spindle& spindle, std::size_t index);
+
 /// Place of a surrounding among the environments, which leave out air volumes; -1 for those.
 int environment_of(const Spindle& spindle, std::size_t surrounding);
 

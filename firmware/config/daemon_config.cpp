@@ -10,7 +10,6 @@
 #include <map>
 #include <utility>
 
-#include "firmware/config/load_network.hpp"
 #include "firmware/config/read_files.hpp"
 #include "firmware/config/read_served.hpp"
 
@@ -92,8 +91,9 @@ DaemonConfig of_several(const TomlTable& root, const std::string& path) {
   daemon.log_level = read_log_level(root);
   Listeners listeners;
   const TomlTable serve = root.table("serve");
-  if (serve.has("plc_timeout_s"))
+  if (serve.has("plc_timeout_s")) {
     serve.fail("plc_timeout_s", "is of each spindle and stands in [serve] of its own file");
+  }
   daemon.serve = read_serve(serve, path, listeners);
   daemon.show = read_http(root, path, listeners);
   daemon.plant = read_plant(root.optional_table("plant"), path);

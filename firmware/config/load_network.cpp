@@ -1,15 +1,10 @@
 #include "firmware/config/load_network.hpp"
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
+
+#include "firmware/config/read_files.hpp"
 
 namespace spindle_twin::firmware {
-
-void check_is_there(const std::string& path, const rom::SourceLine& where, const std::string& field) {
-  std::error_code unknown;
-  if (!std::filesystem::exists(path, unknown)) throw rom::InputError(where, field, "there is no file \"" + path + "\"");
-}
 
 void check_signature(const ConfiguredNetwork& configured, const SignedFile& file) {
   if (!configured.require_signature) return;

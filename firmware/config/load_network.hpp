@@ -13,9 +13,6 @@ struct SignedFile {
   std::string field;
 };
 
-/// Throws rom::InputError at the key that names it where there is no such file.
-void check_is_there(const std::string& path, const rom::SourceLine& where, const std::string& field);
-
 /// Throws rom::InputError with place, file and reason where signatures are required of the network, and so of what
 /// changes its predictions, and this file has none of a trusted key.
 void check_signature(const ConfiguredNetwork& configured, const SignedFile& file);

@@ -77,6 +77,11 @@ std::string one_way_to(const std::string& path) {
   return unknown ? path : way.string();
 }
 
+void check_is_there(const std::string& path, const rom::SourceLine& where, const std::string& field) {
+  std::error_code unknown;
+  if (!std::filesystem::exists(path, unknown)) throw rom::InputError(where, field, "there is no file \"" + path + "\"");
+}
+
 std::vector<FileRead> files_read(const Config& config) {
   std::vector<FileRead> files{{config.path, "the configuration"}, {config.network.path, "the network"}};
   if (config.calibration) files.push_back({config.calibration->path, "the calibration"});

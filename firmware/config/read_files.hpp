@@ -14,6 +14,9 @@ std::string beside(const std::string& config_path, const std::string& path);
 /// However a path is written, and whether the file is there yet or not.
 std::string one_way_to(const std::string& path);
 
+/// Throws rom::InputError at the key that names it where there is no such file.
+void check_is_there(const std::string& path, const rom::SourceLine& where, const std::string& field);
+
 /// [history], [orders] and [checkpoint]: the files that the daemon writes. None may be another of them, nor one of
 /// files_read(), which are known by now. Throws rom::InputError with file, line, field and what is allowed.
 void read_files(const rom::TomlTable& root, Config& config);

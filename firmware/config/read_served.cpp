@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
-#include <system_error>
 
 #include "firmware/acquire/read_address.hpp"
 #include "firmware/config/read_files.hpp"
@@ -83,10 +81,7 @@ std::optional<CommandPlan> read_commands(const std::optional<TomlTable>& table, 
                 "must be true where passwords pass a network as they are: http.address is " + address +
                     "; better leave it at 127.0.0.1, put a proxy with TLS before it and set behind_tls = true");
   }
-  std::error_code unknown;
-  if (!std::filesystem::exists(plan.accounts_path, unknown)) {
-    table->fail("accounts", "there is no file \"" + plan.accounts_path + "\"");
-  }
+  check_is_there(plan.accounts_path, table->where("accounts"), table->path("accounts"));
   plan.accounts = read_accounts(plan.accounts_path);
   return plan;
 }

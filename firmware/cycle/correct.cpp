@@ -149,6 +149,16 @@ bool take_displacement(int index, double value_m, double deviation_m, Corrector&
   return true;
 }
 
+bool is_estimate_in_doubt(const Corrector& corrector) {
+  if (!corrector.estimator || !corrector.enabled) return false;
+  constexpr double most_K = 5.0;  // 25 deviations of a class A PT100 without a tare
+  const correction::EstimatorCorrection& estimator = *corrector.estimator;
+  for (std::size_t s = 0; s < estimator.sensors().size(); ++s) {
+    if (std::abs(estimator.record(static_cast<Eigen::Index>(s)).offset_K) > most_K) return true;
+  }
+  return estimator.consistency().in_doubt();
+}
+
 bool waits_for_update(const Corrector& corrector) {
   return corrector.estimator && corrector.enabled && corrector.estimator->updates() < corrector.displacements.due;
 }

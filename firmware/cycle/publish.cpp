@@ -52,16 +52,6 @@ void publish_bands(const Corrector& corrector, Snapshot& snapshot) {
   }
 }
 
-/// Whether the estimate holds only with a sensor that is off by more than any is: it reads another unit or another
-/// place, or the model is none of this machine.
-bool has_offset_beyond_belief(const correction::EstimatorCorrection& estimator) {
-  constexpr double most_K = 5.0;  // 25 times the tolerance of a class A PT100
-  for (std::size_t s = 0; s < estimator.sensors().size(); ++s) {
-    if (std::abs(estimator.record(static_cast<Eigen::Index>(s)).offset_K) > most_K) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 Snapshot first_snapshot(const rom::Network& network) {
@@ -157,8 +147,7 @@ void publish_estimate(const Corrector& corrector, Snapshot& snapshot) {
   }
   publish_bands(corrector, snapshot);
   if (!corrector.corrects) return;
-  const bool in_doubt = estimator.consistency().in_doubt() || has_offset_beyond_belief(estimator);
-  if (corrector.enabled && in_doubt) snapshot.quality |= bits(Quality::estimate_in_doubt);
+  if (is_estimate_in_doubt(corrector)) snapshot.quality |= bits(Quality::estimate_in_doubt);
   snapshot.updates = static_cast<std::uint32_t>(estimator.updates());
   const Eigen::Index parameters = estimator.parameters().count();
   snapshot.parameters = static_cast<std::uint16_t>(parameters);

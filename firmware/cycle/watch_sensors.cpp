@@ -295,9 +295,7 @@ void publish_health(const SensorWatch& watch, const Corrector& corrector, Snapsh
         record.state == correction::HealthState::failed || record.state == correction::HealthState::returning;
     if (out) ++snapshot.sensors_failed;
   }
-  if (corrector.estimator && corrector.enabled) {
-    snapshot.model_in_doubt = snapshot.model_in_doubt || corrector.estimator->consistency().in_doubt();
-  }
+  snapshot.model_in_doubt = snapshot.model_in_doubt || is_estimate_in_doubt(corrector);
   if (snapshot.sensors_failed > 0) snapshot.quality |= bits(Quality::sensor_failed);
 }
 

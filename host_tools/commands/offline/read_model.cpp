@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "fem_offline/description/implausible_parts.hpp"
+#include "fem_offline/description/model_places.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "rom/file/rom_file.hpp"
 #include "rom/read/input_error.hpp"

@@ -118,6 +118,12 @@ TEST(EstimatorUpdate, a_length_far_off_opens_heats_that_no_source_explains_to_ei
   pair.run_until(622.0);
   ASSERT_TRUE(pair.estimator.displacement_record().rejected);
   EXPECT_FALSE(pair.estimator.heats_are_open()) << "nobody has said the same before";
+  pair.estimator.note_displacement(0, -5e-3, 1e-6);
+  pair.run_until(632.0);
+  EXPECT_FALSE(pair.estimator.heats_are_open()) << "nor does this one";
+  pair.estimator.note_displacement(0, 5e-3, 1e-6);
+  pair.run_until(642.0);
+  EXPECT_FALSE(pair.estimator.heats_are_open());
   const double fading = std::exp(-10.0 / 7200.0);
   for (const double opened : {8.0, 24.0 * fading, 30.0}) {
     pair.estimator.note_displacement(0, 5e-3, 1e-6);

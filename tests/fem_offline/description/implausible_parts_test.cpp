@@ -46,12 +46,5 @@ TEST(ImplausibleParts, a_fit_that_would_yield_is_named) {
             "every metal yields");
 }
 
-TEST(ImplausibleParts, each_conductance_knows_its_table) {
-  const Spindle spindle = parse_spindle(sample_text, "s.toml");
-  EXPECT_EQ(where_of_conductance(spindle, 0).line, spindle.contacts[0].where.line);
-  EXPECT_EQ(where_of_conductance(spindle, 1).line, spindle.films[0].where.line);
-  EXPECT_EQ(where_of_conductance(spindle, 3).line, spindle.films[2].where.line);
-}
-
 }  // namespace description_implausible_parts_test
 }  // namespace spindle_twin::fem_offline

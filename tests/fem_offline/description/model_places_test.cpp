@@ -40,5 +40,12 @@ TEST(ModelPlaces, operating_state_has_each_environment_at_its_temperature) {
   EXPECT_EQ(state.flow_kg_per_s.size(), 0);
 }
 
+TEST(ModelPlaces, each_conductance_knows_its_table) {
+  const Spindle spindle = parse_spindle(sample_text, "s.toml");
+  EXPECT_EQ(where_of_conductance(spindle, 0).line, spindle.contacts[0].where.line);
+  EXPECT_EQ(where_of_conductance(spindle, 1).line, spindle.films[0].where.line);
+  EXPECT_EQ(where_of_conductance(spindle, 3).line, spindle.films[2].where.line);
+}
+
 }  // namespace description_model_places_test
 }  // namespace spindle_twin::fem_offline

@@ -310,5 +310,18 @@ TEST(Publish, the_forecast_is_the_nose_less_the_tare_and_what_is_to_come_in_the_
   }
 }
 
+TEST(PublishEstimate, a_sensor_that_would_have_to_be_off_by_more_than_5_K_puts_the_estimate_in_doubt) {
+  const rom::Network network = tests::small_network();
+  for (const double off_K : {4.9, -4.9, 5.1, -5.1}) {
+    for (Eigen::Index sensor = 0; sensor < 3; ++sensor) {
+      Corrector corrector = make_corrector(network, estimated(), runtime);
+      corrector.estimator->note_tare(sensor, -off_K, 0.1);
+      Snapshot snapshot = first_snapshot(network);
+      publish_estimate(corrector, snapshot);
+      EXPECT_EQ((snapshot.quality & bits(Quality::estimate_in_doubt)) != 0, std::abs(off_K) > 5.0) << off_K;
+    }
+  }
+}
+
 }  // namespace cycle_publish_test
 }  // namespace spindle_twin::firmware

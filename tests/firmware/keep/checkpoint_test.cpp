@@ -287,25 +287,6 @@ TEST(Keeper, a_checkpoint_is_used_only_where_it_fits) {
   EXPECT_EQ(resumed(sha256, saved_unix_s + 60.0), Resumed::nothing) << "damaged";
 }
 
-TEST(Keeper, a_checkpoint_that_cannot_be_used_is_kept_under_a_number) {
-  const rom::Network network = tests::small_network();
-  const Ran ran(network);
-  const InFolder folder;
-  const std::string& path = folder.plan.checkpoint_path;
-  const auto resume = [&](const std::string& hash) {
-    Cycle cycle(network, estimated(), runtime);
-    resume_from_checkpoint(folder.plan, look_for_checkpoint(folder.plan), {hash, 1.0, saved_unix_s + 60.0}, cycle);
-  };
-  std::ofstream(path) << "restored by hand, and not readable";
-  resume(sha256);
-  ASSERT_EQ(earlier_histories(path).size(), 1U);
-  std::string kept;
-  std::getline(std::ifstream(earlier_histories(path)[0]) >> std::ws, kept);
-  EXPECT_EQ(kept, "restored by hand, and not readable");
-  resume(sha256);
-  EXPECT_EQ(earlier_histories(path).size(), 1U) << "there is none now";
-}
-
 TEST(Keeper, what_could_not_be_written_is_tried_again_in_a_second_and_else_after_the_interval) {
   using namespace std::chrono_literals;
   const std::chrono::steady_clock::time_point due{1000s};

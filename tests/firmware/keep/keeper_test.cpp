@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
+#include "firmware/keep/history.hpp"
 #include "tests/firmware/support/logged.hpp"
 #include "tests/firmware/support/machine.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -208,6 +210,20 @@ TEST(Keeper, a_table_of_parameters_is_of_an_estimator_only) {
   keeper.keep_last(of.cycle);
   EXPECT_EQ(of.folder.files(), 0);
   EXPECT_EQ(log.text(), "") << "there is nothing to determine";
+}
+
+TEST(LookForCheckpoint, one_that_cannot_be_used_is_kept_under_a_number) {
+  const tests::TemporaryFolder folder;
+  KeepPlan plan;
+  plan.checkpoint_path = folder.file("twin.checkpoint");
+  std::ofstream(plan.checkpoint_path) << "restored by hand, and not readable";
+  EXPECT_FALSE(look_for_checkpoint(plan).has_value());
+  ASSERT_EQ(earlier_histories(plan.checkpoint_path), std::vector<std::string>{folder.file("twin.000001.checkpoint")});
+  std::string kept;
+  std::getline(std::ifstream(folder.file("twin.000001.checkpoint")) >> std::ws, kept);
+  EXPECT_EQ(kept, "restored by hand, and not readable");
+  EXPECT_FALSE(look_for_checkpoint(plan).has_value());
+  EXPECT_EQ(earlier_histories(plan.checkpoint_path).size(), 1U) << "there is none now";
 }
 
 }  // namespace keep_keeper_test

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "firmware/config/config.hpp"
+#include "tests/firmware/support/small_network.hpp"
+#include "tests/support/texts.hpp"
+
+/// Configurations of which each table is right by itself, and that cannot be meant as they stand.
+namespace spindle_twin::firmware {
+namespace config_contradictions_test {
+
+const std::string all_from_the_plc = R"(network = "small.rom"
+[serve]
+[signals]
+speed = { source = "plc" }
+load = { source = "plc" }
+coolant = { source = "plc" }
+ambient = { source = "plc" }
+)";
+
+std::string error_of(const std::string& text) {
+  return tests::refusal_of([&] { bind_config(parse_config(text, "/etc/twin.toml"), tests::small_network()); });
+}
+
+TEST(ConfigErrors, a_file_that_the_daemon_writes_is_none_that_it_reads_and_no_other_of_them) {
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n";
+  const auto error = [&](const std::string& tables) { return error_of(start + tables); };
+  for (const std::string table : {"checkpoint", "orders", "history"}) {
+    for (const std::string path : {"small.rom", "./small.rom", "sub/../twin.toml"}) {
+      EXPECT_NE(error("[" + table + "]\npath = \"" + path + "\"\n").find("would be written over"), std::string::npos)
+          << table << ' ' << path;
+    }
+  }
+  EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"x\"\n"),
+            "/etc/twin.toml:11: checkpoint.path: \"/etc/x\" is history.path, which would be written over");
+  EXPECT_NE(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"x.orders\"\n").find("is history.path"),
+            std::string::npos)
+      << "orders stand beside the checkpoint where nothing else is said";
+  EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"y\"\nparameters = \"z\"\n"), "accepted");
+}
+
+TEST(ConfigErrors, what_nobody_can_mean_is_refused) {
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n";
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    return error_of(tests::with(start, from, to));
+  };
+  EXPECT_EQ(changed("[serve]\n", "[serve]\nallow = []\n"),
+            "/etc/twin.toml:3: serve.allow: must name at least one address or range; nobody else is answered");
+  EXPECT_EQ(changed("[serve]\n", "[serve]\nallow_write = []\n"), "accepted") << "nobody may write";
+  const std::string speed = "speed = { source = \"plc\" }";
+  EXPECT_EQ(changed(speed, "speed = { source = \"plc\", first = 9000.0, max = 8000.0 }"),
+            "/etc/twin.toml:4: signals.speed.first: must lie from min to max, is 9000");
+  EXPECT_EQ(changed(speed, "speed = { source = \"plc\", first = 8000.0, max = 8000.0 }"), "accepted");
+  EXPECT_EQ(
+      error_of(
+          start +
+          "[device]\n[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 6\n[[sensor]]\nkey_point = \"sleeve_outer\"\n"
+          "register = 6\n"),
+      "/etc/twin.toml:15: sensor[2].key_point: input register 6 is read for \"sleeve_inner\" already; each needs its "
+      "own");
+  EXPECT_EQ(
+      error_of(
+          start +
+          "[device]\n[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 6\n[[sensor]]\nkey_point = \"sleeve_outer\"\n"
+          "register = 6\ntable = \"holding\"\n"),
+      "accepted");
+}
+
+TEST(ConfigErrors, a_step_beyond_the_limit_would_never_move) {
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n[compensation]\nlimit_um = 10.0\n";
+  EXPECT_EQ(error_of(start + "step_um = 10.0\n"), "accepted");
+  EXPECT_EQ(error_of(start + "step_um = 10.1\n"),
+            "/etc/twin.toml:12: compensation.step_um: must be at most the limit, 10 um, or nothing ever moves");
+}
+
+}  // namespace config_contradictions_test
+}  // namespace spindle_twin::firmware
