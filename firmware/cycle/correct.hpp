@@ -85,8 +85,8 @@ const rom::OperatingState& with_biases(const rom::OperatingState& operating, Cor
 /// Runs in the cycle.
 bool take_displacement(int index, double value_m, double deviation_m, Corrector& corrector);
 
-/// Whether readings contradict the estimate that corrects, or fit it only with a sensor that is off by more than any is:
-/// then it reads another unit or another place, or the model is none of this machine. Runs in the cycle.
+/// Whether readings contradict the estimate that corrects, or fit it only with a sensor that is off by more than any
+/// is: then it reads another unit or another place, or the model is none of this machine. Runs in the cycle.
 bool is_estimate_in_doubt(const Corrector& corrector);
 
 /// Whether a length that was noted before still waits for the estimator's update, which has room for one. Runs in the
