@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "correction/estimator/operating_heat.hpp"
 #include "rom/boundary_values/evaluate_boundaries.hpp"
 #include "rom/boundary_values/held_law.hpp"
 #include "rom/read/input_error.hpp"
@@ -191,16 +192,23 @@ void ParameterModel::add_capacities(const rom::Network& network, const Estimator
 void ParameterModel::add_disturbances(const rom::Network& network, const EstimatorPriors& priors) {
   double heat_W = 0.0;
   for (const rom::HeatSource& source : network.boundaries.sources) heat_W += std::abs(source.nominal_W);
-  const double deviation_W = heat_W * (network.hand_written ? priors.disturbance_by_hand : priors.disturbance);
-  if (deviation_W > 0.0 || priors.start_K > 0.0) groups_ = thermal_groups(network, most_groups);
-  if (!(deviation_W > 0.0)) return;
+  const bool wanted = heat_W > 0.0 && (network.hand_written ? priors.disturbance_by_hand : priors.disturbance) > 0.0;
+  if (wanted || priors.start_K > 0.0) groups_ = thermal_groups(network, most_groups);
+  if (!wanted) return;
+  std::vector<double> deviation_W(groups_.size(), heat_W * priors.disturbance);
+  if (network.hand_written) {
+    const std::vector<double> through_W = heat_through_groups_W(network, groups_);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      deviation_W[g] = std::max(deviation_W[g], through_W[g] * priors.disturbance_by_hand);
+    }
+  }
   disturbance_.assign(groups_.size(), -1);
   node_heat_.resize(network.capacity_J_per_K.rows(), static_cast<Eigen::Index>(groups_.size()));
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     node_heat_.col(static_cast<Eigen::Index>(g)) =
         network.capacity_J_per_K * groups_[g].indicator / groups_[g].capacity_J_per_K;
-    add({"unexplained heat " + groups_[g].name, ParameterKind::disturbance, static_cast<int>(g), 0.0, deviation_W, 0.0,
-         priors.disturbance_memory_s, -most_disturbance * heat_W, most_disturbance * heat_W},
+    add({"unexplained heat " + groups_[g].name, ParameterKind::disturbance, static_cast<int>(g), 0.0, deviation_W[g],
+         0.0, priors.disturbance_memory_s, -most_disturbance * heat_W, most_disturbance * heat_W},
         disturbance_[g]);
   }
 }

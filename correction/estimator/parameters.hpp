@@ -81,7 +81,7 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
   double start_K = 0.2;              ///< 0: the start is known, no start parameter at all
   double start_shape_K = 0.05;       ///< of each other way in which it may have been warmer (start_shapes)
   double disturbance = 0.01;         ///< share of all nominal heats together, one heat per thermal group; 0: none
-  double disturbance_by_hand = 0.1;  ///< the same of hand-written networks, whose structure is a guess
+  double disturbance_by_hand = 0.1;  ///< hand-written: share of what flows through the group (operating_heat)
   double disturbance_memory_s = 3600.0;
   double capacity = 0.3;
   double heat_walk_per_root_min = 0.003;
@@ -127,7 +127,9 @@ struct EstimatorPriors {  // NOLINT(public-members): a table of options, which `
     visit(zero_or_some("disturbance",
                        "heat that no source explains, of all nominal heats; shut until readings speak for one", 1.0),
           priors.disturbance);
-    visit(zero_or_some("disturbance_by_hand", "the same in a hand-written network, always open", 1.0),
+    visit(zero_or_some(
+              "disturbance_by_hand",
+              "in a hand-written network the same of the heat that passes the node, if that is more; always open", 1.0),
           priors.disturbance_by_hand);
     visit({"disturbance_memory_s", "how long such a heat stays", rom::between(60.0, 1e9)}, priors.disturbance_memory_s);
     visit(zero_or_some("capacity", "of each node of a hand-written network", 1.0), priors.capacity);

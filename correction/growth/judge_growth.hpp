@@ -49,8 +49,8 @@ std::optional<double> measured_times(std::span<const GrowthReading> readings);
 /// (below 1 um rms).
 std::optional<double> applied_scale(std::span<const GrowthReading> readings);
 
-/// Within a quarter of 1 as published, of −1 the wrong sign, of 0 not at all; beyond 1.5 and from 0.25 to 0.5 wrong
-/// scale; else, and without a scale, not told.
+/// Within a quarter of 1 as published, of −1 the wrong sign, of 0 not at all; any other one beyond 1.5 or below 0.5, a
+/// negative one too, a wrong scale; else, and without a scale, not told.
 AppliedAs applied_as(std::optional<double> scale);
 
 }  // namespace spindle_twin::correction

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "fem_offline/reduce/analysed_system.hpp"
@@ -107,7 +108,12 @@ void orthonormalise(Eigen::MatrixXd& columns, int threads) {
   for (int pass = 0; pass < 2; ++pass) {
     Eigen::MatrixXd gram = gram_matrix(columns, threads);
     if (pass == 0) gram.diagonal() *= 1.0 + 1e-14;
-    const Eigen::MatrixXd upper = Eigen::LLT<Eigen::MatrixXd>(gram).matrixU();
+    const Eigen::LLT<Eigen::MatrixXd> root(gram);
+    if (root.info() != Eigen::Success) {
+      throw std::runtime_error("of the " + std::to_string(gram.cols()) +
+                               " snapshots that the basis is made of some depend on others");
+    }
+    const Eigen::MatrixXd upper = root.matrixU();
     const int blocks = static_cast<int>((columns.rows() + rows_per_block - 1) / rows_per_block);
     for_each_index(blocks, threads, [&](int block, int) {
       const Eigen::Index first = block * rows_per_block;

@@ -119,7 +119,7 @@ void Cycle::take_orders(const PlcCommand& command) {
   if (command.acknowledgements != acknowledgements_) {
     acknowledgements_ = command.acknowledgements;
     ++acknowledgements_kept_;
-    snapshot_.fault &= static_cast<std::uint16_t>(~bits(Fault::orders_lost));
+    snapshot_.fault &= static_cast<std::uint16_t>(~(bits(Fault::orders_lost) | bits(Fault::integrator_failed)));
     result_of(OrderKind::acknowledge) = OrderResult::done;
   }
 }

@@ -52,6 +52,10 @@ void NetworkExchange::refuse(ExchangeReason reason) {
 }
 
 void NetworkExchange::listen() {
+  const std::uint32_t refused = refused_files_.load(std::memory_order_acquire);
+  // A file that was refused beside a candidate is in the log alone: the state is the candidate's.
+  const bool is_new = std::exchange(refused_seen_, refused) != refused;
+  if (is_new && beside_ == nullptr) state_ = ExchangeState::refused;
   if (Cycle* const offered = offered_.exchange(nullptr, std::memory_order_acquire)) {
     withdrawn_.store(false, std::memory_order_relaxed);
     confirmed_.store(false, std::memory_order_relaxed);
@@ -62,8 +66,6 @@ void NetworkExchange::listen() {
     settled_s_ = settling_share_of_trial * plan_.trial_s;
     tell(ExchangeState::trial, ExchangeReason::none, false);
   }
-  const std::uint32_t refused = refused_files_.load(std::memory_order_acquire);
-  if (std::exchange(refused_seen_, refused) != refused) state_ = ExchangeState::refused;
   if (beside_ == nullptr) return;
   if (to_be_kept_ && confirmed_.load(std::memory_order_acquire)) {
     kept_ = shown_;

@@ -37,7 +37,8 @@ bool is_fresh(const SignalPlan& plan, const Sensed& signal) {
 bool is_plausible(const SignalPlan& plan, const Sensed& signal, double last, std::int64_t last_ns, double clock_rate) {
   if (signal.value < plan.min || signal.value > plan.max) return false;
   if (last_ns == 0 || std::isnan(last)) return true;
-  const double since_s = 1e-9 * static_cast<double>(signal.time_ns - last_ns) * clock_rate;
+  // Its age counts too: a client that writes on change only does not tell the same value again.
+  const double since_s = 1e-9 * static_cast<double>(signal.time_ns - last_ns) * clock_rate + signal.age_s;
   return !(std::abs(signal.value - last) > plan.most_per_s * since_s) || signal.value == last;
 }
 

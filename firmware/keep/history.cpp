@@ -119,8 +119,8 @@ std::uint64_t remove_oldest_histories(const std::string& path, std::uint64_t mos
       bytes += more;
       ++kept;
     } else {
-      most_bytes = bytes;  // what is older goes too
-      fs::remove(*each, unknown);
+      most_bytes = bytes;  // what is older goes too, and what SQLite keeps beside it
+      for (const char* end : {"", "-wal", "-shm"}) fs::remove(*each + end, unknown);
     }
   }
   return bytes;

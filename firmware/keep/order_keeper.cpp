@@ -71,6 +71,7 @@ StandingOrders recall_orders(const std::string& path, const std::string& network
         lost = "it is older than the checkpoint";
         orders = stood_in;
         orders.correction = other.correction;
+        orders.compensation = other.compensation;
       }
       orders.lost = other.lost;
     } else if (known > 0) {

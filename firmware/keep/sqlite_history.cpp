@@ -66,6 +66,7 @@ void SqliteHistory::put_aside() {
   database_.reset();  // and with it its WAL
   const std::string aside = next_earlier_history(path());
   for (const char* end : {"-wal", "-shm", ""}) {
+    std::remove((aside + end).c_str());  // of a file that is gone: it would be taken for this one's
     if (std::rename((path() + end).c_str(), (aside + end).c_str()) != 0 && errno != ENOENT) {
       throw DatabaseError(0, std::string("cannot be put aside: ") + std::strerror(errno));
     }

@@ -54,7 +54,10 @@ int remove_left_overs(const std::string& path) {
 
 StateLock::StateLock(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
-    const int lock = open((path + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    const std::string name = path + ".lock";
+    int lock = open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+    // Left by another account, root for one; the file beside it can be replaced all the same, and flock needs no more.
+    if (lock < 0 && errno == EACCES) lock = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (lock < 0) continue;
     locks_.push_back(lock);
     if (flock(lock, LOCK_EX | LOCK_NB) == 0) continue;

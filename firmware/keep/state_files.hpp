@@ -25,8 +25,8 @@ std::string put_state_aside(const std::string& path);
 /// in which two spindles may keep their files.
 class StateLock {
  public:
-  /// Throws rom::InputError naming the file that another process writes. Where no lock file can be made nobody can
-  /// write the file either: that is no error here.
+  /// Throws rom::InputError naming the file that another process writes. One whose lock file can neither be made nor
+  /// read is not locked: its folder takes no file, and that is said where it is written.
   explicit StateLock(const std::vector<std::string>& paths);
   ~StateLock();
   StateLock(const StateLock&) = delete;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -14,7 +15,8 @@ class Pace {
   /// Rests; false when the time is over or `stop` is set.
   bool go_on() {
     const auto now = std::chrono::steady_clock::now();
-    std::this_thread::sleep_for(now - began_);
+    if (now >= end_) return false;
+    std::this_thread::sleep_for(std::min(now - began_, end_ - now));
     began_ = std::chrono::steady_clock::now();
     return began_ < end_ && !stop_.load(std::memory_order_acquire);
   }

@@ -1,12 +1,10 @@
 #include "firmware/serve/modbus_server.hpp"
 
-#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
-#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,17 +21,6 @@
 
 namespace spindle_twin::firmware {
 namespace {
-
-/// Orders, checkpoint, history and parameters are written through descriptors of their own, two at a time; and the
-/// device is dialled again.
-constexpr int kept_for_files = 8;
-
-/// Descriptors are given from the lowest: after this one so few are left that a file could not be opened.
-bool crowds_out_files(int descriptor) {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return false;
-  return static_cast<rlim_t>(descriptor) + kept_for_files >= limit.rlim_cur;
-}
 
 /// libmodbus keeps descriptors in an fd_set.
 constexpr int descriptor_limit = 1024;
@@ -58,7 +45,8 @@ bool can_take_an_answer(int socket) {
 ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vector<SpindlePorts>& spindles)
     : plan_(plan),
       clock_(clock),
-      listener_(plan.plain ? listen_on(plan.address, plan.port) : -1),
+      acceptor_(Descriptor(plan.plain ? listen_on(plan.address, plan.port) : -1), plan.allow, clock, "server",
+                "serve.allow"),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       adopting_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       modbus_(modbus_new_tcp(nullptr, 0), modbus_free) {
@@ -77,7 +65,7 @@ ModbusServer::ModbusServer(const ServePlan& plan, Clock& clock, const std::vecto
   }
 }
 
-int ModbusServer::port() const { return listener_.get() < 0 ? 0 : port_of(listener_.get()); }
+int ModbusServer::port() const { return acceptor_.port(); }
 
 void ModbusServer::stop() { notify(wake_); }
 
@@ -113,7 +101,7 @@ int ModbusServer::poll_timeout_ms() const {
     if (connection.deadline_ns != 0) take(connection.deadline_ns);
     take(connection.asked_ns + idle_ns());
   }
-  if (accept_from_ns_ != 0) take(accept_from_ns_);
+  if (acceptor_.rests_until_ns() != 0) take(acceptor_.rests_until_ns());
   if (first_ns == 0) return -1;
   return static_cast<int>(std::max<std::int64_t>(0, (first_ns - clock_.now_ns()) / 1'000'000 + 1));
 }
@@ -125,14 +113,12 @@ void ModbusServer::run() {
   while (true) {
     polled.clear();
     polled.push_back({wake_.get(), POLLIN, 0});
-    // A client that waits for a descriptor would make poll() return at once for as long as there is none.
-    if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
-    polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
+    polled.push_back(acceptor_.polled());
     polled.push_back({adopting_.get(), POLLIN, 0});
     for (const Connection& connection : connections_)
       polled.push_back({connection.socket.get(), POLLIN | POLLRDHUP, 0});
     if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
-      rest_behind_failed_poll(errno);
+      acceptor_.rest_behind_failed_poll(errno);
       for (pollfd& each : polled) each.revents = 0;
     }
     if (polled[0].revents != 0) return;
@@ -149,12 +135,6 @@ void ModbusServer::run() {
   }
 }
 
-void ModbusServer::rest_behind_failed_poll(int reason) {
-  const auto before = troubles_.pass(clock_.now_ns());
-  if (before) spdlog::error("server: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
-  clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
-}
-
 void ModbusServer::adopt_all() {
   std::uint64_t count = 0;
   [[maybe_unused]] const ssize_t cleared = ::read(adopting_.get(), &count, sizeof count);
@@ -169,33 +149,18 @@ void ModbusServer::adopt_all() {
 }
 
 void ModbusServer::accept_all() {
-  while (true) {
-    sockaddr_in peer{};
-    socklen_t size = sizeof peer;
-    Descriptor socket(
-        accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (socket.get() < 0) return wait_for_descriptors(errno);
-    const std::uint32_t host = ntohl(peer.sin_addr.s_addr);
-    const std::int64_t now_ns = clock_.now_ns();
-    if (!is_allowed(plan_.allow, host)) {
-      const auto before = strangers_.pass(now_ns);
-      if (before) spdlog::warn("client {} is not in serve.allow{}", address_text(host), LogLimit::also(*before));
-      continue;
-    }
-    make_quick(socket.get());
-    admit({std::move(socket), host, is_allowed(plan_.write, host)});
+  while (auto client = acceptor_.next()) {
+    admit({std::move(client->socket), client->host, is_allowed(plan_.write, client->host)});
   }
 }
 
 void ModbusServer::admit(Newcomer newcomer) {
   const int socket = newcomer.socket.get();
   const std::int64_t now_ns = clock_.now_ns();
-  if (socket >= descriptor_limit || crowds_out_files(socket) || !make_room_for(newcomer.host)) {
+  if (socket >= descriptor_limit || !make_room_for(newcomer.host)) {
     const auto before = refusals_.pass(now_ns);
     if (before) {
-      const char* why = socket >= descriptor_limit ? "no file descriptor below 1024 is free"
-                        : crowds_out_files(socket) ? "the last file descriptors are kept for orders and checkpoint"
-                                                   : "none is idle for long";
+      const char* why = socket >= descriptor_limit ? "no file descriptor below 1024 is free" : "none is idle for long";
       spdlog::warn("client {} refused: {} connections are open, {}{}", address_text(newcomer.host), connections_.size(),
                    why, LogLimit::also(*before));
     }
@@ -208,14 +173,6 @@ void ModbusServer::admit(Newcomer newcomer) {
   connection.may_write = newcomer.may_write;
   connection.asked_ns = now_ns;
   connection.talks.resize(spindles_.size());
-}
-
-/// Accepting goes on when others may have closed theirs; what waits is in the backlog.
-void ModbusServer::wait_for_descriptors(int reason) {
-  if (reason != EMFILE && reason != ENFILE && reason != ENOBUFS && reason != ENOMEM) return;
-  accept_from_ns_ = clock_.now_ns() + ns_per_s;
-  const auto before = troubles_.pass(clock_.now_ns());
-  if (before) spdlog::error("server: no client can be accepted: {}{}", std::strerror(reason), LogLimit::also(*before));
 }
 
 /// Closes the longest idle connection, of the same address where that has all it may have; false where none is idle.

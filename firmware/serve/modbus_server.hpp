@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "firmware/serve/acceptor.hpp"
 #include "firmware/serve/descriptor.hpp"
 #include "firmware/serve/frame_gate.hpp"
 #include "firmware/serve/serve_plan.hpp"
@@ -76,8 +77,6 @@ class ModbusServer {
   void adopt_all();
   void admit(Newcomer newcomer);
   bool make_room_for(std::uint32_t host);
-  void wait_for_descriptors(int reason);
-  void rest_behind_failed_poll(int reason);
   void note_request(Connection& connection, const SpindleRegisters* to = nullptr, SignalSet told = {});
   void look_at(Connection& connection, short events);
   void await(Connection& connection, std::size_t bytes);
@@ -91,7 +90,7 @@ class ModbusServer {
   Clock& clock_;
   std::vector<SpindleRegisters> spindles_;
   Units units_;  ///< of all spindles
-  Descriptor listener_;
+  Acceptor acceptor_;
   Descriptor wake_, adopting_;
   std::mutex guard_;
   std::vector<Newcomer> adopted_;  ///< behind guard_, as the two that follow
@@ -99,8 +98,7 @@ class ModbusServer {
   std::uint64_t asked_last_ = 0;
   std::vector<Connection> connections_;
   std::unique_ptr<modbus_t, void (*)(modbus_t*)> modbus_;
-  std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then
-  LogLimit strangers_, refusals_, troubles_;
+  LogLimit refusals_;
 };
 
 }  // namespace spindle_twin::firmware

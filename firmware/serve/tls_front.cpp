@@ -1,6 +1,5 @@
 #include "firmware/serve/tls_front.hpp"
 
-#include <netinet/in.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
@@ -46,12 +45,13 @@ TlsFront::TlsFront(const ServePlan& plan, Clock& clock, ModbusServer& server)
       server_(server),
       identity_(identity_of(tls_)),
       read_(stamps()),
-      listener_(listen_on(tls_.address, tls_.port, "serve.tls")),
+      acceptor_(Descriptor(listen_on(tls_.address, tls_.port, "serve.tls")), plan.allow, clock, "server by TLS",
+                "serve.allow"),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (wake_.get() < 0) throw std::bad_alloc();
 }
 
-int TlsFront::port() const { return port_of(listener_.get()); }
+int TlsFront::port() const { return acceptor_.port(); }
 
 void TlsFront::stop() {
   const std::uint64_t one = 1;
@@ -59,7 +59,7 @@ void TlsFront::stop() {
 }
 
 int TlsFront::poll_timeout_ms() const {
-  std::int64_t first_ns = accept_from_ns_;
+  std::int64_t first_ns = acceptor_.rests_until_ns();
   for (const auto& link : links_) {
     const std::int64_t end_ns = link->deadline_ns();
     if (end_ns != 0 && (first_ns == 0 || end_ns < first_ns)) first_ns = end_ns;
@@ -74,14 +74,13 @@ void TlsFront::run() {
   while (true) {
     polled.clear();
     polled.push_back({wake_.get(), POLLIN, 0});
-    if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
-    polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
+    polled.push_back(acceptor_.polled());
     for (const auto& link : links_) {
       polled.push_back({link->client(), link->client_events(), 0});
       polled.push_back({link->server(), link->server_events(), 0});
     }
     if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0 && errno != EINTR) {
-      rest_behind_failed_poll(errno);
+      acceptor_.rest_behind_failed_poll(errno);
       for (pollfd& each : polled) each.revents = 0;
     }
     if (polled[0].revents != 0) return;
@@ -100,12 +99,6 @@ void TlsFront::run() {
   }
 }
 
-void TlsFront::rest_behind_failed_poll(int reason) {
-  const auto before = troubles_.pass(clock_.now_ns());
-  if (before) spdlog::error("server by TLS: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
-  clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
-}
-
 /// Why a client of this address gets no handshake; null: it does.
 const char* TlsFront::refusal_of(std::uint32_t host) const {
   const auto handshakes = [&](bool of_host) {
@@ -118,39 +111,20 @@ const char* TlsFront::refusal_of(std::uint32_t host) const {
 }
 
 void TlsFront::accept_all() {
-  while (true) {
-    sockaddr_in peer{};
-    socklen_t size = sizeof peer;
-    Descriptor socket(
-        accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (socket.get() < 0) return wait_for_descriptors(errno);
+  while (auto client = acceptor_.next()) {
     const std::int64_t now_ns = clock_.now_ns();
-    const std::uint32_t host = ntohl(peer.sin_addr.s_addr);
-    if (!is_allowed(plan_.allow, host)) {
-      const auto before = strangers_.pass(now_ns);
-      if (before) spdlog::warn("client {} is not in serve.allow{}", address_text(host), LogLimit::also(*before));
-      continue;
-    }
-    if (const char* const why = refusal_of(host)) {
+    if (const char* const why = refusal_of(client->host)) {
       const auto before = refusals_.pass(now_ns);
-      if (before) spdlog::warn("client {} by TLS refused: {}{}", address_text(host), why, LogLimit::also(*before));
+      if (before) {
+        spdlog::warn("client {} by TLS refused: {}{}", address_text(client->host), why, LogLimit::also(*before));
+      }
       continue;
     }
-    make_quick(socket.get());
-    limit_unread(socket.get(), unread_by_tls_bytes);
+    limit_unread(client->socket.get(), unread_by_tls_bytes);
     renew_identity();
-    TlsSession session = identity_->session(socket.get());
-    links_.push_back(std::make_unique<TlsLink>(std::move(socket), std::move(session), host, now_ns + handshake_ns));
-  }
-}
-
-/// Accepting goes on when others may have closed theirs; what waits is in the backlog.
-void TlsFront::wait_for_descriptors(int reason) {
-  if (reason != EMFILE && reason != ENFILE && reason != ENOBUFS && reason != ENOMEM) return;
-  accept_from_ns_ = clock_.now_ns() + ns_per_s;
-  const auto before = troubles_.pass(clock_.now_ns());
-  if (before) {
-    spdlog::error("server by TLS: no client can be accepted: {}{}", std::strerror(reason), LogLimit::also(*before));
+    TlsSession session = identity_->session(client->socket.get());
+    links_.push_back(
+        std::make_unique<TlsLink>(std::move(client->socket), std::move(session), client->host, now_ns + handshake_ns));
   }
 }
 

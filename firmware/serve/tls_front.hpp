@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/serve/acceptor.hpp"
 #include "firmware/serve/descriptor.hpp"
 #include "firmware/serve/modbus_server.hpp"
 #include "firmware/serve/serve_plan.hpp"
@@ -44,8 +45,6 @@ class TlsFront {
   using Stamps = std::array<Stamp, 4>;
 
   void accept_all();
-  void wait_for_descriptors(int reason);
-  void rest_behind_failed_poll(int reason);
   const char* refusal_of(std::uint32_t host) const;
   void look_at(TlsLink& link);
   void begin(TlsLink& link);
@@ -59,10 +58,10 @@ class TlsFront {
   ModbusServer& server_;
   std::unique_ptr<TlsIdentity> identity_;
   Stamps read_;  ///< the files of identity_, or newer ones that could not be used
-  Descriptor listener_, wake_;
+  Acceptor acceptor_;
+  Descriptor wake_;
   std::vector<std::unique_ptr<TlsLink>> links_;
-  std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then
-  LogLimit strangers_, refusals_, handshakes_, guests_, troubles_;
+  LogLimit refusals_, handshakes_, guests_, troubles_;
 };
 
 }  // namespace spindle_twin::firmware

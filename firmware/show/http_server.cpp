@@ -1,6 +1,5 @@
 #include "firmware/show/http_server.hpp"
 
-#include <netinet/in.h>
 #include <poll.h>
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
@@ -47,7 +46,7 @@ std::string index_text(const Routes& routes) {
 HttpServer::HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles, Clock& clock)
     : plan_(plan),
       clock_(clock),
-      listener_(listen_on(plan.address, plan.port, "http")),
+      acceptor_(Descriptor(listen_on(plan.address, plan.port, "http")), plan.allow, clock, "http", "http.allow"),
       wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
       answerer_([this](const HttpRequest& request) { return page(request); }, plan.names),
       commands_(plan.commands, clock) {
@@ -60,7 +59,7 @@ HttpServer::HttpServer(const ShowPlan& plan, std::vector<SpindleToShow> spindles
   if (commands_.enabled()) slow_[static_cast<std::size_t>(Lane::commands)].emplace();
 }
 
-int HttpServer::port() const { return port_of(listener_.get()); }
+int HttpServer::port() const { return acceptor_.port(); }
 
 void HttpServer::stop() {
   const std::uint64_t one = 1;
@@ -77,7 +76,7 @@ std::size_t HttpServer::viewers() const {
 
 int HttpServer::poll_timeout_ms() const {
   if (viewers() > 0) return look_for_cycles_ms;
-  std::int64_t first_ns = accept_from_ns_;
+  std::int64_t first_ns = acceptor_.rests_until_ns();
   for (const Connection& connection : connections_) {
     if (first_ns == 0 || connection.deadline_ns < first_ns) first_ns = connection.deadline_ns;
   }
@@ -89,8 +88,7 @@ int HttpServer::poll_timeout_ms() const {
 bool HttpServer::wait(std::vector<pollfd>& polled) {
   polled.clear();
   polled.push_back({wake_.get(), POLLIN, 0});
-  if (accept_from_ns_ != 0 && clock_.now_ns() >= accept_from_ns_) accept_from_ns_ = 0;
-  polled.push_back({listener_.get(), static_cast<short>(accept_from_ns_ == 0 ? POLLIN : 0), 0});
+  polled.push_back(acceptor_.polled());
   for (const auto& each : slow_) polled.push_back({each ? each->ready() : -1, POLLIN, 0});
   for (const Connection& connection : connections_) {
     int events = connection.stage == Stage::answering ? 0 : POLLIN;
@@ -100,10 +98,7 @@ bool HttpServer::wait(std::vector<pollfd>& polled) {
   if (poll(polled.data(), polled.size(), poll_timeout_ms()) < 0) {
     for (pollfd& each : polled) each.revents = 0;
     if (errno == EINTR) return true;
-    const int reason = errno;
-    const auto before = troubles_.pass(clock_.now_ns());
-    if (before) spdlog::error("http: poll: {}{}", std::strerror(reason), LogLimit::also(*before));
-    clock_.sleep_until_ns(clock_.now_ns() + ns_per_s / 10);
+    acceptor_.rest_behind_failed_poll(errno);
   }
   return polled[0].revents == 0;
 }
@@ -139,32 +134,13 @@ void HttpServer::end_late(Connection& connection) {
 }
 
 void HttpServer::accept_all() {
-  while (true) {
-    sockaddr_in peer{};
-    socklen_t size = sizeof peer;
-    Descriptor socket(
-        accept4(listener_.get(), reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (socket.get() < 0) {
-      // What waits is in the backlog; without a descriptor poll() would return at once for as long as there is none.
-      if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
-        accept_from_ns_ = clock_.now_ns() + ns_per_s;
-      }
-      return;
-    }
-    const std::uint32_t host = ntohl(peer.sin_addr.s_addr);
-    const std::int64_t now_ns = clock_.now_ns();
-    if (!is_allowed(plan_.allow, host)) {
-      const auto before = strangers_.pass(now_ns);
-      if (before) spdlog::warn("client {} is not in http.allow{}", address_text(host), LogLimit::also(*before));
-      continue;
-    }
+  while (auto client = acceptor_.next()) {
     if (!make_room()) continue;
-    make_quick(socket.get());
-    setsockopt(socket.get(), SOL_SOCKET, SO_SNDBUF, &send_buffer_bytes, sizeof send_buffer_bytes);
+    setsockopt(client->socket.get(), SOL_SOCKET, SO_SNDBUF, &send_buffer_bytes, sizeof send_buffer_bytes);
     Connection& connection = connections_.emplace_back();
-    connection.socket = std::move(socket);
-    connection.deadline_ns = now_ns + ask_within_ns;
-    connection.peer = host;
+    connection.socket = std::move(client->socket);
+    connection.deadline_ns = clock_.now_ns() + ask_within_ns;
+    connection.peer = client->host;
   }
 }
 

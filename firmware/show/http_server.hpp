@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/serve/acceptor.hpp"
 #include "firmware/serve/descriptor.hpp"
 #include "firmware/show/http_answer.hpp"
 #include "firmware/show/metrics.hpp"
@@ -16,7 +17,6 @@
 #include "firmware/show/shown_spindle.hpp"
 #include "firmware/show/slow_pages.hpp"
 #include "firmware/watch/clock.hpp"
-#include "firmware/watch/log_limit.hpp"
 
 namespace spindle_twin::firmware {
 
@@ -91,7 +91,7 @@ class HttpServer {
   Clock& clock_;
   std::vector<std::unique_ptr<ShownSpindle>> spindles_;
   const ShownSpindle* asked_for_ = nullptr;  ///< by the last request for events
-  Descriptor listener_;
+  Acceptor acceptor_;
   Descriptor wake_;
   HttpAnswerer answerer_;
   std::array<std::optional<SlowPages>, lanes> slow_;  ///< by Lane; where something needs it
@@ -100,8 +100,6 @@ class HttpServer {
   const PlantCounts* plant_ = nullptr;
   std::vector<Connection> connections_;  ///< oldest first
   std::int64_t next_event_ns_ = 0;
-  std::int64_t accept_from_ns_ = 0;  ///< no descriptor is free until then
-  LogLimit strangers_, troubles_;
 };
 
 }  // namespace spindle_twin::firmware

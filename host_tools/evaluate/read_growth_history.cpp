@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -73,7 +74,9 @@ class GrowthWalk {
                      [&](std::size_t a, std::size_t b) { return by_hand[a].unix_s < by_hand[b].unix_s; });
   }
 
+  /// Readings by hand up to the first row of this run belong to the run before.
   void begin_run(double first_unix_s) {
+    match_last_minute(first_unix_s);
     first_unix_s_ = first_unix_s;
     touch_offs_.begin_run();
     next_hand_ = 0;
@@ -91,9 +94,7 @@ class GrowthWalk {
     if (reading) out_.readings.push_back(*reading);
   }
 
-  void end_run() {
-    if (touch_offs_.before()) match_until(touch_offs_.before()->unix_s + longest_before_s);
-  }
+  void end() { match_last_minute(std::numeric_limits<double>::infinity()); }
 
   void check_all_matched(const std::string& hand_file) const {
     for (std::size_t i = 0; i < by_hand_.size(); ++i) {
@@ -104,13 +105,19 @@ class GrowthWalk {
   }
 
  private:
-  /// Readings by hand before `unix_s` belong to the row before.
+  /// Of the run that has ended, as far as the next one has not begun.
+  void match_last_minute(double next_unix_s) {
+    if (touch_offs_.before()) match_until(std::min(next_unix_s, touch_offs_.before()->unix_s + longest_before_s));
+  }
+
+  /// Readings by hand before `unix_s` belong to the row before, each to the first run that has one.
   void match_until(double unix_s) {
     const std::optional<correction::GrowthRow>& before = touch_offs_.before();
     for (; next_hand_ < order_.size() && by_hand_[order_[next_hand_]].unix_s < unix_s; ++next_hand_) {
       const HandReading& hand = by_hand_[order_[next_hand_]];
       const double since_s = before ? hand.unix_s - before->unix_s : -1.0;
-      if (since_s < 0.0 || since_s > longest_before_s || !std::isfinite(before->published_m)) continue;
+      if (matched_[order_[next_hand_]] || since_s < 0.0 || since_s > longest_before_s) continue;
+      if (!std::isfinite(before->published_m)) continue;
       matched_[order_[next_hand_]] = true;
       const auto origin =
           hand.compensated ? correction::ReadingOrigin::by_hand_compensated : correction::ReadingOrigin::by_hand;
@@ -135,7 +142,7 @@ void walk_csv(GrowthWalk& walk, const rom::CsvTable& table) {
     for (std::size_t c = 0; c < values.size(); ++c) values[c] = table.columns[c][r];
     walk.row(values);
   }
-  walk.end_run();
+  walk.end();
 }
 
 }  // namespace
@@ -162,8 +169,8 @@ GrowthHistory read_growth_history(const std::string& path, const std::string& ou
   for (const firmware::HistoryRun& run : file.runs()) {
     walk.begin_run(run.first_unix_s);
     file.each_row(run.id, [&](std::span<const double> values) { walk.row(values); });
-    walk.end_run();
   }
+  walk.end();
   walk.check_all_matched(hand_file);
   return history;
 }

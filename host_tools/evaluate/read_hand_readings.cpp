@@ -43,9 +43,11 @@ std::optional<double> unix_time_of(const std::string& text) {
   return std::nullopt;
 }
 
+/// With or without a plus, as in the column's own description: + = spindle longer.
 std::optional<double> number_of(const std::string& text) {
   double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const auto [end, error] = std::from_chars(text.data() + (has_plus ? 1 : 0), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }

@@ -23,6 +23,8 @@ struct Unit {
 };
 constexpr Unit celsius{1.0, zero_degC_K};
 constexpr Unit micrometre{1e-6, 0.0};
+constexpr double most_count = 4294967295.0;  // 32 bits, as the daemon counts
+constexpr double most_ns = 9e18;             // below 2^63
 
 struct SignalColumn {
   std::string name;
@@ -71,6 +73,19 @@ const std::vector<double>& full_column(const rom::CsvTable& table, const std::st
   const auto gap = std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
   if (gap != values.end()) {
     throw rom::InputError(table.where(static_cast<std::size_t>(gap - values.begin())), name, "must not be empty");
+  }
+  return values;
+}
+
+/// A column of whole numbers from 0 to most, in each row.
+const std::vector<double>& counts(const rom::CsvTable& table, const std::string& name, double most) {
+  const std::vector<double>& values = full_column(table, name);
+  const auto wrong = std::find_if(values.begin(), values.end(), [&](double value) {
+    return !(value >= 0.0 && value <= most) || value != std::floor(value);
+  });
+  if (wrong != values.end()) {
+    throw rom::InputError(table.where(static_cast<std::size_t>(wrong - values.begin())), name,
+                          fmt::format("must be a whole number from 0 to {:.0f}", most));
   }
   return values;
 }
@@ -154,10 +169,10 @@ void read_orders(const rom::CsvTable& table, double period_ns, Log& log) {
     row.clock_ns = clock_ns;
   }
   if (!table.has("clock_ns")) return;
-  const std::vector<double>& began_ns = full_column(table, "clock_ns");
-  const std::vector<double>& tares = full_column(table, "tare_count");
-  const std::vector<double>& orders = full_column(table, "length_orders");
-  const std::vector<double>& output = full_column(table, "length_output");
+  const std::vector<double>& began_ns = counts(table, "clock_ns", most_ns);
+  const std::vector<double>& tares = counts(table, "tare_count", most_count);
+  const std::vector<double>& orders = counts(table, "length_orders", most_count);
+  const std::vector<double>& output = counts(table, "length_output", most_count);
   const std::vector<double>& length_m = table.column("length_m");
   const std::vector<double>& length_sd_m = table.column("length_sd_m");
   for (std::size_t i = 0; i < log.rows.size(); ++i) {
@@ -175,7 +190,7 @@ void read_orders(const rom::CsvTable& table, double period_ns, Log& log) {
 /// Orders for the sensors, which histories of before sensors could be tared did not have.
 void read_sensor_orders(const rom::CsvTable& table, Log& log) {
   if (!table.has("sensor_orders")) return;
-  const std::vector<double>& orders = full_column(table, "sensor_orders");
+  const std::vector<double>& orders = counts(table, "sensor_orders", most_count);
   const std::vector<double>& last = full_column(table, "sensor_order");
   for (std::size_t i = 0; i < log.rows.size(); ++i) {
     if (last[i] != 0.0 && last[i] != 1.0 && last[i] != 2.0) {
@@ -191,9 +206,9 @@ void read_sensor_orders(const rom::CsvTable& table, Log& log) {
 /// stood.
 void read_cycles(const rom::CsvTable& table, Log& log) {
   const std::vector<double>& time_s = full_column(table, "time_s");
-  const std::vector<double>& sequence = full_column(table, "sequence");
-  const std::vector<double>& overruns = full_column(table, "overruns");
-  const std::vector<double>& quality = full_column(table, "quality");
+  const std::vector<double>& sequence = counts(table, "sequence", most_ns);
+  const std::vector<double>& overruns = counts(table, "overruns", most_count);
+  const std::vector<double>& quality = counts(table, "quality", most_count);
   const auto offline = static_cast<unsigned>(firmware::Quality::device_offline);
   for (std::size_t i = 0; i < log.rows.size(); ++i) {
     LogRow& row = log.rows[i];

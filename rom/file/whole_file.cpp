@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <system_error>
 
 #include "rom/read/input_error.hpp"
@@ -55,7 +56,11 @@ struct Temporary {
   ~Temporary() { ::unlink(path.c_str()); }
 };
 
+/// The mask is the process's, and can be read by setting it only: one thread at a time, or one would put back what
+/// another had set.
 mode_t ordinary_permissions() {
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
   const mode_t mask = ::umask(022);
   ::umask(mask);
   return 0644 & ~mask;

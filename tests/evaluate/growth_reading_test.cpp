@@ -170,6 +170,27 @@ TEST_F(Hour, what_was_written_down_stands_beside_the_cycle_before_its_time) {
   }
 }
 
+TEST_F(Hour, what_was_written_down_between_two_runs_counts_once_by_the_run_that_went_on_then) {
+  const std::vector<firmware::Snapshot> whole = rows_;
+  std::string path;
+  for (const auto& [begin, end] : {std::pair(0, 30), std::pair(30, 60)}) {
+    rows_.assign(whole.begin() + begin, whole.begin() + end);
+    // The second time another run in the same file, 31 s after the first one's last row.
+    for (firmware::Snapshot& snapshot : rows_) snapshot.time_ns -= begin > 0 ? 29'000'000'000 : 0;
+    path = sqlite();
+  }
+  const firmware::SqliteHistoryReader file(path);
+  ASSERT_EQ(file.runs().size(), 2U);
+  const double second_s = file.runs()[1].first_unix_s;
+  const double last_s = file.runs()[0].first_unix_s + 29 * 60;
+  ASSERT_GT(second_s, last_s);
+  const GrowthHistory history = read(path, "", {{second_s - 0.5, um, false, 2}, {second_s + 0.5, um, false, 3}});
+  ASSERT_EQ(history.readings.size(), 2U);
+  EXPECT_NEAR(history.readings[0].predicted_m, 2.9 * um, 1e-12);
+  EXPECT_NEAR(history.readings[1].predicted_m, 3.0 * um, 1e-12);
+  EXPECT_NE(history.readings[0].stretch, history.readings[1].stretch);
+}
+
 TEST_F(Hour, what_is_no_history_or_lacks_the_output_is_refused) {
   const std::string history = csv(), name = network_.deformations[0].name;
   EXPECT_EQ(error_of([&] { read(history, "tail"); }), history + ": --output: has no tail; it has " + name + ", flange");
@@ -187,7 +208,7 @@ TEST(HandReadings, are_read_as_a_person_writes_them) {
   const tests::TemporaryFolder folder;
   const std::string path = folder.write(
       "m.csv",
-      "\xEF\xBB\xBFtime_utc, growth_um ,compensated\r\n2026-11-22 08:30,3.5,0\r\n\r\n2026-11-22T08:31:05Z,-2,1");
+      "\xEF\xBB\xBFtime_utc, growth_um ,compensated\r\n2026-11-22 08:30,+3.5,0\r\n\r\n2026-11-22T08:31:05Z,-2,1");
   const std::vector<HandReading> readings = read_hand_readings(path);
   ASSERT_EQ(readings.size(), 2U);
   EXPECT_EQ(readings[0].unix_s, 1795336200.0);
@@ -210,6 +231,7 @@ TEST(HandReadings, a_wrong_one_is_refused_with_file_line_and_column) {
         {"time_utc,growth_um\n2026-02-30 08:30,1\n", no_time},
         {"time_utc,growth_um\n2026-11-22 08:30 PM,1\n", no_time},
         {"time_utc,growth_um\n2026-11-22 08:30,1e5\n", ":2: growth_um: must be a number from -10000 to 10000"},
+        {"time_utc,growth_um\n2026-11-22 08:30,+-1\n", ":2: growth_um: must be a number from -10000 to 10000"},
         {"time_utc,growth_um\n2026-11-22 08:30,nan\n", ":2: growth_um: must be a number from -10000 to 10000"},
         {"time_utc,growth_um,compensated\n2026-11-22 08:30,1,yes\n", ":2: compensated: must be 0 or 1"},
         {"time_utc,growth_um\n2026-11-22 08:30\n", ":2: 1 cells, the header has 2"},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "correction/estimator/operating_heat.hpp"
 #include "correction/estimator/square_root_filter.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
 #include "tests/firmware/support/small_network.hpp"
@@ -18,7 +19,7 @@ namespace estimator_parameters_test {
 struct Stated {
   double mean, deviation, minimum, maximum, walk_per_root_min, memory_s;
 };
-Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_written) {
+Stated stated(ParameterKind kind, bool uniform, double heats_W, double unexplained_W) {
   const double ten = std::log(10.0), five = std::log(5.0);
   switch (kind) {
     case ParameterKind::heat:
@@ -38,7 +39,7 @@ Stated stated(ParameterKind kind, bool uniform, double heats_W, bool hand_writte
     case ParameterKind::capacity:
       return {0.0, 0.3, -five, five, 0.0, 0.0};
     case ParameterKind::disturbance:
-      return {0.0, (hand_written ? 0.1 : 0.01) * heats_W, -heats_W, heats_W, 0.0, 3600.0};
+      return {0.0, unexplained_W, -heats_W, heats_W, 0.0, 3600.0};
     case ParameterKind::start:
       return {0.0, uniform ? 0.2 : 0.05, -500.0, 500.0, 0.0, 0.0};
   }
@@ -75,10 +76,15 @@ TEST(Parameters, of_a_network_have_the_priors_that_are_stated) {
     const ParameterModel model(network, EstimatorPriors{});
     double heats_W = 0.0;
     for (const rom::HeatSource& source : network.boundaries.sources) heats_W += source.nominal_W;
+    const std::vector<double> through_W = heat_through_groups_W(network, thermal_groups(network, 8));
     for (Eigen::Index i = 0; i < model.count(); ++i) {
       const Parameter& parameter = model.list()[static_cast<std::size_t>(i)];
       SCOPED_TRACE(parameter.name);
-      const Stated expected = stated(parameter.kind, i == model.start(), heats_W, network.hand_written);
+      double unexplained_W = 0.01 * heats_W;
+      if (network.hand_written && parameter.kind == ParameterKind::disturbance) {
+        unexplained_W = std::max(unexplained_W, 0.1 * through_W[static_cast<std::size_t>(parameter.index)]);
+      }
+      const Stated expected = stated(parameter.kind, i == model.start(), heats_W, unexplained_W);
       EXPECT_DOUBLE_EQ(parameter.mean, expected.mean);
       EXPECT_EQ(model.mean()[i], parameter.mean);
       EXPECT_DOUBLE_EQ(parameter.deviation, expected.deviation);

@@ -229,6 +229,21 @@ TEST(ExchangeLimits, a_file_that_no_cycle_has_run_is_told_as_refused_once) {
   EXPECT_EQ(of.last.exchange.state, ExchangeState::trial);
 }
 
+TEST(ExchangeLimits, a_file_refused_just_before_or_beside_a_candidate_leaves_it_on_trial) {
+  Swapping before(1.0, 1.0);
+  before.run(3);
+  before.exchange.note_refused();
+  before.offer(before.new_cycle);
+  before.step();
+  EXPECT_EQ(before.last.exchange.state, ExchangeState::trial);
+  before.exchange.note_refused();
+  before.step();
+  EXPECT_EQ(before.last.exchange.state, ExchangeState::trial);
+  before.run(60);
+  EXPECT_EQ(before.last.exchange.state, ExchangeState::trial) << "judged as one that is on trial";
+  EXPECT_FALSE(before.shows_new());
+}
+
 TEST(ExchangeLimits, both_are_told_of_troubles) {
   Troubles troubles;
   Swapping of(1.0, 1.0);

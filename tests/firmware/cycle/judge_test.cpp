@@ -263,6 +263,18 @@ TEST(Judge, a_change_is_believed_from_the_time_on_in_which_it_could_come_so_fast
   }
 }
 
+TEST(Judge, a_change_told_once_too_early_is_believed_when_its_time_has_passed) {
+  for (const double clock_rate : {1.0, 4.0}) {
+    OneSignal signal({SignalSource::plc, not_a_value, 0.0, 1000.0, 0.0, 2.0});
+    signal.plan.clock_rate = clock_rate;
+    EXPECT_TRUE(signal.believes(300.0, 0.0, 1'000'000'000));
+    const auto a_tenth_later = 1'000'000'000 + static_cast<std::int64_t>(1e8 / clock_rate);
+    EXPECT_FALSE(signal.believes(304.0, 0.0, a_tenth_later));
+    EXPECT_FALSE(signal.believes(304.0, 1.8, a_tenth_later)) << "as old in model time as it must become";
+    EXPECT_TRUE(signal.believes(304.0, 1.95, a_tenth_later));
+  }
+}
+
 TEST(Judge, what_a_silent_client_told_is_held_until_it_is_heard_again) {
   OneSignal signal({SignalSource::plc, 1.0, 0.0, 9.0, 0.0});
   signal.is_silent = true;

@@ -19,7 +19,7 @@ const std::string ours(64, 'a'), of_before(64, 'b'), of_others(64, 'c');
 StandingOrders tared() {
   StandingOrders orders;
   orders.revision = 3;
-  orders.correction = SwitchOrder::off;
+  orders.correction = orders.compensation = SwitchOrder::off;
   orders.tare_m = 2e-6;
   orders.sensor_tares = 1;
   orders.sensor_tare_K[1] = 0.25;
@@ -63,6 +63,7 @@ TEST(RecallOrders, as_many_as_the_checkpoint_knew_of_or_more_are_all_and_one_les
   EXPECT_EQ(orders.sensor_tare_K[1], 0.6);
   EXPECT_EQ(orders.sensor_tare_deviation_K[1], 0.06);
   EXPECT_EQ(orders.correction, SwitchOrder::off) << "the switch as it was told last";
+  EXPECT_EQ(orders.compensation, SwitchOrder::off) << "and so is the other";
 }
 
 TEST(RecallOrders, a_file_that_is_missing_is_a_loss_from_the_first_order_on) {
@@ -93,6 +94,7 @@ TEST(RecallOrders, of_another_network_the_switches_hold_and_its_tares_are_lost_w
     EXPECT_EQ(orders.sensor_tare_K[1], 0.0);
     EXPECT_EQ(orders.sensor_tare_deviation_K[1], 0.0);
     EXPECT_EQ(orders.correction, SwitchOrder::off);
+    EXPECT_EQ(orders.compensation, SwitchOrder::off);
     EXPECT_EQ(orders.revision, 3U);
   }
 }
@@ -124,7 +126,7 @@ TEST(RecallOrders, the_log_says_what_is_in_use) {
   const Logged log;
   file.recalled(std::nullopt);
   EXPECT_EQ(log.text(), "info orders " + file.path +
-                            ": tare 2.00 um, 1 tares of the sensors, correction off, compensation as configured\n");
+                            ": tare 2.00 um, 1 tares of the sensors, correction off, compensation off\n");
   StandingOrders on = tared();
   on.correction = SwitchOrder::on;
   const InFile other(on);

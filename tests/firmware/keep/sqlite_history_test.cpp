@@ -395,12 +395,13 @@ TEST_F(SqliteFile, a_row_that_is_gone_from_the_middle_is_damage_and_the_oldest_m
   }
 }
 
-/// The file under every prefix of it: what a broken disk leaves ends in an error or in rows, never in a crash.
+/// What a broken disk leaves ends in an error or in rows, never in a crash: 300 files cut or changed at random.
 TEST_F(SqliteFile, a_file_that_is_cut_or_scrambled_never_ends_in_more_than_an_error) {
   write_run(40);
   std::ifstream file(path_, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   std::mt19937 random(5);
+  int refused = 0, read = 0;
   for (int n = 0; n < 300; ++n) {
     std::string broken = whole;
     if (n % 3 == 0) broken.resize(random() % whole.size());
@@ -410,9 +411,13 @@ TEST_F(SqliteFile, a_file_that_is_cut_or_scrambled_never_ends_in_more_than_an_er
     const std::string path = folder_.write("broken.sqlite", broken);
     try {
       SqliteHistoryReader(path).table(std::nullopt);
+      ++read;
     } catch (const rom::InputError&) {
+      ++refused;
     }
   }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(read, 0);
 }
 
 }  // namespace keep_sqlite_history_test
