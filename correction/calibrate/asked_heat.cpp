@@ -19,7 +19,7 @@ CalibrateOptions with_heats(CalibrateOptions options) {
 double AskedHeat::deviations() const { return std::abs(heat_W) / deviation_W; }
 
 HeatResponses heat_responses(const FitTask& task, const TestFit& fit) {
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   const CalibrateOptions options = with_heats(task.options);
   const TestPredictor predictor(task.network, options);
   const ParameterModel& parameters = predictor.parameters();
@@ -35,7 +35,7 @@ HeatResponses heat_responses(const FitTask& task, const TestFit& fit) {
 }
 
 std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) {
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   const HeatResponses responses = heat_responses(task, fit);
   const auto groups = static_cast<Eigen::Index>(responses.groups.size());
   if (groups == 0) return {};

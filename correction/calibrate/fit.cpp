@@ -130,7 +130,8 @@ class WhitenedProblem {
 std::vector<Eigen::MatrixXd> covariances(const Evaluated& at, const FitTask& task, bool robust) {
   std::vector<Eigen::MatrixXd> result;
   for (std::size_t test = 0; test < at.predictions.size(); ++test) {
-    result.push_back(residual_covariance(at.predictions[test], task.predictor.parameters(), task.options));
+    result.push_back(residual_covariance(at.predictions[test], task.predictor.parameters(), task.options,
+                                         start_spread_K(task.tests[test], task.options)));
     for (Eigen::Index r = 0; robust && r < at.left[test].size(); ++r) {
       const double variance = result.back()(r, r);
       const double off = std::abs(at.left[test][r]) / std::sqrt(variance);
@@ -240,7 +241,7 @@ std::vector<ChannelFit> channels_from(const FitTask& task, const TestFit& fit, d
 }
 
 TestFit fit_tests(const FitTask& task, const Eigen::VectorXd* start, const std::function<void(int)>& progress) {
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   Evaluator evaluate(task, unknowns, progress);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(unknowns.count());
   if (start != nullptr) u = in_deviations(unknowns, *start);
@@ -253,7 +254,7 @@ TestFit fit_tests(const FitTask& task, const Eigen::VectorXd* start, const std::
 }
 
 TestFit fit_tests_once(const FitTask& task, const Eigen::VectorXd& start, const std::vector<Eigen::MatrixXd>& weights) {
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   Evaluator evaluate(task, unknowns, {});
   Eigen::VectorXd u = in_deviations(unknowns, start);
   const Eigen::MatrixXd covariance = minimise(evaluate, unknowns, weights, u);
@@ -261,7 +262,7 @@ TestFit fit_tests_once(const FitTask& task, const Eigen::VectorXd& start, const 
 }
 
 TestFit judge_tests(const FitTask& task, const Eigen::VectorXd& z, const Eigen::MatrixXd& covariance) {
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   Evaluator evaluate(task, unknowns, {});
   return finish(task, evaluate(z), z, covariance);
 }

@@ -27,13 +27,14 @@ Foreseen foresee(const FitTask& task, const TestFit& at, std::size_t test, doubl
     const bool is_seen = at.readings[test].readings[static_cast<std::size_t>(r)].time_s < from_s;
     (is_seen ? result.seen : result.held).push_back(r);
   }
-  Eigen::MatrixXd all = residual_covariance(at.readings[test], task.predictor.parameters(), task.options);
+  Eigen::MatrixXd all = residual_covariance(at.readings[test], task.predictor.parameters(), task.options,
+                                            start_spread_K(task.tests[test], task.options));
   for (const Eigen::Index r : result.seen) all(r, r) = at.weights[test](r, r);  // outliers say less
   const Eigen::MatrixXd mixed = all(result.seen, result.held);
   result.weight.compute(all(result.seen, result.seen));
   result.carried = result.weight.solve(mixed).transpose();
   result.noise = all(result.held, result.held) - result.carried * mixed;
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   const Eigen::MatrixXd rows = unknowns.rows(at.readings[test], test);
   result.seen_rows = rows(result.seen, Eigen::all);
   result.rows = rows(result.held, Eigen::all) - result.carried * result.seen_rows;

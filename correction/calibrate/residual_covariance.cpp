@@ -2,8 +2,13 @@
 
 #include <cmath>
 
+#include "correction/calibrate/unknowns.hpp"
+
 namespace spindle_twin::correction {
 namespace {
+
+constexpr double missed_share = 0.3;        // of a start's shapes, as in the estimator
+constexpr double missed_memory_s = 1200.0;  // of that share; of its variance half as long
 
 double squared(double value) { return value * value; }
 
@@ -31,10 +36,28 @@ Eigen::MatrixXd correlation(const std::vector<TestReading>& readings, double mem
   return of;
 }
 
+/// What no shape of the start has of it: a share of each, which fades as neighbours meet.
+Eigen::MatrixXd of_missed_start(const TestPrediction& prediction, const ParameterModel& parameters, double spread_K) {
+  const auto count = static_cast<Eigen::Index>(prediction.readings.size());
+  const double begin_s = prediction.readings.empty() ? 0.0 : prediction.readings.front().time_s;
+  Eigen::VectorXd left(count);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    left[r] = std::exp(-(prediction.readings[static_cast<std::size_t>(r)].time_s - begin_s) / missed_memory_s);
+  }
+  Eigen::MatrixXd missed = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    if (!parameters.is_start(i)) continue;
+    const Eigen::VectorXd column =
+        missed_share * start_deviation_K(parameters, i, spread_K) * prediction.sensitivities.col(i).cwiseProduct(left);
+    missed.noalias() += column * column.transpose();
+  }
+  return missed;
+}
+
 }  // namespace
 
 Eigen::MatrixXd residual_covariance(const TestPrediction& prediction, const ParameterModel& parameters,
-                                    const CalibrateOptions& options) {
+                                    const CalibrateOptions& options, double spread_K) {
   const auto count = static_cast<Eigen::Index>(prediction.readings.size());
   Eigen::MatrixXd joints = Eigen::MatrixXd::Zero(count, count), inlets = joints, drift = joints;
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
@@ -59,6 +82,7 @@ Eigen::MatrixXd residual_covariance(const TestPrediction& prediction, const Para
   Eigen::MatrixXd covariance =
       (joints + drift).cwiseProduct(correlation(prediction.readings, options.memory_s)) +
       inlets.cwiseProduct(correlation(prediction.readings, options.priors.environment_memory_s));
+  if (spread_K > 0.0) covariance += of_missed_start(prediction, parameters, spread_K);
   for (Eigen::Index i = 0; i < count; ++i) {
     covariance(i, i) += own_variance(prediction.readings[static_cast<std::size_t>(i)], options);
   }

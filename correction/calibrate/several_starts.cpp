@@ -86,7 +86,7 @@ void widen(const std::vector<TestFit>& fits, const TestUnknowns& unknowns, std::
 
 SeveralStarts fit_from_several(const FitTask& task, const Eigen::VectorXd& first,
                                const std::function<void(int)>& progress) {
-  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests.size());
+  const TestUnknowns unknowns(task.network, task.predictor.parameters(), task.options, task.tests);
   std::vector<TestFit> fits{fit_tests(task, &first, progress)};
   const std::vector<Eigen::VectorXd> points = draws(task, unknowns, fits.front());
   int evaluations = fits.front().evaluations;

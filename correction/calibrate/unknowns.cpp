@@ -2,16 +2,59 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 namespace spindle_twin::correction {
 namespace {
 
 constexpr double zero_deviation_m = 1e-3;  // of a probe: unknown
+constexpr double isothermal = 3.0;         // deviations of a reading within which a start is as said
+constexpr double of_steady_rises = 2.0;    // of the spread
+
+std::vector<double> spreads_of(const std::vector<ThermalTest>& tests, const CalibrateOptions& options) {
+  std::vector<double> spreads_K;
+  spreads_K.reserve(tests.size());
+  for (const ThermalTest& test : tests) spreads_K.push_back(start_spread_K(test, options));
+  return spreads_K;
+}
 
 }  // namespace
 
+double start_deviation_K(const ParameterModel& parameters, Eigen::Index i, double spread_K) {
+  const bool group = i >= parameters.count() - static_cast<Eigen::Index>(parameters.groups().size());
+  const bool steady_rise = i > parameters.start() && !group;
+  return std::max(parameters.list()[static_cast<std::size_t>(i)].deviation,
+                  (steady_rise ? of_steady_rises : 1.0) * spread_K);
+}
+
+double start_spread_K(const ThermalTest& test, const CalibrateOptions& options) {
+  double spread_K = 0.0, expected_K = 0.0;
+  for (std::size_t s = 0; s < options.sensors.size(); ++s) {
+    const auto column = static_cast<Eigen::Index>(s);
+    for (std::size_t r = 0; r < test.time_s.size() && test.time_s[r] <= test.time_s[0] + options.held_s; ++r) {
+      const double measured_K = test.measured_K(static_cast<Eigen::Index>(r), column);
+      if (!std::isfinite(measured_K)) continue;
+      spread_K = std::max(spread_K, std::abs(measured_K - test.start_K));
+      expected_K = std::max(expected_K, std::hypot(options.sensors[s].noise_K, options.sensors[s].offset_deviation_K));
+      break;
+    }
+  }
+  if (spread_K <= isothermal * expected_K) spread_K = 0.0;
+  const Eigen::VectorXd& around_K = test.operating[0].environment_K;
+  if (around_K.size() == 0) return spread_K;
+  return std::max({spread_K, test.start_K - around_K.maxCoeff(), around_K.minCoeff() - test.start_K});
+}
+
+TestUnknowns::TestUnknowns(const rom::Network& network, const ParameterModel& parameters,
+                           const CalibrateOptions& options, const std::vector<ThermalTest>& tests)
+    : TestUnknowns(network, parameters, options, spreads_of(tests, options)) {}
+
 TestUnknowns::TestUnknowns(const rom::Network& network, const ParameterModel& parameters,
                            const CalibrateOptions& options, std::size_t tests)
+    : TestUnknowns(network, parameters, options, std::vector<double>(tests, 0.0)) {}
+
+TestUnknowns::TestUnknowns(const rom::Network& network, const ParameterModel& parameters,
+                           const CalibrateOptions& options, const std::vector<double>& spreads_K)
     : list_(parameters.list()),
       sensors_(static_cast<Eigen::Index>(options.sensors.size())),
       channels_(sensors_ + static_cast<Eigen::Index>(network.deformations.size())) {
@@ -20,7 +63,7 @@ TestUnknowns::TestUnknowns(const rom::Network& network, const ParameterModel& pa
   }
   const auto shared = static_cast<Eigen::Index>(machine_.size()) + sensors_;
   const Eigen::Index each = static_cast<Eigen::Index>(of_test_.size()) + channels_;
-  mean_ = Eigen::VectorXd::Zero(shared + static_cast<Eigen::Index>(tests) * each);
+  mean_ = Eigen::VectorXd::Zero(shared + static_cast<Eigen::Index>(spreads_K.size()) * each);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count(), count());
   const Eigen::MatrixXd prior = parameters.covariance();
   for (std::size_t a = 0; a < machine_.size(); ++a) {
@@ -34,12 +77,14 @@ TestUnknowns::TestUnknowns(const rom::Network& network, const ParameterModel& pa
     mean_[at] = options.sensors[static_cast<std::size_t>(s)].lag_s;
     covariance(at, at) = options.lag_deviation_s * options.lag_deviation_s;
   }
-  for (std::size_t test = 0; test < tests; ++test) {
+  for (std::size_t test = 0; test < spreads_K.size(); ++test) {
     const Eigen::Index first = shared + static_cast<Eigen::Index>(test) * each;
     for (std::size_t i = 0; i < of_test_.size(); ++i) {
       const Eigen::Index at = first + static_cast<Eigen::Index>(i);
       mean_[at] = parameters.mean()[of_test_[i]];
-      covariance(at, at) = prior(of_test_[i], of_test_[i]);
+      covariance(at, at) = parameters.is_start(of_test_[i])
+                               ? std::pow(start_deviation_K(parameters, of_test_[i], spreads_K[test]), 2)
+                               : prior(of_test_[i], of_test_[i]);
     }
     for (Eigen::Index c = 0; c < channels_; ++c) {
       const Eigen::Index at = offset_at(test, static_cast<int>(c));

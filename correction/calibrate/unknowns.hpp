@@ -9,11 +9,24 @@
 
 namespace spindle_twin::correction {
 
+/// How far the spindle may have been from start_K where a test began: the larger of what any sensor read off it in the
+/// first held_s, beyond 3 deviations of a reading (noise and offset), and of what start_K is warmer than the warmest
+/// or colder than the coldest of its surroundings. 0: it stood as cold as said.
+double start_spread_K(const ThermalTest& test, const CalibrateOptions& options);
+
+/// 1σ of a parameter of the start in a test with such a spread, at least that of its prior: the spread for the whole
+/// spindle and each group, twice that for the steady rises (no sensor need be where the spindle is warmest).
+double start_deviation_K(const ParameterModel& parameters, Eigen::Index i, double spread_K);
+
 /// All unknowns z of some tests at once: what is of the machine (heats, contacts, films, speed exponents, bearing
 /// temperature, capacities) and the lags of its sensors once; environments, unexplained heats, start, offsets of
-/// sensors and zeros of probes for each test anew.
+/// sensors and zeros of probes for each test anew. The start of a test that begins warm is open, as in the estimator
+/// (EstimatorCorrection).
 class TestUnknowns {
  public:
+  TestUnknowns(const rom::Network& network, const ParameterModel& parameters, const CalibrateOptions& options,
+               const std::vector<ThermalTest>& tests);
+  /// Of so many tests that begin as cold as the priors say.
   TestUnknowns(const rom::Network& network, const ParameterModel& parameters, const CalibrateOptions& options,
                std::size_t tests);
 
@@ -36,6 +49,9 @@ class TestUnknowns {
   Eigen::VectorXd row(const Eigen::VectorXd& theta_row, std::size_t test) const;
 
  private:
+  /// `spreads_K` as of start_spread_K, one per test.
+  TestUnknowns(const rom::Network& network, const ParameterModel& parameters, const CalibrateOptions& options,
+               const std::vector<double>& spreads_K);
   Eigen::Index offset_at(std::size_t test, int channel) const;
 
   std::vector<Parameter> list_;

@@ -26,7 +26,7 @@ struct Calibration {           // NOLINT(public-members): a file as it is writte
   Eigen::MatrixXd root;  ///< n x n lower triangle, covariance = root rootᵀ
   Eigen::VectorXd prior_mean, prior_deviation;
   Eigen::VectorXd nominal = {};  ///< as in KnownParameters; empty in files of before
-  double promised_m = 0.0;       ///< 1σ of the first deformation output at the end of the test, drift included
+  double promised_m = 0.0;       ///< 1σ of the first deformation output after four hours without a sensor (NosePromise)
   bool accepted = true;          ///< it kept its limits; false: a person has written it all the same
 };
 

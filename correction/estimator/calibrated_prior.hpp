@@ -21,7 +21,7 @@ struct KnownParameters {
 struct CalibratedPrior : KnownParameters {
   std::string origin;  ///< tells one from another: what was learnt from one prior does not go on from another
   double made_unix_s = 0.0;
-  double promised_m = 0.0;  ///< 1σ of the first deformation output at the end of the test
+  double promised_m = 0.0;  ///< 1σ of the first deformation output, as of calibrate/promise
 };
 
 }  // namespace spindle_twin::correction

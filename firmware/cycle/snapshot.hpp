@@ -244,7 +244,7 @@ struct Snapshot {  // NOLINT(public-members): one page of plain data, copied who
   std::int16_t unexplained_heat_group = -1;  ///< thermal group with a heat that no source explains; -1: none
   double unexplained_heat_W = not_a_value;
   double calibrated_unix_s = not_a_value;       ///< when the calibration that the estimator began with was made
-  double calibration_promised_m = not_a_value;  ///< 1σ of the nose at the end of its test
+  double calibration_promised_m = not_a_value;  ///< 1σ of the nose, as of NosePromise
   std::uint16_t displacement_count = 0;         ///< measured lengths taken in since the start
   std::uint32_t displacement_orders = 0;        ///< those that the PLC gave, and the last of them
   Displacement displacement;

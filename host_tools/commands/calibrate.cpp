@@ -18,10 +18,12 @@
 #include <vector>
 
 #include "host_tools/calibrate/calibration_page.hpp"
+#include "host_tools/calibrate/leave_out_spikes.hpp"
 #include "host_tools/calibrate/read_thermal_test.hpp"
 #include "host_tools/calibrate/test_options.hpp"
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "host_tools/commands/plausibility.hpp"
 #include "host_tools/pages/fill_page.hpp"
 #include "host_tools/pages/page_texts.hpp"
 #include "rom/file/rom_file.hpp"
@@ -47,6 +49,7 @@ struct CalibrateCommand {
   int starts = 5;
   bool accept = false;
   bool json = false;
+  Plausibility plausibility;
 };
 
 bool is_probe(const correction::CalibrateOptions& options, const correction::ChannelFit& channel) {
@@ -74,7 +77,7 @@ nlohmann::ordered_json channels_json(const correction::CalibrateOptions& options
   return list;
 }
 
-/// Readings of a sensor that the daemon did not believe.
+/// Readings that the fit is not given: the daemon did not believe them, or they stand alone.
 struct LeftOut {
   std::string log, sensor;
   int readings = 0;
@@ -91,6 +94,15 @@ void add_left_out(const rom::Network& network, const Log& log, std::vector<LeftO
   }
 }
 
+void add_spikes(const std::vector<Spikes>& spikes, const Log& log, std::vector<LeftOut>& list) {
+  for (const Spikes& each : spikes) {
+    list.push_back({log.file, each.channel, each.readings});
+    std::fprintf(stderr,
+                 "%s: %d readings of %s are left out, which stand alone among their neighbours (the first at %g s)\n",
+                 log.file.c_str(), each.readings, each.channel.c_str(), each.first_s);
+  }
+}
+
 void print_json(const correction::CalibrateOptions& options, const std::vector<LeftOut>& left_out,
                 const correction::CalibrationResult& result) {
   const correction::Calibration& calibration = result.calibration;
@@ -100,8 +112,10 @@ void print_json(const correction::CalibrateOptions& options, const std::vector<L
                               {"evaluations", result.fit.evaluations},
                               {"chi_square_per_reading", result.fit.chi_square_per_reading},
                               {"promised_um", rom::um_per_m * calibration.promised_m},
+                              {"untested_um", rom::um_per_m * result.untested_m},
                               {"fits", result.misfits.empty()},
                               {"misfits", result.misfits},
+                              {"hints", result.hints},
                               {"start_seed", options.start_seed}};
   json["left_out"] = nlohmann::ordered_json::array();
   for (const LeftOut& each : left_out) {
@@ -122,7 +136,7 @@ void print_json(const correction::CalibrateOptions& options, const std::vector<L
                                   {"prior_deviation", calibration.prior_deviation[slot]},
                                   {"value", calibration.mean[slot]},
                                   {"deviation", deviation},
-                                  {"determined", deviation <= 0.9 * calibration.prior_deviation[slot]}});
+                                  {"determined", correction::is_determined(calibration, slot)}});
   }
   json["channels"] = channels_json(options, result.fit.channels);
   if (result.held_out.heat) {
@@ -162,6 +176,7 @@ void print_starts(const correction::CalibrateOptions& options, const std::vector
     farthest = std::max(farthest, start.apart);
     others += start.is_other ? 1 : 0;
   }
+  if (starts.size() < 2) return;
   std::printf("%zu starts (seed %llu), no parameter ends further than %.1f of its deviations from the best\n",
               starts.size(), static_cast<unsigned long long>(options.start_seed), farthest);
   for (std::size_t k = 0; others > 0 && k < starts.size(); ++k) {
@@ -182,7 +197,7 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   for (std::size_t i = 0; i < calibration.names.size(); ++i) {
     const auto slot = static_cast<Eigen::Index>(i);
     const double deviation = calibration.root.row(slot).norm();
-    const bool determined = deviation <= 0.9 * calibration.prior_deviation[slot];
+    const bool determined = correction::is_determined(calibration, slot);
     open += determined ? 0 : 1;
     std::printf("%-46s %8.3f %9.3f %8.3f %9.3f%s\n", calibration.names[i].c_str(), calibration.prior_mean[slot],
                 calibration.prior_deviation[slot], calibration.mean[slot], deviation,
@@ -204,10 +219,15 @@ void print_table(const correction::CalibrateOptions& options, const correction::
     std::printf("  before the last quarter: %.1f W +- %.1f W in %s; in the last quarter: %.1f W +- %.1f W\n",
                 before.heat_W, before.deviation_W, before.group.c_str(), after.heat_W, after.deviation_W);
   }
-  std::printf("promised after this drive: nose within %.2f um (1 sigma), drift since the test included\n",
-              rom::um_per_m * calibration.promised_m);
+  if (calibration.promised_m > 0.0) {
+    std::printf(
+        "promised after 4 h at the described operating state, without a sensor: nose within %.2f um (1 sigma, drift "
+        "since the test included); without this test %.2f um\n",
+        rom::um_per_m * calibration.promised_m, rom::um_per_m * result.untested_m);
+  }
   std::printf("%s\n", result.misfits.empty() ? "It fits." : "It does not fit:");
   for (const std::string& misfit : result.misfits) std::printf("  %s\n", misfit.c_str());
+  for (const std::string& hint : result.hints) std::printf("  hint: %s\n", hint.c_str());
 }
 
 /// The same instants and sensor readings, bit for bit.
@@ -221,11 +241,15 @@ void run_calibrate(const CalibrateCommand& command) {
   if (!command.output.empty()) rom::check_writable(command.output, "--output");
   if (!command.page.empty()) rom::check_writable(command.page, "--html");
   const rom::RomFile file = rom::read_rom_file(command.network);
+  Plausibility plausibility = command.plausibility;
   std::vector<correction::ThermalTest> tests;
   std::vector<LeftOut> left_out;
   for (const std::string& name : command.logs) {
     const Log log = read_log(name, file.network, command.longest_gap_s);
+    plausibility.note_log(log, file.network);
+    plausibility.note_measured(log, file.network);
     correction::ThermalTest test = read_thermal_test(file.network, log, command.start_degC);
+    add_spikes(leave_out_spikes(file.network, command.probe_noise_um * rom::m_per_um, test), log, left_out);
     for (const correction::ThermalTest& before : tests) {
       if (!is_the_same(before, test)) continue;
       throw rom::InputError({name, 0}, "logs", "holds the readings of " + before.name + ": they would count twice");
@@ -244,6 +268,10 @@ void run_calibrate(const CalibrateCommand& command) {
         if (shows) std::fprintf(stderr, "\r%s: the model has run %d times ", what, count);
       });
   if (shows) std::fprintf(stderr, "\r%60s\r", "");
+  if (plausibility.has_warned()) {
+    result.misfits.emplace_back("what a log says is not plausible: see the warnings");
+    result.calibration.accepted = false;
+  }
   result.calibration.network_sha256 = file.sha256;
   result.calibration.made_unix_s = static_cast<double>(std::time(nullptr));
   command.json ? print_json(options, left_out, result) : print_table(options, result);
@@ -292,6 +320,7 @@ void add_calibrate(CLI::App& app) {
   command->add_flag("--accept", options->accept, "write it although it does not fit");
   command->add_option("-o,--output", options->output, "calibration to write, for [correction] calibration");
   command->add_flag("--json", options->json, "as JSON");
+  options->plausibility.add_to(*command);
   command->callback([options] { run_calibrate(*options); });
 }
 

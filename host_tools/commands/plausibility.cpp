@@ -60,6 +60,21 @@ void Plausibility::note_readings(const Log& log, const rom::Network& network, co
   }
 }
 
+void Plausibility::note_measured(const Log& log, const rom::Network& network) {
+  for (std::size_t k = 0; k < network.key_points.size(); ++k) {
+    double coldest_K = std::numeric_limits<double>::infinity(), hottest_K = 0.0;
+    for (const LogRow& row : log.rows) {
+      if (!std::isfinite(row.measured_K[k]) || row.disbelieved[k]) continue;
+      coldest_K = std::min(coldest_K, row.measured_K[k]);
+      hottest_K = std::max(hottest_K, row.measured_K[k]);
+    }
+    if (coldest_K > hottest_K) continue;
+    std::vector<rom::Implausible> found = rom::implausible_temperatures(network.boundaries, coldest_K, hottest_K);
+    for (rom::Implausible& each : found) each.field = "measured." + network.key_points[k].name + "_degC, " + each.field;
+    note({log.file, 0}, found);
+  }
+}
+
 void Plausibility::add_temperatures(const std::string& file, const rom::Boundaries& boundaries,
                                     const Eigen::VectorXd& nodes_K) {
   if (nodes_K.size() == 0) return;

@@ -31,10 +31,14 @@ class Plausibility {
   void note_log(const Log& log, const rom::Network& network);
   /// Of every reading of a sensor that the plan has, beyond its range.
   void note_readings(const Log& log, const rom::Network& network, const firmware::CyclePlan& plan);
+  /// Of the coldest and the hottest reading of any sensor, as of a run's temperatures.
+  void note_measured(const Log& log, const rom::Network& network);
   /// Of what came out at one instant of a run. With --strict an error at once; else warned of at the run's end.
   void add_temperatures(const std::string& file, const rom::Boundaries& boundaries, const Eigen::VectorXd& nodes_K);
   /// The end of the run: warns of the hottest and the coldest of all instants.
   void note_temperatures(const std::string& file, const rom::Boundaries& boundaries);
+  /// Something was warned of.
+  bool has_warned() const { return !said_.empty(); }
 
  private:
   bool strict_ = false;

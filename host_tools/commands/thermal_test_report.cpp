@@ -12,6 +12,7 @@
 
 #include "host_tools/commands/commands.hpp"
 #include "host_tools/commands/finite_range.hpp"
+#include "host_tools/commands/plausibility.hpp"
 #include "host_tools/pages/fill_page.hpp"
 #include "host_tools/pages/page_texts.hpp"
 #include "host_tools/replay/plan.hpp"
@@ -31,6 +32,7 @@ struct ReportCommand {
   std::vector<std::string> notes;
   std::string output;
   bool json = false;
+  Plausibility plausibility;
 };
 
 /// Reading minus what the replay had said of it before.
@@ -38,6 +40,9 @@ Compensated replayed(const ReportCommand& command, const ThermalRecord& record, 
   if (command.replay.network.empty()) return {};
   const rom::Network network = rom::read_network(command.replay.network);
   const Log log = read_log(command.log, network, command.replay.longest_gap_s);
+  Plausibility plausibility = command.plausibility;
+  plausibility.note_log(log, network);
+  plausibility.note_measured(log, network);
   const firmware::CyclePlan plan = plan_replay(network, log, command.replay);
   const PredictedCourses courses = predicted_courses(network, plan, log);
   Compensated compensated;
@@ -156,6 +161,7 @@ void add_thermal_test_report(CLI::App& app) {
       ->check(CLI::Validator(check_note, "NAME=TEXT"));
   command->add_option("-o,--output", options->output, "page to write");
   command->add_flag("--json", options->json, "the numbers as JSON");
+  options->plausibility.add_to(*command);
   command->callback([options] { run_report(*options); });
 }
 

@@ -9,7 +9,7 @@ function writeHead() {
   byId("title").textContent = `Calibration of spindle “${data.spindle}”`;
   byId("state").textContent = `${duration(data.tested_s)} of test. Means of a minute of readings, the model with the ` +
     "priors (before) and with what was found (after); a probe's zero is unknown, so “before” begins at its first reading.";
-  addFacts(byId("facts"), [["promised for the nose, 1σ", `${fixed(data.promised_um, 2)} µm`],
+  addFacts(byId("facts"), [["promised for the nose after 4 h without a sensor, 1σ", `${fixed(data.promised_um, 2)} µm`],
     ["chi-square per reading", fixed(data.chi_square_per_reading, 2)],
     ["verdict", data.misfits.length ? "does not fit" : "fits"]]);
   for (const misfit of data.misfits) element("p", { class: "label" }, byId("misfits"), misfit);

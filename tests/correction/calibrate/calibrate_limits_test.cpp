@@ -15,7 +15,7 @@
 namespace spindle_twin::correction::test {
 namespace calibrate_calibrate_limits_test {
 
-constexpr CalibrateLimits without_limits{1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 0.0};
+constexpr CalibrateLimits without_limits{1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 0.0, 0.0};
 
 struct CalibratedNode : testing::Test {
   CalibratedNode() : predictor(node.network, node.options) { node.read(predictor, 0.15, 2e-6); }
@@ -35,6 +35,8 @@ TEST(CalibrationLimits, are_those_that_are_stated) {
   EXPECT_EQ(limits.asked_before, 3.0);
   EXPECT_EQ(limits.asked_after, 1.0);
   EXPECT_EQ(limits.asked_heat, 4.0);
+  EXPECT_EQ(limits.asked_heat_alone, 8.0);
+  EXPECT_EQ(limits.asked_share, 0.01);
   EXPECT_EQ(limits.shortest_s, 1200.0);
   const DriftOptions drift;
   EXPECT_EQ(drift.heat, 0.05);
@@ -77,8 +79,8 @@ TEST_F(CalibratedNode, names_what_is_beyond_a_limit_and_nothing_that_is_at_it) {
   ASSERT_EQ(misfits(&CalibrateLimits::held_out_mean, 0.999 * farthest).size(), 1U);
   ASSERT_FALSE(result.asked.empty());
   const double surest = result.asked.front().deviations();
-  EXPECT_TRUE(misfits(&CalibrateLimits::asked_heat, surest).empty());
-  EXPECT_EQ(misfits(&CalibrateLimits::asked_heat, 0.999 * surest).size(), 1U);
+  EXPECT_TRUE(misfits(&CalibrateLimits::asked_heat_alone, surest).empty());
+  EXPECT_EQ(misfits(&CalibrateLimits::asked_heat_alone, 0.999 * surest).size(), 1U);
 }
 
 TEST_F(CalibratedNode, says_of_each_channel_that_is_too_far_off_what_was_allowed_for_in_its_unit) {
@@ -112,28 +114,40 @@ TEST_F(CalibratedNode, says_of_each_channel_that_is_too_far_off_what_was_allowed
   }
 }
 
-/// What drifts since the test counts in what is promised of the nose at the end of the longest test.
-TEST_F(CalibratedNode, promises_the_nose_at_the_end_of_the_longest_test_as_far_as_the_machine_is_known) {
+/// Four hours from cold at the described operating state; what drifts since the test counts.
+TEST_F(CalibratedNode, promises_the_nose_after_the_same_hours_whatever_the_test_was) {
   for (const bool longest_first : {true, false}) {
     if (!longest_first) std::swap(node.tests[0], node.tests[1]);
     const CalibrationResult result = judged(without_limits);
     const Calibration& calibration = result.calibration;
-    const std::size_t longest = longest_first ? 0 : 1;
-    Eigen::MatrixXd covariance = calibration.root * calibration.root.transpose();
+    ThermalTest hours = node.tests[0];
+    hours.time_s = {0.0, 14400.0};
+    hours.operating = {node.network.boundaries.operating, node.network.boundaries.operating};
+    hours.start_K = node.network.boundaries.reference_temperature_K;
+    hours.measured_K = Eigen::MatrixXd::Constant(2, hours.measured_K.cols(), std::nan(""));
+    hours.deformation_m = Eigen::MatrixXd::Constant(2, hours.deformation_m.cols(), std::nan(""));
+    const TestUnknowns unknowns(node.network, predictor.parameters(), node.options, 1);
+    Eigen::VectorXd z = unknowns.mean();
+    z.head(calibration.mean.size()) = calibration.mean;
+    const Eigen::VectorXd output = predictor.predict(hours, unknowns.theta(z, 0), unknowns.lag_s(z)).last_output;
+    Eigen::MatrixXd covariance = calibration.root * calibration.root.transpose(), unknown = 0.0 * covariance;
     Eigen::VectorXd along(calibration.mean.size());
     for (Eigen::Index i = 0; i < along.size(); ++i) {
       const ParameterKind kind = result.machine[static_cast<std::size_t>(i)].kind;
       const bool drifts = kind == ParameterKind::heat || kind == ParameterKind::film;
       covariance(i, i) += drifts ? 0.05 * 0.05 : 0.0;
+      unknown(i, i) = calibration.prior_deviation[i] * calibration.prior_deviation[i];
       const auto& list = predictor.parameters().list();
       const auto slot = std::find_if(list.begin(), list.end(), [&](const Parameter& each) {
         return each.name == calibration.names[static_cast<std::size_t>(i)];
       });
-      along[i] = result.fit.readings[longest].last_output[slot - list.begin()];
+      along[i] = output[slot - list.begin()];
     }
     const double promised_m = std::sqrt(along.dot(covariance * along));
     EXPECT_GT(promised_m, 0.0);
     EXPECT_NEAR(calibration.promised_m, promised_m, 1e-9 * promised_m);
+    EXPECT_NEAR(result.untested_m, std::sqrt(along.dot(unknown * along)), 1e-9 * promised_m);
+    EXPECT_LT(promised_m, result.untested_m);
     EXPECT_NEAR(calibration.tested_s, 700.0, 1e-9);
     EXPECT_EQ(calibration.logs.size(), 2U);
   }

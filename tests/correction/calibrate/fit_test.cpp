@@ -22,7 +22,8 @@ struct FitOfNode : testing::Test {
   }
   FitTask task() const { return {node.network, predictor, node.options, node.tests}; }
   Eigen::MatrixXd assumed(const TestFit& fit, std::size_t test) const {
-    return residual_covariance(fit.readings[test], predictor.parameters(), node.options);
+    return residual_covariance(fit.readings[test], predictor.parameters(), node.options,
+                               start_spread_K(node.tests[test], node.options));
   }
   FittedNode node;
   TestPredictor predictor;

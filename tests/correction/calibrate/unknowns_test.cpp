@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "correction/estimator/estimator_correction.hpp"
+#include "tests/correction/calibrate/recorded_run.hpp"
 #include "tests/rom/law_network.hpp"
 
 namespace spindle_twin::correction::test {
@@ -145,6 +146,38 @@ TEST(TestPriors, open_the_laws_that_hours_of_several_speeds_tell_and_no_unexplai
   service.bearing_per_K = 0.03;
   EXPECT_EQ(test_priors(service).speed_exponent, 0.5);
   EXPECT_EQ(test_priors(service).bearing_per_K, 0.03);
+}
+
+TEST(StartSpread, is_what_sensors_read_off_the_start_or_the_start_off_its_surroundings) {
+  const rom::Network network = plates();
+  const CalibrateOptions options = calibrate_options(network);
+  const ParameterModel parameters(network, options.priors);
+  ThermalTest cold = record(network, parameters, parameters.mean(), {});
+  const auto around_K = [](ThermalTest& test, double temperature_K) {
+    for (rom::OperatingState& state : test.operating) state.environment_K.setConstant(temperature_K);
+  };
+  around_K(cold, cold.start_K);
+  for (Eigen::Index k = 0; k < cold.measured_K.cols(); ++k) cold.measured_K(0, k) = cold.start_K;
+  EXPECT_EQ(start_spread_K(cold, options), 0.0);
+  ThermalTest one_off = cold;
+  const EstimatorSensor& sensor = options.sensors[1];
+  const double reading_K = std::hypot(sensor.noise_K, sensor.offset_deviation_K);
+  one_off.measured_K(0, 1) += 2.9 * reading_K;
+  EXPECT_EQ(start_spread_K(one_off, options), 0.0) << "a sensor may be so far off";
+  one_off.measured_K(0, 1) = cold.start_K - 4.0;
+  EXPECT_NEAR(start_spread_K(one_off, options), 4.0, 1e-9);
+  ThermalTest warm = cold;
+  around_K(warm, warm.start_K - 7.0);
+  EXPECT_NEAR(start_spread_K(warm, options), 7.0, 1e-9);
+  const TestUnknowns as_said(network, parameters, options, std::vector{cold}),
+      open(network, parameters, options, std::vector{warm});
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    if (!parameters.is_start(i)) continue;
+    EXPECT_GE(start_deviation_K(parameters, i, 7.0), 7.0);
+    EXPECT_EQ(start_deviation_K(parameters, i, 0.0), parameters.list()[static_cast<std::size_t>(i)].deviation);
+  }
+  EXPECT_EQ(open.count(), as_said.count());
+  EXPECT_GT(open.root().norm(), as_said.root().norm());
 }
 
 }  // namespace calibrate_unknowns_test
