@@ -41,6 +41,48 @@ bool is_nothing_determined(const Calibration& calibration) {
   return true;
 }
 
+/// What the fit says of the machine, and of which tests.
+void note_machine(const FitTask& task, const TestUnknowns& unknowns, CalibrationResult& result) {
+  Calibration& calibration = result.calibration;
+  const auto count = static_cast<Eigen::Index>(unknowns.machine().size());
+  calibration.spindle = task.network.spindle;
+  calibration.mean = result.fit.z.head(count);
+  calibration.root = Eigen::LLT<Eigen::MatrixXd>(result.fit.covariance.topLeftCorner(count, count)).matrixL();
+  calibration.prior_mean = unknowns.mean().head(count);
+  calibration.prior_deviation = calibration.nominal = Eigen::VectorXd(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Parameter& parameter =
+        task.predictor.parameters().list()[static_cast<std::size_t>(unknowns.machine()[static_cast<std::size_t>(i)])];
+    result.machine.push_back(parameter);
+    calibration.names.push_back(parameter.name);
+    calibration.prior_deviation[i] = parameter.deviation;
+    calibration.nominal[i] = parameter.nominal;
+  }
+  for (const ThermalTest& test : task.tests) {
+    calibration.tested_s += test.length_s();
+    calibration.logs.push_back(test.name);
+  }
+}
+
+void judge(const FitTask& task, const CalibrateLimits& limits, CalibrationResult& result) {
+  Calibration& calibration = result.calibration;
+  result.misfits = misfits_of(result, task.network, task.options, limits);
+  for (std::string& misfit : bound_parameters(result.machine, calibration)) result.misfits.push_back(std::move(misfit));
+  if (calibration.tested_s < limits.shortest_s) {
+    result.misfits.push_back(in_words("%.0f min of test are too short to be judged, at least %.0f",
+                                      calibration.tested_s / rom::seconds_per_minute,
+                                      limits.shortest_s / rom::seconds_per_minute));
+  }
+  if (is_nothing_determined(calibration)) {
+    result.misfits.emplace_back("no parameter is determined: these readings tell nothing of the machine");
+  }
+  calibration.accepted = result.misfits.empty();
+  if (!calibration.accepted) result.hints = hints_of(result, task.network, task.options);
+  const NosePromise promise = promise_of(task.network, task.predictor, task.options, calibration);
+  calibration.promised_m = promise.tested_m;
+  result.untested_m = promise.untested_m;
+}
+
 }  // namespace
 
 bool is_determined(const Calibration& calibration, Eigen::Index i) {
@@ -74,41 +116,8 @@ CalibrationResult calibrate(const rom::Network& network, const CalibrateOptions&
     result.before.push_back(
         predictor.predict(test, unknowns.theta(unknowns.mean(), 0), unknowns.lag_s(unknowns.mean())));
   }
-
-  Calibration& calibration = result.calibration;
-  const auto count = static_cast<Eigen::Index>(unknowns.machine().size());
-  calibration.spindle = network.spindle;
-  calibration.mean = result.fit.z.head(count);
-  calibration.root = Eigen::LLT<Eigen::MatrixXd>(result.fit.covariance.topLeftCorner(count, count)).matrixL();
-  calibration.prior_mean = unknowns.mean().head(count);
-  calibration.prior_deviation = calibration.nominal = Eigen::VectorXd(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Parameter& parameter =
-        predictor.parameters().list()[static_cast<std::size_t>(unknowns.machine()[static_cast<std::size_t>(i)])];
-    result.machine.push_back(parameter);
-    calibration.names.push_back(parameter.name);
-    calibration.prior_deviation[i] = parameter.deviation;
-    calibration.nominal[i] = parameter.nominal;
-  }
-  for (const ThermalTest& test : tests) {
-    calibration.tested_s += test.length_s();
-    calibration.logs.push_back(test.name);
-  }
-  result.misfits = misfits_of(result, network, options, limits);
-  for (std::string& misfit : bound_parameters(result.machine, calibration)) result.misfits.push_back(std::move(misfit));
-  if (calibration.tested_s < limits.shortest_s) {
-    result.misfits.push_back(in_words("%.0f min of test are too short to be judged, at least %.0f",
-                                      calibration.tested_s / rom::seconds_per_minute,
-                                      limits.shortest_s / rom::seconds_per_minute));
-  }
-  if (is_nothing_determined(calibration)) {
-    result.misfits.emplace_back("no parameter is determined: these readings tell nothing of the machine");
-  }
-  calibration.accepted = result.misfits.empty();
-  if (!calibration.accepted) result.hints = hints_of(result, network, options);
-  const NosePromise promise = promise_of(network, predictor, options, calibration);
-  calibration.promised_m = promise.tested_m;
-  result.untested_m = promise.untested_m;
+  note_machine(task, unknowns, result);
+  judge(task, limits, result);
   return result;
 }
 

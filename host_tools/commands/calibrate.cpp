@@ -36,7 +36,7 @@ namespace {
 
 constexpr int does_not_fit = 3;
 
-struct CalibrateCommand {
+struct CalibrateCommand {  // NOLINT(public-members): a member per option
   std::string network;
   std::vector<std::string> logs;
   std::string config;

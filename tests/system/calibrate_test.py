@@ -154,9 +154,9 @@ class Calibrate(RunningDaemon):
         heat = said["held_out_heat"]
         for part in ("before", "last_quarter"):
             self.assertGreater(heat[f"{part}_W"], 3 * heat[f"{part}_deviation_W"])
-        self.assertIn(f"held out: before the last quarter readings ask for {heat['before_W']:.0f} W +- "
-                      f"{heat['before_deviation_W']:.0f} W in {heat['group']} that no source explains, in it for "
-                      f"{heat['last_quarter_W']:.0f} W +- {heat['last_quarter_deviation_W']:.0f} W", said["misfits"])
+        self.assertIn(f"held out: before the last quarter readings ask for {heat['before_W']:.3g} W +- "
+                      f"{heat['before_deviation_W']:.2g} W in {heat['group']} that no source explains, in it for "
+                      f"{heat['last_quarter_W']:.3g} W +- {heat['last_quarter_deviation_W']:.2g} W", said["misfits"])
         self.assertIn(heat["group"], {asked["group"] for asked in said["asked_heats"]})
         for channel in said["held_out"]:
             unit = "um" if channel["name"] == "nose" else "K"

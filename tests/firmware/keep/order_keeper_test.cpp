@@ -125,8 +125,8 @@ TEST(RecallOrders, the_log_says_what_is_in_use) {
   const InFile file(tared());
   const Logged log;
   file.recalled(std::nullopt);
-  EXPECT_EQ(log.text(), "info orders " + file.path +
-                            ": tare 2.00 um, 1 tares of the sensors, correction off, compensation off\n");
+  EXPECT_EQ(log.text(),
+            "info orders " + file.path + ": tare 2.00 um, 1 tares of the sensors, correction off, compensation off\n");
   StandingOrders on = tared();
   on.correction = SwitchOrder::on;
   const InFile other(on);
