@@ -206,6 +206,7 @@ void print_table(const correction::CalibrateOptions& options, const correction::
   std::printf("\n%zu of %zu parameters are not determined by this test.\n", open, calibration.names.size());
   print_channels("what the fit leaves of", options, result.fit.channels);
   print_channels("last quarter, predicted from the rest", options, result.held_out.channels);
+  std::printf("mean: without what contacts and probe had wandered by before; rms: with it\n");
   std::printf("\nchi-square per reading %.2f (1: model and readings are as good as assumed)\n",
               result.fit.chi_square_per_reading);
   print_starts(options, result.starts);

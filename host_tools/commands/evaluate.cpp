@@ -115,7 +115,10 @@ void print_table(const EvaluateOptions& options, const Evaluation& result) {
               result.history.output.c_str(), options.history.c_str(), result.history.readings.size(),
               result.history.stretches);
   if (result.whole.readings == 0) {
-    std::printf("nothing to judge: two readings in one stretch are needed\n");
+    std::printf(
+        "nothing to judge: two touch-offs or readings by hand in one stretch are needed; a log with a probe is judged "
+        "by\n"
+        "spindle-twin thermal-test-report LOG --rom X.rom\n");
     return;
   }
   std::printf("%-12s %8s %10s %10s %10s %10s %8s\n", "week from", "readings", "growth rms", "worst um", "left rms",

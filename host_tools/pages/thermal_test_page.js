@@ -22,7 +22,7 @@ function writeHead() {
   }
   addFacts(byId("facts"), facts);
   const unused = data.unused_columns.join(", ");
-  byId("unused").textContent = unused ? `Columns of the log that no number here is from: ${unused}.` : "";
+  byId("unused").textContent = unused ? `Columns of the log that no measured number here is from: ${unused}.` : "";
 }
 
 function showSetUp() {

@@ -50,6 +50,27 @@ std::vector<SignalColumn> signal_columns(const rom::Network& network) {
 std::string sensor_column(const rom::KeyPoint& point) { return "measured." + point.name + "_degC"; }
 std::string deformation_column(const rom::DeformationOutput& output) { return "measured." + output.name + "_um"; }
 
+/// Columns that go by a surrounding's own name, as in a schedule of `simulate`, by that of the signal that the daemon
+/// reads it by. Refused where another column or surrounding has the same signal: one cannot say what two are.
+void name_by_signals(rom::CsvTable& table, const rom::Network& network) {
+  for (const rom::Environment& environment : network.boundaries.environments) {
+    const std::string own = environment.name + "_degC";
+    const std::string signal = environment.kind == rom::EnvironmentKind::coolant ? "coolant_degC" : "ambient_degC";
+    const auto found = std::find(table.names.begin(), table.names.end(), own);
+    if (own == signal || found == table.names.end()) continue;
+    const auto alike = std::count_if(network.boundaries.environments.begin(), network.boundaries.environments.end(),
+                                     [&](const rom::Environment& each) { return each.kind == environment.kind; });
+    if (alike > 1 || table.has(signal)) {
+      throw rom::InputError(table.header(), own,
+                            fmt::format("{}; the column {} says it for all of them",
+                                        alike > 1 ? "is one of several surroundings that the daemon reads as one signal"
+                                                  : "is there beside " + signal,
+                                        signal));
+    }
+    *found = signal;
+  }
+}
+
 void check_columns(const rom::CsvTable& table, const rom::Network& network) {
   std::vector<std::string> allowed = {"time_s"};
   for (const SignalColumn& column : signal_columns(network)) allowed.push_back(column.name);
@@ -248,8 +269,9 @@ Log read_log(const std::string& path, const rom::Network& network, double longes
              std::optional<std::int64_t> run) {
   const bool is_database = firmware::is_sqlite_file(path);
   if (run && !is_database) throw rom::InputError({path, 0}, "run", "only a history in SQLite has several");
-  const rom::CsvTable table = is_database ? firmware::SqliteHistoryReader(path).table(run)
-                                          : rom::read_csv_table(path, rom::LastLine::may_be_cut);
+  rom::CsvTable table = is_database ? firmware::SqliteHistoryReader(path).table(run)
+                                    : rom::read_csv_table(path, rom::LastLine::may_be_cut);
+  name_by_signals(table, network);
   check_columns(table, network);
   Log log;
   log.file = path;

@@ -63,11 +63,12 @@ struct Log {
 
 /// Reads a CSV of the columns time_s, speed_rpm, load (required), coolant_degC, ambient_degC, current_A, power_W,
 /// flow.<circuit>_kg_per_s, heat.<measured heat>_W, measured.<key point>_degC, measured.<deformation>_um (an empty
-/// cell: no new reading); or a history of spindle-twind as it is, which may have measured.<deformation>_um besides.
-/// Times of a history are those at which its cycles began. Throws rom::InputError with file, line and column for a
-/// missing or unknown column, a cell that is no finite number, an empty one where a number must be, times that do not
-/// rise, two rows further apart than longest_gap_s, and for a history that lacks rows between two others. Of a history
-/// in SQLite one run is read, by its id or else the last one; `where` then counts that run's rows.
+/// cell: no new reading); `<surrounding>_degC` as in a schedule where it is the only one of its kind; or a history of
+/// spindle-twind as it is, which may have measured.<deformation>_um besides. Times of a history are those at which its
+/// cycles began. Throws rom::InputError with file, line and column for a missing or unknown column, a cell that is no
+/// finite number, an empty one where a number must be, times that do not rise, two rows further apart than
+/// longest_gap_s, and for a history that lacks rows between two others. Of a history in SQLite one run is read, by its
+/// id or else the last one; `where` then counts that run's rows.
 Log read_log(const std::string& path, const rom::Network& network, double longest_gap_s,
              std::optional<std::int64_t> run = std::nullopt);
 
