@@ -164,7 +164,7 @@ bool Channel::fits_course_of(const Channel& other) const {
   return std::abs(off_K) <= other.course_.limit_K();
 }
 
-bool Channel::exchanged_courses_with(const Channel& other) const {
+bool Channel::swapped_courses_with(const Channel& other) const {
   return off_course_ && other.off_course_ && fits_course_of(other) && other.fits_course_of(*this) &&
          std::max(jump_.in_a_row(), other.jump_.in_a_row()) + 1 >= limits_.outliers;
 }
@@ -183,7 +183,7 @@ bool Channel::came_back_as(const Channel& other) const {
          std::abs(off_course_before_of_K(other)) <= limits_.swap_fit * own_K;
 }
 
-bool Channel::exchanged_over_gap_with(const Channel& other) const {
+bool Channel::swapped_over_gap_with(const Channel& other) const {
   const bool just_ended = gap_.has_just_ended(limits_) || other.gap_.has_just_ended(limits_);
   return just_ended && came_back_as(other) && other.came_back_as(*this);
 }

@@ -91,11 +91,11 @@ class Channel {
   /// It is the first after a gap, in which no reading came, or none of a wire that is right.
   bool was_away() const { return was_away_; }
   /// Each of the two left its own course for the other's, with this sample the limits.outliers'th time for one of them.
-  bool exchanged_courses_with(const Channel& other) const;
+  bool swapped_courses_with(const Channel& other) const;
   /// Each of the two, one of which has just come back, came back from a gap on the course that the other had before:
   /// both are off their own by more than twice what makes a jump, so that swap_fit of it is six σ of a reading, and
   /// from the other's by swap_fit of that at most.
-  bool exchanged_over_gap_with(const Channel& other) const;
+  bool swapped_over_gap_with(const Channel& other) const;
   /// By how much it reads off the course that it had before a gap; 0 where that is not known (any more).
   double off_course_before_K() const;
   /// It is in use, and this reading is not the first since the start or its last gap: earlier ones have been used.

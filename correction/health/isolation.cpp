@@ -26,10 +26,10 @@ void Isolation::acknowledge() {
   for (Memory& memory : memories_) memory.opened = false;
 }
 
-double Isolation::left_when_exchanged(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits) {
+double Isolation::left_when_swapped(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits) {
   const double one_K = std::abs(one.misfit_K), other_K = std::abs(other.misfit_K);
-  const bool alike = one.misfit_K * other.misfit_K < 0.0 &&
-                     std::min(one_K, other_K) > limits.exchange_alike * std::max(one_K, other_K);
+  const bool alike =
+      one.misfit_K * other.misfit_K < 0.0 && std::min(one_K, other_K) > limits.swap_alike * std::max(one_K, other_K);
   if (!alike) return std::numeric_limits<double>::infinity();
   const double one_there_K = std::abs(one.reading_K - other.reading_K + other.misfit_K);
   const double other_there_K = std::abs(other.reading_K - one.reading_K + one.misfit_K);
@@ -39,11 +39,11 @@ double Isolation::left_when_exchanged(const HealthUpdate& one, const HealthUpdat
 int Isolation::partner_of(std::size_t channel, const std::vector<HealthUpdate>& updates, double time_s,
                           const HealthLimits& limits) const {
   int partner = -1;
-  double least = limits.exchange_share;
-  if (time_s - memories_[channel].calm_s > limits.exchange_s) return partner;
+  double least = limits.swap_share;
+  if (time_s - memories_[channel].calm_s > limits.swap_s) return partner;
   for (std::size_t i = 0; i < updates.size(); ++i) {
-    if (i == channel || !updates[i].taken || memories_[i].counted < limits.exchange_evidence) continue;
-    const double left = left_when_exchanged(updates[channel], updates[i], limits);
+    if (i == channel || !updates[i].taken || memories_[i].counted < limits.swap_evidence) continue;
+    const double left = left_when_swapped(updates[channel], updates[i], limits);
     if (left >= least) continue;
     least = left;
     partner = static_cast<int>(i);
@@ -61,7 +61,7 @@ void Isolation::count_evidence(const std::vector<HealthUpdate>& updates, double 
     const double evidence = std::max(0.0, updates[i].evidence);
     memory.counted = settling ? evidence : evidence - std::min(evidence, fade * memory.settled);
     memory.settled = settling ? evidence : std::min(evidence, fade * memory.settled);
-    if (evidence <= limits.exchange_evidence) memory.calm_s = time_s;
+    if (evidence <= limits.swap_evidence) memory.calm_s = time_s;
   }
 }
 

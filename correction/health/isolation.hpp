@@ -15,13 +15,13 @@ struct HealthUpdate {
   double reading_K = 0.0;
   double misfit_K = 0.0;     ///< reading − what all others say of it
   double deviation_K = 1.0;  ///< 1σ of that
-  int moves_like = -1;       ///< channel whose place it moves like (ExchangeDetector::partner_of); set by SensorHealth
+  int moves_like = -1;       ///< channel whose place it moves like (SwapDetector::partner_of); set by SensorHealth
 };
 
 /// Whom the evidence blames, and for what.
 struct Blame {
   int channel = -1;  ///< -1: nobody
-  int partner = -1;  ///< the one it is exchanged with, -1: none
+  int partner = -1;  ///< the one it is swapped with, -1: none
   HealthFault fault = HealthFault::none;
   bool model_in_doubt = false;  ///< while the model was in doubt: the channel may be healthy after all
   bool first = false;           ///< the first in second_opinion_s: it is laid to the model
@@ -31,15 +31,15 @@ struct Blame {
 /// Which channel the evidence of all blames: the one with most, above drift_limit, that leads the next by drift_lead;
 /// then none for drift_wait_s. It is named by its rate: what rose within drift_least_s, or what the estimator rejected
 /// twice in a row by then, came too fast for a drift and is implausible.
-///   It is exchanged with the channel whose place it moves like since the start, if there is one. Else with one whose
-/// evidence is above exchange_evidence too, where the first's came within exchange_s and each reading fits the other's
-/// place (left_when_exchanged). For either there is no lead to ask for.
+///   It is swapped with the channel whose place it moves like since the start, if there is one. Else with one whose
+/// evidence is above swap_evidence too, where the first's came within swap_s and each reading fits the other's
+/// place (left_when_swapped). For either there is no lead to ask for.
 ///   A step of the spindle (flow, film, inlet) near one sensor looks like a fault of that sensor until the estimate has
-/// followed it. So the first verdict by evidence, an exchange aside, is laid to the model, which is to be loosened;
+/// followed it. So the first verdict by evidence, a swap aside, is laid to the model, which is to be loosened;
 /// only a second one within second_opinion_s blames the channel. One that was never tared is off from the start as far
 /// as a slow drift comes in time: where the misfit is what its offset may be, three return_offset_deviation_K, the
 /// first verdict of drift on a channel opens its offset, and only the next fails it.
-///   At least three must have been judged, for an exchange four: of two that disagree nobody knows which is right.
+///   At least three must have been judged, for a swap four: of two that disagree nobody knows which is right.
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
 /// channel, or a pair, whose evidence is more than the sum of all others', or what moves like another's place.
@@ -72,9 +72,9 @@ class Isolation {
   /// What is left of the misfits of two when each is held against what the others say of the place of the other, t =
   /// reading − misfit:
   ///   (|y_i − t_j| + |y_j − t_i|) / (|misfit_i| + |misfit_j|)
-  /// Exchanged ones contradict all others by as much, one up and one down; one that drifts by itself bends what is said
-  /// of a neighbour, but less: infinite where the misfits differ by more than exchange_alike. May run in the cycle.
-  static double left_when_exchanged(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits);
+  /// Swapped ones contradict all others by as much, one up and one down; one that drifts by itself bends what is said
+  /// of a neighbour, but less: infinite where the misfits differ by more than swap_alike. May run in the cycle.
+  static double left_when_swapped(const HealthUpdate& one, const HealthUpdate& other, const HealthLimits& limits);
 
  private:
   /// What is remembered of a channel.

@@ -40,7 +40,7 @@ class LeaveOneOut {
   /// restored, switched on or changed. May run in the cycle.
   void follow(const EstimatorCorrection& estimator);
   /// The same after the estimator was loosened, but before() still gives what was before that: it was not wrong where
-  /// two sensors turn out to be exchanged. May run in the cycle.
+  /// two sensors turn out to be swapped. May run in the cycle.
   void follow_loosened(const EstimatorCorrection& estimator);
   /// Takes the estimator's last update into all filters; once after each. May run in the cycle: m (m − 1) rank-one
   /// updates and m Cholesky factors of m sensors.

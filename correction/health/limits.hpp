@@ -59,7 +59,7 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double review_deviations = 3.0;    ///< and taken back where the misfit is within so many σ,
   double review_share = 0.5;         ///< and no more than this share of what it was, for return_after_s
 
-  // Exchange by movement (exchange_detector.hpp), measured on 32 virtual spindles.
+  // Swap by movement (swap_detector.hpp), measured on 32 virtual spindles.
   double swap_limit = 30.0;       ///< −2 ln of the ratio of likelihoods, as drift_limit
   double swap_support = 8.0;      ///< does where a channel is blamed already: odds of e^4, as drift_lead
   double swap_K = 0.1;            ///< rms movement at which a gain is known to its own size: three times the noise
@@ -69,15 +69,15 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
   double swap_memory_s = 3600.0;  ///< of what has been seen
   double swap_least_s = 180.0;    ///< three of the shortest scale
   bool read_swapped = true;       ///< each for the other's place, until acknowledged
-  // Exchange over a gap (course_over_gap.hpp).
+  // Swap over a gap (course_over_gap.hpp).
   double replug_s = 1800.0;  ///< no older is a course that is held against what comes behind a gap. Chosen; measured by
                              ///< hand on the drives of its test, all six away for 28 min and put back right: one of
-                             ///< 500 was taken for exchanged, where the models' gains are wrong by a quarter
-  // Exchange by evidence (isolation.hpp), measured.
-  double exchange_share = 0.5;     ///< of their misfits is left when two channels that drift together are exchanged;
-  double exchange_alike = 0.65;    ///< the smaller misfit of the larger
-  double exchange_evidence = 7.5;  ///< least of the second: a quarter of drift_limit,
-  double exchange_s = 120.0;       ///< and the first has risen from that so fast: a slow drift is no exchange
+                             ///< 500 was taken for swapped, where the models' gains are wrong by a quarter
+  // Swap by evidence (isolation.hpp), measured.
+  double swap_share = 0.5;     ///< of their misfits is left when two channels that drift together are swapped;
+  double swap_alike = 0.65;    ///< the smaller misfit of the larger
+  double swap_evidence = 7.5;  ///< least of the second: a quarter of drift_limit,
+  double swap_s = 120.0;       ///< and the first has risen from that so fast: a slow drift is no swap
 
   // Return.
   double return_after_s = 300.0;                                     ///< without any sign of a fault

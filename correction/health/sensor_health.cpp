@@ -18,7 +18,7 @@ std::vector<double> noise_of(const std::vector<HealthChannel>& channels) {
 
 SensorHealth::SensorHealth(const std::vector<HealthChannel>& channels, const HealthLimits& limits)
     : limits_(limits),
-      exchange_(noise_of(channels)),
+      swaps_(noise_of(channels)),
       isolation_(channels.size()),
       considered_(channels.size()),
       in_use_(channels.size()) {
@@ -30,7 +30,7 @@ void SensorHealth::step(const std::vector<HealthSample>& samples, double time_s,
   time_s_ = time_s;
   for (std::size_t i = 0; i < channels_.size(); ++i) channels_[i].take(samples[i], time_s, h_s);
   follow_what_most_do();
-  find_exchanged(samples, h_s);
+  find_swapped(samples, h_s);
   for (Channel& channel : channels_) channel.judge();
 }
 
@@ -65,7 +65,7 @@ void SensorHealth::heed_movement_of_swapped() {
     const auto other = static_cast<std::size_t>(std::max(record(i).partner, 0));
     const bool pair = other > i && channels_[i].is_swapped() && channels_[other].is_swapped();
     if (!pair || record(other).partner != static_cast<int>(i) || channels_[i].reads_for_partner()) continue;
-    if (exchange_.evidence(i, other, limits_) > limits_.swap_limit) begin_reading_for_each_other(i, other);
+    if (swaps_.evidence(i, other, limits_) > limits_.swap_limit) begin_reading_for_each_other(i, other);
   }
 }
 
@@ -91,26 +91,26 @@ HealthVerdict SensorHealth::end_reading_where(Contradicted&& is_contradicted) {
   return {};
 }
 
-void SensorHealth::find_exchanged(const std::vector<HealthSample>& samples, double h_s) {
+void SensorHealth::find_swapped(const std::vector<HealthSample>& samples, double h_s) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (std::isfinite(samples[i].uncorrected_K)) exchange_.note_model(i, samples[i].uncorrected_K, h_s);
+    if (std::isfinite(samples[i].uncorrected_K)) swaps_.note_model(i, samples[i].uncorrected_K, h_s);
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const Channel& channel = channels_[i];
     in_use_[i] = channel.in_use();
-    if (channel.was_away()) exchange_.forget(i);  // somebody may have exchanged plugs
+    if (channel.was_away()) swaps_.forget(i);  // somebody may have swapped plugs
     if (!channel.reads() || channel.off_course()) continue;
     const bool counts = in_use_[i] || channel.is_swapped();
-    exchange_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), counts, limits_);
+    swaps_.note_reading(i, samples[i].reading_K, channel.elapsed_s(), counts, limits_);
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
-      if (!in_use_[i] || !in_use_[j] || !channels_[i].exchanged_courses_with(channels_[j])) continue;
+      if (!in_use_[i] || !in_use_[j] || !channels_[i].swapped_courses_with(channels_[j])) continue;
       fail_crossed(i, j);
     }
   }
   find_replugged();
-  const ExchangeDetector::Pair pair = exchange_.find(in_use_, limits_);
+  const SwapDetector::Pair pair = swaps_.find(in_use_, limits_);
   if (pair.one >= 0) {
     fail_pair(static_cast<std::size_t>(pair.one), static_cast<std::size_t>(pair.other));
     untold_ = {pair.one, pair.other};
@@ -136,7 +136,7 @@ void SensorHealth::find_replugged() {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     for (std::size_t j = i + 1; j < channels_.size(); ++j) {
       if (channels_[i].is_swapped() || channels_[j].is_swapped()) continue;
-      if (!channels_[i].exchanged_over_gap_with(channels_[j]) || !others_kept_course(i, j)) continue;
+      if (!channels_[i].swapped_over_gap_with(channels_[j]) || !others_kept_course(i, j)) continue;
       const bool used = channels_[i].was_used() || channels_[j].was_used();
       fail_crossed(i, j);
       if (!used) continue;
@@ -154,7 +154,7 @@ HealthVerdict SensorHealth::note_update(const std::vector<HealthUpdate>& updates
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     considered_[i] = updates[i];
     considered_[i].taken = updates[i].taken && in_use_[i];
-    considered_[i].moves_like = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
+    considered_[i].moves_like = in_use_[i] ? swaps_.partner_of(i, in_use_, limits_) : -1;
   }
   const Blame blame = isolation_.judge(considered_, estimate_in_doubt, time_s_, limits_);
   if (untold_.failed >= 0) {
@@ -180,8 +180,8 @@ HealthVerdict SensorHealth::note_contradiction() {
   if (ended.failed >= 0) return ended;
   for (std::size_t i = 0; i < channels_.size(); ++i) in_use_[i] = channels_[i].in_use();
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    const int partner = in_use_[i] ? exchange_.partner_of(i, in_use_, limits_) : -1;
-    if (partner < 0 || exchange_.partner_of(static_cast<std::size_t>(partner), in_use_, limits_) != static_cast<int>(i))
+    const int partner = in_use_[i] ? swaps_.partner_of(i, in_use_, limits_) : -1;
+    if (partner < 0 || swaps_.partner_of(static_cast<std::size_t>(partner), in_use_, limits_) != static_cast<int>(i))
       continue;
     fail_pair(i, static_cast<std::size_t>(partner));
     note_restart();
@@ -205,7 +205,7 @@ void SensorHealth::note_restart() {
 
 void SensorHealth::acknowledge() {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    if (record(i).partner >= 0) exchange_.forget(i);
+    if (record(i).partner >= 0) swaps_.forget(i);
     channels_[i].acknowledge();
   }
   isolation_.acknowledge();

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "correction/health/channel.hpp"
-#include "correction/health/exchange_detector.hpp"
 #include "correction/health/isolation.hpp"
 #include "correction/health/limits.hpp"
 #include "correction/health/record.hpp"
+#include "correction/health/swap_detector.hpp"
 
 namespace spindle_twin::correction {
 
@@ -17,13 +17,13 @@ struct HealthVerdict {
   bool loosen = false;    ///< the readings contradict the estimate, which is to be loosened (EstimatorCorrection)
   int suspect = -1;       ///< then: the channel that they would have blamed otherwise
   int opened = -1;        ///< the channel whose offset may have been wrong by return_offset_deviation_K all the time
-  bool over_gap = false;  ///< of a pair: it was exchanged over a gap in its readings, and right before
+  bool over_gap = false;  ///< of a pair: it was swapped over a gap in its readings, and right before
 };
 
 /// Judges every channel each cycle, so that one that fails leaves before it has moved the estimate, and comes back
 /// without a step. Runs, in the order of the README: each channel's own detectors (channel.hpp), what most do at once
-/// (the model, not the channels), exchanges (exchange_detector.hpp), and after each update of the estimator the
-/// evidence of all (isolation.hpp). Drift, exchange and the third failure of a channel wait for acknowledge().
+/// (the model, not the channels), swaps (swap_detector.hpp), and after each update of the estimator the
+/// evidence of all (isolation.hpp). Drift, swap and the third failure of a channel wait for acknowledge().
 class SensorHealth {
  public:
   /// One entry per channel. Allocates; nothing else here does.
@@ -42,7 +42,7 @@ class SensorHealth {
   HealthVerdict note_suspect(int channel, double misfit_K, double deviation_K);
 
   /// After each update of the estimator, one entry per channel, at the time of the last step. Two that were found to
-  /// have been exchanged by their movement since the update before are given too: what the estimator learnt from them
+  /// have been swapped by their movement since the update before are given too: what the estimator learnt from them
   /// is to be forgotten. May run in the cycle.
   HealthVerdict note_update(const std::vector<HealthUpdate>& updates, bool estimate_in_doubt = false);
   /// The estimator began anew, from its priors or otherwise; at the time of the last step. A verdict on a pair, after
@@ -71,14 +71,14 @@ class SensorHealth {
 
  private:
   void follow_what_most_do();
-  void find_exchanged(const std::vector<HealthSample>& samples, double h_s);
+  void find_swapped(const std::vector<HealthSample>& samples, double h_s);
   /// Two that come back from a gap on each other's course, where no third one came back off its own by swap_fit of
   /// what they did: else it is the model. What the estimator took of them since is to be forgotten.
   void find_replugged();
   bool others_kept_course(std::size_t one, std::size_t other) const;
   void fail_pair(std::size_t one, std::size_t other);
   void begin_reading_for_each_other(std::size_t one, std::size_t other);
-  /// Two whose courses have been exchanged: both are out, and read for each other's places at once.
+  /// Two whose courses have been swapped: both are out, and read for each other's places at once.
   void fail_crossed(std::size_t one, std::size_t other);
   /// Two that have failed as swapped, for whatever reason, are read for each other's places once they have moved like
   /// them.
@@ -89,11 +89,11 @@ class SensorHealth {
 
   HealthLimits limits_;
   std::vector<Channel> channels_;
-  ExchangeDetector exchange_;
+  SwapDetector swaps_;
   Isolation isolation_;
   std::vector<HealthUpdate> considered_;  // updates of the channels in use
   std::vector<bool> in_use_;
-  HealthVerdict untold_;  // exchanged by movement or over a gap, since the last update
+  HealthVerdict untold_;  // swapped by movement or over a gap, since the last update
   double time_s_ = 0.0;
   bool left_course_together_ = false;
 };

@@ -116,7 +116,7 @@ void heed_loosening(const Watched& of) {
   SensorWatch& watch = of.watch;
   const correction::HealthLimits& limits = watch.health->limits();
   const bool settled = of.estimator.age_s() > limits.settle_s && watch.opinion->sensor() < 0;
-  const Eigen::Index suspect = settled ? watch.others->most_doubtful(limits.exchange_evidence) : -1;
+  const Eigen::Index suspect = settled ? watch.others->most_doubtful(limits.swap_evidence) : -1;
   if (suspect >= 0) watch.opinion->begin(suspect, *watch.others);
   watch.others->follow_loosened(of.estimator);
   if (watch.heat) watch.heat->follow(of.estimator);

@@ -244,7 +244,7 @@ TEST(Channel, that_is_not_configured_is_never_used) {
   EXPECT_FALSE(fed.record().usable);
 }
 
-/// Two places whose models have moved far apart; at 100 s their sensors are exchanged, the second `late` samples later.
+/// Two places whose models have moved far apart; at 100 s their sensors are swapped, the second `late` samples later.
 struct Crossed {
   explicit Crossed(int late, double miss_K = 0.0) {
     for (int k = 0; k < 110 && !found; ++k) {
@@ -252,8 +252,8 @@ struct Crossed {
       const double one_reads_K = k < 100 ? one_K : other_K + miss_K, other_reads_K = k < 100 + late ? other_K : one_K;
       one.take({true, one_reads_K, 300.0, k > 0 ? 0.05 : 0.0, std::nan("")}, k, 1.0);
       other.take({true, other_reads_K, 310.0, k > 0 ? -0.02 : 0.0, std::nan("")}, k, 1.0);
-      found = one.exchanged_courses_with(other);
-      EXPECT_EQ(found, other.exchanged_courses_with(one));
+      found = one.swapped_courses_with(other);
+      EXPECT_EQ(found, other.swapped_courses_with(one));
       if (found) at = k;
       one.judge();
       other.judge();

@@ -7,7 +7,7 @@
 
 #include "tests/correction/health/drive.hpp"
 
-/// What comes back from a gap is held against the course of before: two that somebody exchanged meanwhile come back on
+/// What comes back from a gap is held against the course of before: two that somebody swapped meanwhile come back on
 /// each other's.
 namespace spindle_twin::correction::test {
 namespace health_course_over_gap_test {
@@ -72,7 +72,7 @@ TEST(CourseOverGap, may_be_of_before_a_restart) {
 struct Unplugged {
   std::size_t one = 0, other = 1;
   double from_s = 2000.0, for_s = 120.0, other_later_s = 0.0;
-  bool reads_open = false, exchanged = true, all = false;
+  bool reads_open = false, swapped = true, all = false;
 
   bool is_away(std::size_t channel, double time_s) const {
     const bool meant = all || channel == one || channel == other;
@@ -80,7 +80,7 @@ struct Unplugged {
   }
   void let_into(Drive& drive) const {
     drive.tamper = [*this, &drive](std::vector<HealthSample>& samples) {
-      if (exchanged && drive.time_s >= from_s) std::swap(samples[one].reading_K, samples[other].reading_K);
+      if (swapped && drive.time_s >= from_s) std::swap(samples[one].reading_K, samples[other].reading_K);
       for (std::size_t i = 0; i < samples.size(); ++i) {
         if (!is_away(i, drive.time_s)) continue;
         samples[i].present = reads_open;
@@ -96,7 +96,7 @@ bool is_swapped_with(const Drive& drive, std::size_t one, std::size_t other) {
          drive.health.record(one).partner == static_cast<int>(other);
 }
 
-TEST(Health, two_that_come_back_on_each_others_course_are_exchanged_and_no_reading_of_theirs_is_used) {
+TEST(Health, two_that_come_back_on_each_others_course_are_swapped_and_no_reading_of_theirs_is_used) {
   for (const bool reads_open : {false, true}) {
     int pairs = 0;
     for (std::uint64_t n = 0; n < 10; ++n) {
@@ -140,7 +140,7 @@ TEST(Health, of_two_that_come_back_one_after_the_other_the_estimator_is_told) {
 }
 
 /// The gains of these models are wrong by a quarter: they err by kelvins over a gap.
-TEST(Health, channels_that_come_back_on_their_own_course_are_not_exchanged_however_long_they_were_away) {
+TEST(Health, channels_that_come_back_on_their_own_course_are_not_swapped_however_long_they_were_away) {
   for (std::uint64_t n = 0; n < 60; ++n) {
     for (const double away_s : {40.0, 300.0, 1200.0}) {
       Drive drive(drive_seed + 100 + n);
@@ -148,7 +148,7 @@ TEST(Health, channels_that_come_back_on_their_own_course_are_not_exchanged_howev
       plugs.one = n % Drive::places;
       plugs.other = (plugs.one + 1 + n / Drive::places % 5) % Drive::places;
       plugs.for_s = away_s;
-      plugs.exchanged = false;
+      plugs.swapped = false;
       plugs.all = n % 2 == 0;
       plugs.let_into(drive);
       drive.run_until(plugs.from_s + away_s + 10.0);
@@ -187,7 +187,7 @@ bool found(double apart_K, double beside_K) {
   return health.record(0).fault == HealthFault::swapped;
 }
 
-TEST(Health, an_exchange_over_a_gap_shows_from_twice_a_jump_on_and_where_each_fits_to_three_tenths) {
+TEST(Health, a_swap_over_a_gap_shows_from_twice_a_jump_on_and_where_each_fits_to_three_tenths) {
   EXPECT_TRUE(found(0.61, 0.0));
   EXPECT_FALSE(found(0.59, 0.0));
   EXPECT_TRUE(found(10.0, 2.3));
@@ -206,7 +206,7 @@ TEST(Health, how_long_ago_a_channel_was_used_is_kept) {
   EXPECT_TRUE(std::isnan(health.kept(1).usual_offset_K)) << "it never was";
 }
 
-TEST(Health, a_channel_that_is_still_away_is_neither_exchanged_nor_in_the_way) {
+TEST(Health, a_channel_that_is_still_away_is_neither_swapped_nor_in_the_way) {
   for (const bool with_third : {false, true}) {
     SensorHealth health(std::vector<HealthChannel>(3, {true, 253.15, 423.15, 0.01, 0.01}), {});
     for (int t = 0; t < 500; ++t) {

@@ -150,10 +150,10 @@ TEST(Isolation, the_misfits_of_two_are_held_against_the_places_of_each_other) {
   const HealthLimits limits;
   const HealthUpdate one{true, 40.0, 0, 305.0, 3.0}, other{true, 38.0, 0, 300.5, -2.0};
   // Others say 302 K of the first place and 302.5 K of the second.
-  EXPECT_DOUBLE_EQ(Isolation::left_when_exchanged(one, other, limits), (2.5 + 1.5) / 5.0);
-  EXPECT_DOUBLE_EQ(Isolation::left_when_exchanged(other, one, limits), (2.5 + 1.5) / 5.0);
+  EXPECT_DOUBLE_EQ(Isolation::left_when_swapped(one, other, limits), (2.5 + 1.5) / 5.0);
+  EXPECT_DOUBLE_EQ(Isolation::left_when_swapped(other, one, limits), (2.5 + 1.5) / 5.0);
   const auto left = [&](double misfit_K, double other_K) {
-    return Isolation::left_when_exchanged({true, 0.0, 0, 300.0, misfit_K}, {true, 0.0, 0, 300.0, other_K}, limits);
+    return Isolation::left_when_swapped({true, 0.0, 0, 300.0, misfit_K}, {true, 0.0, 0, 300.0, other_K}, limits);
   };
   EXPECT_TRUE(std::isfinite(left(0.66, -1.0)));
   EXPECT_TRUE(std::isfinite(left(4.0, -2.64)));
@@ -164,7 +164,7 @@ TEST(Isolation, the_misfits_of_two_are_held_against_the_places_of_each_other) {
 }
 
 /// Two whose readings fit the places of each other, the one with more evidence in `blamed`.
-Blame exchanged(std::size_t channels, std::size_t blamed, std::size_t partner, bool second_reads) {
+Blame swapped(std::size_t channels, std::size_t blamed, std::size_t partner, bool second_reads) {
   Told told(channels);
   told.judge_at(begin_s + 1000.0);
   told.updates[blamed] = {true, 40.0, 0, 302.0, 2.0};
@@ -172,22 +172,22 @@ Blame exchanged(std::size_t channels, std::size_t blamed, std::size_t partner, b
   return told.judge_at(begin_s + 1050.0);
 }
 
-TEST(Isolation, any_two_of_four_are_exchanged_by_their_evidence_and_of_three_none) {
+TEST(Isolation, any_two_of_four_are_swapped_by_their_evidence_and_of_three_none) {
   for (std::size_t blamed = 0; blamed < 4; ++blamed) {
     for (std::size_t partner = 0; partner < 4; ++partner) {
       if (blamed == partner) continue;
-      const Blame blame = exchanged(4, blamed, partner, true);
+      const Blame blame = swapped(4, blamed, partner, true);
       EXPECT_EQ(blame.channel, static_cast<int>(blamed));
       EXPECT_EQ(blame.partner, static_cast<int>(partner));
       EXPECT_EQ(blame.fault, HealthFault::swapped);
       if (blamed == 3 || partner == 3) continue;
-      EXPECT_EQ(exchanged(3, blamed, partner, true).channel, -1);
+      EXPECT_EQ(swapped(3, blamed, partner, true).channel, -1);
     }
   }
-  EXPECT_EQ(exchanged(5, 1, 3, false).partner, -1) << "of what does not read nothing is known";
+  EXPECT_EQ(swapped(5, 1, 3, false).partner, -1) << "of what does not read nothing is known";
 }
 
-TEST(Isolation, any_two_of_four_are_exchanged_by_their_movement_and_of_three_none) {
+TEST(Isolation, any_two_of_four_are_swapped_by_their_movement_and_of_three_none) {
   for (const std::size_t channels : {std::size_t{3}, std::size_t{4}}) {
     for (std::size_t partner = 0; partner < 2; ++partner) {
       Told told(channels);
@@ -202,7 +202,7 @@ TEST(Isolation, any_two_of_four_are_exchanged_by_their_movement_and_of_three_non
   }
 }
 
-TEST(Isolation, of_several_places_it_is_exchanged_with_the_one_that_fits_best) {
+TEST(Isolation, of_several_places_it_is_swapped_with_the_one_that_fits_best) {
   for (const std::size_t best : {std::size_t{2}, std::size_t{4}}) {
     Told told(6);
     told.judge_at(begin_s + 1000.0);

@@ -141,7 +141,7 @@ TEST(Isolation, what_was_there_at_the_start_already_has_not_come_fast) {
   rising.updates[1] = {true, 60.0, 0, 302.0, 2.0};
   rising.updates[2] = {true, 60.0, 0, 300.0, -2.0};
   const Blame blame = rising.go({0, 140, 60, 0}, 100.0);
-  EXPECT_EQ(blame.fault, HealthFault::drift) << "not implausible, and no exchange by the evidence of two minutes";
+  EXPECT_EQ(blame.fault, HealthFault::drift) << "not implausible, and no swap by the evidence of two minutes";
 }
 
 TEST(Isolation, a_misfit_that_came_within_two_minutes_is_no_drift) {
@@ -213,7 +213,7 @@ TEST(Isolation, when_half_of_the_channels_have_evidence_against_them_it_is_the_m
   EXPECT_TRUE(two_of_three.isolation.model_in_doubt());
 }
 
-TEST(Isolation, a_pair_that_fits_each_others_places_is_exchanged_even_where_it_is_half_of_all) {
+TEST(Isolation, a_pair_that_fits_each_others_places_is_swapped_even_where_it_is_half_of_all) {
   Rising rising(4);
   rising.go({0, 0, 0, 0}, 1200.0);
   rising.updates[0] = {true, 0.0, 0, 302.0, 2.0};
@@ -252,7 +252,7 @@ TEST(Isolation, drift_waits_while_two_channels_look_alike) {
   EXPECT_EQ(health.note_update(updates).failed, 1);
 }
 
-TEST(Isolation, two_that_contradict_the_others_together_are_exchanged_where_each_fits_the_place_of_the_other) {
+TEST(Isolation, two_that_contradict_the_others_together_are_swapped_where_each_fits_the_place_of_the_other) {
   for (const double place_K : {302.0, 310.0}) {
     SensorHealth health = settled(4);
     std::vector<HealthUpdate> updates(4, {true, 0.0, 0, 300.0, 0.0});
@@ -260,13 +260,13 @@ TEST(Isolation, two_that_contradict_the_others_together_are_exchanged_where_each
     updates[0] = {true, 40.0, 0, 302.0, 2.0};           // at its place others expect 300 K
     updates[2] = {true, 38.0, 0, place_K - 2.0, -2.0};  // at its place place_K
     const HealthVerdict verdict = health.note_update(updates);
-    const bool exchanged = place_K == 302.0;
-    EXPECT_EQ(verdict.failed, exchanged ? 0 : -1) << "evidence that is as large against another waits";
-    EXPECT_EQ(verdict.partner, exchanged ? 2 : -1);
+    const bool swapped = place_K == 302.0;
+    EXPECT_EQ(verdict.failed, swapped ? 0 : -1) << "evidence that is as large against another waits";
+    EXPECT_EQ(verdict.partner, swapped ? 2 : -1);
     for (const std::size_t channel : {0U, 2U}) {
-      EXPECT_EQ(health.record(channel).fault, exchanged ? HealthFault::swapped : HealthFault::none);
+      EXPECT_EQ(health.record(channel).fault, swapped ? HealthFault::swapped : HealthFault::none);
     }
-    EXPECT_EQ(health.record(0).partner, exchanged ? 2 : -1);
+    EXPECT_EQ(health.record(0).partner, swapped ? 2 : -1);
   }
 }
 

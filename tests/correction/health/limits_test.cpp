@@ -5,8 +5,8 @@
 #include <array>
 #include <limits>
 
-#include "correction/health/exchange_detector.hpp"
 #include "correction/health/surprise.hpp"
+#include "correction/health/swap_detector.hpp"
 
 namespace spindle_twin::correction::test {
 namespace health_limits_test {
@@ -36,25 +36,25 @@ TEST(HealthLimits, are_what_their_derivations_say) {
   EXPECT_EQ(limits.swap_gain, 0.35);
   EXPECT_EQ(limits.swap_memory_s, evidence_memory_s);
   EXPECT_EQ(limits.swap_least_s, 3.0 * 60.0);
-  EXPECT_EQ(limits.exchange_evidence, 0.25 * limits.drift_limit);
-  EXPECT_EQ(limits.exchange_s, limits.drift_least_s);
+  EXPECT_EQ(limits.swap_evidence, 0.25 * limits.drift_limit);
+  EXPECT_EQ(limits.swap_s, limits.drift_least_s);
 }
 
 /// Measured ones: the share of its movement that a place is met to, its own 0.04 to 0.16.
-TEST(HealthLimits, of_exchanged_channels_lie_between_what_healthy_and_exchanged_ones_show) {
+TEST(HealthLimits, of_swapped_channels_lie_between_what_healthy_and_swapped_ones_show) {
   const HealthLimits limits;
   EXPECT_GT(limits.swap_fit, 0.16);
   EXPECT_LT(limits.swap_fit, 0.5);
   EXPECT_GT(limits.swap_floor, 0.04);
   EXPECT_LT(limits.swap_floor, 0.1);
-  EXPECT_GT(limits.exchange_share, 0.25);
-  EXPECT_LE(limits.exchange_share, 0.5);
-  EXPECT_GT(limits.exchange_alike, 0.5);
-  EXPECT_LT(limits.exchange_alike, 1.0);
+  EXPECT_GT(limits.swap_share, 0.25);
+  EXPECT_LE(limits.swap_share, 0.5);
+  EXPECT_GT(limits.swap_alike, 0.5);
+  EXPECT_LT(limits.swap_alike, 1.0);
 }
 
-TEST(ExchangeDetector, compares_at_steps_of_speed_at_seats_and_at_the_whole_spindle) {
-  EXPECT_EQ(ExchangeDetector::scales_s, (std::array{60.0, 300.0, 1200.0}));
+TEST(SwapDetector, compares_at_steps_of_speed_at_seats_and_at_the_whole_spindle) {
+  EXPECT_EQ(SwapDetector::scales_s, (std::array{60.0, 300.0, 1200.0}));
 }
 
 TEST(Surprise, is_the_square_of_the_ratio_up_to_three_deviations_and_of_no_number_the_most) {

@@ -11,9 +11,9 @@
 namespace spindle_twin::correction::test {
 namespace health_read_for_partner_test {
 
-/// Channels 3 and 4 are exchanged until `swapped` is false.
-struct Exchanged {
-  explicit Exchanged(std::uint64_t seed, HealthLimits limits = {}) : drive(seed, limits) {
+/// Channels 3 and 4 are swapped until `swapped` is false.
+struct Swapped {
+  explicit Swapped(std::uint64_t seed, HealthLimits limits = {}) : drive(seed, limits) {
     drive.tamper = [this](std::vector<HealthSample>& samples) {
       if (swapped) std::swap(samples[3].reading_K, samples[4].reading_K);
       if (tamper) tamper(samples);
@@ -35,7 +35,7 @@ struct Exchanged {
 
 TEST(ReadForPartner, two_that_move_like_each_others_places_are_and_no_other_is) {
   for (std::uint64_t n = 0; n < 5; ++n) {
-    Exchanged run(drive_seed + n);
+    Swapped run(drive_seed + n);
     EXPECT_TRUE(run.own());
     ASSERT_TRUE(run.found()) << n;
     EXPECT_TRUE(run.crossed()) << n;
@@ -51,13 +51,13 @@ TEST(ReadForPartner, two_that_move_like_each_others_places_are_and_no_other_is) 
 TEST(ReadForPartner, none_is_where_that_is_not_wanted) {
   HealthLimits limits;
   limits.read_swapped = false;
-  Exchanged run(drive_seed, limits);
+  Swapped run(drive_seed, limits);
   ASSERT_TRUE(run.found());
   EXPECT_TRUE(run.own());
 }
 
 TEST(ReadForPartner, a_reading_that_shows_another_fault_is_not_used_and_a_broken_wire_ends_it) {
-  Exchanged run(drive_seed);
+  Swapped run(drive_seed);
   ASSERT_TRUE(run.found());
   run.tamper = [](std::vector<HealthSample>& samples) { samples[4].reading_K += 5.0; };
   run.go_on(1.0);
@@ -78,7 +78,7 @@ TEST(ReadForPartner, a_reading_that_shows_another_fault_is_not_used_and_a_broken
 }
 
 TEST(ReadForPartner, ends_with_the_acknowledgement_and_who_was_mended_stays_good) {
-  Exchanged run(drive_seed);
+  Swapped run(drive_seed);
   ASSERT_TRUE(run.found());
   run.swapped = false;
   run.drive.health.acknowledge();
@@ -94,7 +94,7 @@ TEST(ReadForPartner, ends_with_the_acknowledgement_and_who_was_mended_stays_good
 TEST(ReadForPartner, what_was_seen_before_it_was_mended_counts_no_more) {
   HealthLimits limits;
   limits.swap_limit = 1e9;  // only a contradiction makes it a verdict
-  Exchanged run(drive_seed, limits);
+  Swapped run(drive_seed, limits);
   run.go_on(7200.0);
   ASSERT_EQ(run.drive.health.note_contradiction().failed, 3);
   run.swapped = false;
@@ -105,7 +105,7 @@ TEST(ReadForPartner, what_was_seen_before_it_was_mended_counts_no_more) {
 }
 
 TEST(ReadForPartner, who_was_not_mended_is_found_again) {
-  Exchanged run(drive_seed);
+  Swapped run(drive_seed);
   ASSERT_TRUE(run.found());
   run.drive.health.acknowledge();
   run.go_on(7200.0);
@@ -115,7 +115,7 @@ TEST(ReadForPartner, who_was_not_mended_is_found_again) {
 
 TEST(ReadForPartner, ends_where_the_others_contradict_it_behind_the_time_in_which_the_estimate_settles) {
   for (const std::size_t contradicted : {3U, 4U, 0U}) {
-    Exchanged run(drive_seed);
+    Swapped run(drive_seed);
     ASSERT_TRUE(run.found());
     std::vector<HealthUpdate> updates(6, {true, 0.0, 0});
     run.drive.health.note_update(updates);  // tells of the pair
@@ -138,7 +138,7 @@ TEST(ReadForPartner, ends_where_the_others_contradict_it_behind_the_time_in_whic
 }
 
 TEST(ReadForPartner, ends_with_a_contradiction_behind_that_time) {
-  Exchanged run(drive_seed);
+  Swapped run(drive_seed);
   ASSERT_TRUE(run.found());
   EXPECT_EQ(run.drive.health.note_contradiction().failed, -1) << "it settles";
   run.go_on(1000.0);
@@ -168,7 +168,7 @@ TEST(ReadForPartner, two_that_only_others_say_are_swapped_are_not) {
 TEST(ReadForPartner, two_that_a_contradiction_says_are_swapped_are_once_movement_alone_would_say_so) {
   HealthLimits limits;
   limits.swap_limit = 100.0;
-  Exchanged run(drive_seed, limits);
+  Swapped run(drive_seed, limits);
   while (run.drive.health.note_contradiction().failed < 0 && run.drive.time_s < 7200.0) run.go_on(1.0);
   ASSERT_EQ(run.drive.failed(), 2);
   EXPECT_TRUE(run.own());

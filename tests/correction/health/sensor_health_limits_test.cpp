@@ -140,7 +140,7 @@ TEST(Health, of_channels_in_use_those_alone_are_judged_that_the_estimator_has_ta
   EXPECT_TRUE(channels.health.note_update(updates).loosen);
 }
 
-TEST(Health, the_first_channel_is_exchanged_as_any_other) {
+TEST(Health, the_first_channel_is_swapped_as_any_other) {
   for (int n = 0; n < 3; ++n) {
     Drive drive(drive_seed + static_cast<std::uint64_t>(n));
     drive.tamper = [](std::vector<HealthSample>& samples) { std::swap(samples[0].reading_K, samples[4].reading_K); };
@@ -155,7 +155,7 @@ TEST(Health, the_first_channel_is_exchanged_as_any_other) {
   }
 }
 
-TEST(Health, two_that_contradict_all_others_are_exchanged_whichever_they_are) {
+TEST(Health, two_that_contradict_all_others_are_swapped_whichever_they_are) {
   for (const auto& [blamed, partner] : {std::pair{std::size_t{2}, std::size_t{0}}, {0, 1}, {3, 2}}) {
     AtRest channels(4);
     channels.run(1000);

@@ -102,7 +102,7 @@ TEST(Health, a_contradiction_of_channels_in_their_places_fails_none) {
   EXPECT_EQ(drive.failed(), 0);
 }
 
-TEST(Health, a_channel_is_exchanged_with_one_other_only) {
+TEST(Health, a_channel_is_swapped_with_one_other_only) {
   // 1 and 2 stand at one temperature, and take the course of 0 together, as 0 takes theirs.
   const std::vector<double> before_K{300.0, 305.0, 305.0, 310.0, 315.0, 320.0, 325.0};
   const std::vector<double> after_K{305.0, 300.0, 300.0, 310.0, 315.0, 320.0, 325.0};

@@ -27,7 +27,7 @@ double heat_deviation(const Watched& run) {
   return now.parameters[0].deviation / now.parameters[0].prior_deviation;
 }
 
-TEST(WatchUpdate, two_that_are_exchanged_fail_as_each_others_partners_and_the_third_goes_on) {
+TEST(WatchUpdate, two_that_are_swapped_fail_as_each_others_partners_and_the_third_goes_on) {
   const rom::Network network = tests::small_network();
   for (const int at : {600, 2700}) {
     Watched run(network, estimated(), 0.5);
@@ -57,7 +57,7 @@ bool read_crossed(const Watched& run) {
   return by_partner(0) && by_partner(2) && !by_partner(1);
 }
 
-TEST(WatchUpdate, two_that_are_exchanged_are_read_for_each_others_places_until_somebody_acknowledges) {
+TEST(WatchUpdate, two_that_are_swapped_are_read_for_each_others_places_until_somebody_acknowledges) {
   const rom::Network network = tests::small_network();
   std::array<double, 2> deviation_m{};
   for (const bool read : {false, true}) {
@@ -88,7 +88,7 @@ TEST(WatchUpdate, two_that_are_exchanged_are_read_for_each_others_places_until_s
   EXPECT_LT(deviation_m[1], 0.8 * deviation_m[0]) << "of three sensors more is known than of one";
 }
 
-TEST(WatchUpdate, two_that_somebody_exchanges_back_without_a_word_are_not_read_for_each_other_any_more) {
+TEST(WatchUpdate, two_that_somebody_swaps_back_without_a_word_are_not_read_for_each_other_any_more) {
   const rom::Network network = tests::small_network();
   Watched run(network, estimated(), 0.8);
   run.tamper = [](int n, DeviceFrame& frame) {
@@ -126,7 +126,7 @@ TEST(WatchUpdate, two_that_are_read_for_each_other_are_so_after_a_restart_as_wel
 }
 
 /// No filter has done without both: what is left of the first minutes is what was known before them.
-TEST(WatchUpdate, two_that_were_exchanged_from_the_start_on_take_the_estimate_back_to_its_priors) {
+TEST(WatchUpdate, two_that_were_swapped_from_the_start_on_take_the_estimate_back_to_its_priors) {
   const rom::Network network = tests::small_network();
   Watched run(network, estimated(), 0.8);
   run.tamper = [](int, DeviceFrame& frame) { std::swap(frame.sensors[0].value, frame.sensors[2].value); };
@@ -141,9 +141,9 @@ TEST(WatchUpdate, two_that_were_exchanged_from_the_start_on_take_the_estimate_ba
   EXPECT_NEAR(heat_deviation(run), 1.0, 0.02);
 }
 
-/// The exchange is made while both are unplugged and the spindle stands: no sample shows it, and what they moved like
-/// before says nothing any more. What was learnt of the machine hours ago was not learnt from the exchange.
-TEST(WatchUpdate, two_that_are_exchanged_while_unplugged_are_found_and_what_was_learnt_before_is_kept) {
+/// The swap is made while both are unplugged and the spindle stands: no sample shows it, and what they moved like
+/// before says nothing any more. What was learnt of the machine hours ago was not learnt from the swap.
+TEST(WatchUpdate, two_that_are_swapped_while_unplugged_are_found_and_what_was_learnt_before_is_kept) {
   const rom::Network network = tests::small_network();
   CyclePlan plan = estimated();
   plan.signals[0].source = plan.signals[1].source = SignalSource::device;
@@ -180,7 +180,7 @@ TEST(WatchUpdate, two_that_are_exchanged_while_unplugged_are_found_and_what_was_
 }
 
 /// A minute one after the other: what the first taught meanwhile is forgotten, and not what was known before the gap.
-TEST(WatchUpdate, two_that_come_back_exchanged_one_after_the_other_leave_what_was_learnt_before) {
+TEST(WatchUpdate, two_that_come_back_swapped_one_after_the_other_leave_what_was_learnt_before) {
   const rom::Network network = tests::small_network();
   constexpr int out = 1800, back = 2100, both = 2160;
   Watched run(network, estimated(), 1.4);

@@ -1,4 +1,4 @@
-#include "correction/health/exchange_detector.hpp"
+#include "correction/health/swap_detector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,16 +9,16 @@
 #include <vector>
 
 namespace spindle_twin::correction::test {
-namespace health_exchange_detector_test {
+namespace health_swap_detector_test {
 
 /// Two places that answer the same square wave with different time constants; the model has another gain at each, and
 /// readings are noisy.
 struct TwoPlaces {
-  ExchangeDetector detector{{0.03, 0.03}};
+  SwapDetector detector{{0.03, 0.03}};
   std::array<double, 2> truth_K{}, time_constant_s{120.0, 900.0}, gain{0.6, 1.6};
   std::mt19937_64 random{6};
   std::normal_distribution<double> noise_K{0.0, 0.03};
-  bool exchanged = false;
+  bool swapped = false;
   bool modelled = true;
   double rise_K = 10.0;
   int t = 0;
@@ -28,7 +28,7 @@ struct TwoPlaces {
     for (std::size_t i = 0; i < 2; ++i) truth_K[i] += (level_K - truth_K[i]) / time_constant_s[i];
     for (std::size_t i = 0; i < 2 && modelled; ++i) detector.note_model(i, gain[i] * truth_K[i], 1.0);
     for (std::size_t i = 0; i < 2; ++i) {
-      detector.note_reading(i, truth_K[exchanged ? 1 - i : i] + noise_K(random), 1.0, true, {});
+      detector.note_reading(i, truth_K[swapped ? 1 - i : i] + noise_K(random), 1.0, true, {});
     }
   }
   /// Seconds until the two are found; -1: not.
@@ -41,27 +41,27 @@ struct TwoPlaces {
   }
 };
 
-TEST(ExchangeDetector, two_that_move_as_each_others_model_are_exchanged_whatever_its_gain) {
+TEST(SwapDetector, two_that_move_as_each_others_model_are_swapped_whatever_its_gain) {
   TwoPlaces places;
   EXPECT_EQ(places.found_within(7200), -1);
   TwoPlaces crossed;
-  crossed.exchanged = true;
+  crossed.swapped = true;
   const int found_s = crossed.found_within(7200);
   EXPECT_GE(found_s, 180);
   EXPECT_LT(found_s, 1200);
 }
 
-TEST(ExchangeDetector, what_was_seen_of_one_that_is_forgotten_counts_no_more) {
+TEST(SwapDetector, what_was_seen_of_one_that_is_forgotten_counts_no_more) {
   TwoPlaces crossed;
-  crossed.exchanged = true;
+  crossed.swapped = true;
   ASSERT_GT(crossed.found_within(7200), 0);
   crossed.detector.forget(1);
   EXPECT_TRUE(std::isinf(crossed.detector.evidence(0, 1, {})));
-  crossed.exchanged = false;
+  crossed.swapped = false;
   EXPECT_EQ(crossed.found_within(crossed.t + 7200), -1);
 }
 
-TEST(ExchangeDetector, what_was_forgotten_does_not_speak_for_two_that_are_exchanged_later) {
+TEST(SwapDetector, what_was_forgotten_does_not_speak_for_two_that_are_swapped_later) {
   std::array<int, 2> found_s{};
   for (const bool forgotten : {false, true}) {
     TwoPlaces places;
@@ -69,7 +69,7 @@ TEST(ExchangeDetector, what_was_forgotten_does_not_speak_for_two_that_are_exchan
     if (forgotten) {
       for (const std::size_t i : {0U, 1U}) places.detector.forget(i);
     }
-    places.exchanged = true;
+    places.swapped = true;
     found_s[forgotten ? 1 : 0] = places.found_within(7200 + 14400) - 7200;
   }
   EXPECT_LT(found_s[0], 0) << "two hours speak against it";
@@ -77,40 +77,40 @@ TEST(ExchangeDetector, what_was_forgotten_does_not_speak_for_two_that_are_exchan
   EXPECT_LT(found_s[1], 7200);
 }
 
-TEST(ExchangeDetector, small_movements_need_longer_and_none_says_nothing) {
+TEST(SwapDetector, small_movements_need_longer_and_none_says_nothing) {
   for (const double rise_K : {1.0, 0.0}) {
     TwoPlaces crossed;
-    crossed.exchanged = true;
+    crossed.swapped = true;
     crossed.rise_K = rise_K;
     EXPECT_EQ(crossed.found_within(7200) > 0, rise_K > 0.0) << rise_K;
   }
 }
 
-TEST(ExchangeDetector, hundredths_of_a_kelvin_count_where_sensors_are_that_quiet) {
+TEST(SwapDetector, hundredths_of_a_kelvin_count_where_sensors_are_that_quiet) {
   TwoPlaces crossed;
-  crossed.exchanged = true;
-  crossed.detector = ExchangeDetector{{1e-4, 1e-4}};
+  crossed.swapped = true;
+  crossed.detector = SwapDetector{{1e-4, 1e-4}};
   crossed.noise_K = std::normal_distribution<double>{0.0, 1e-4};
   crossed.rise_K = 0.02;
   EXPECT_GT(crossed.found_within(7200), 0);
 }
 
-TEST(ExchangeDetector, without_an_uncorrected_model_or_out_of_use_nothing_is_found) {
+TEST(SwapDetector, without_an_uncorrected_model_or_out_of_use_nothing_is_found) {
   TwoPlaces blind;
-  blind.exchanged = true;
+  blind.swapped = true;
   blind.modelled = false;
   EXPECT_EQ(blind.found_within(3600), -1);
   TwoPlaces crossed;
-  crossed.exchanged = true;
+  crossed.swapped = true;
   while (crossed.t < 3600) crossed.step();
   EXPECT_EQ(crossed.detector.find({true, false}, {}).one, -1);
   EXPECT_EQ(crossed.detector.find({true, true}, {}).other, 1);
 }
 
-TEST(ExchangeDetector, less_will_do_to_name_the_partner_of_a_channel_that_is_blamed_already) {
+TEST(SwapDetector, less_will_do_to_name_the_partner_of_a_channel_that_is_blamed_already) {
   const HealthLimits limits;
   TwoPlaces crossed;
-  crossed.exchanged = true;
+  crossed.swapped = true;
   while (crossed.t < 3600 && crossed.detector.partner_of(0, {true, true}, limits) < 0) crossed.step();
   EXPECT_EQ(crossed.detector.partner_of(1, {true, true}, limits), 0);
   EXPECT_EQ(crossed.detector.partner_of(1, {false, true}, limits), -1);
@@ -119,10 +119,10 @@ TEST(ExchangeDetector, less_will_do_to_name_the_partner_of_a_channel_that_is_bla
   EXPECT_LT(crossed.detector.evidence(0, 1, limits), limits.swap_limit);
 }
 
-TEST(ExchangeDetector, what_has_been_seen_counts_for_an_hour) {
+TEST(SwapDetector, what_has_been_seen_counts_for_an_hour) {
   const HealthLimits limits;
   TwoPlaces crossed;
-  crossed.exchanged = true;
+  crossed.swapped = true;
   const auto evidence_after = [&](int seconds) {
     while (crossed.t < seconds) crossed.step();
     return crossed.detector.evidence(0, 1, limits);
@@ -160,7 +160,7 @@ struct ByTheEquations {
       return total;
     };
     double gains = 0.0, penalty = 0.0;
-    for (const double tau_s : ExchangeDetector::scales_s) {
+    for (const double tau_s : SwapDetector::scales_s) {
       std::array<std::vector<double>, 2> y, m;
       for (std::size_t i = 0; i < 2; ++i) {
         y[i] = freed_from_mean(readings_K, i, tau_s);
@@ -192,10 +192,10 @@ struct ByTheEquations {
   }
 };
 
-TEST(ExchangeDetector, the_evidence_is_that_of_the_equations) {
+TEST(SwapDetector, the_evidence_is_that_of_the_equations) {
   HealthLimits limits;
   limits.swap_fit = 1e3;  // no pair is refused for what is left over, so that there is a number to compare
-  ExchangeDetector detector({0.03, 0.03});
+  SwapDetector detector({0.03, 0.03});
   ByTheEquations equations;
   std::array<double, 2> truth_K{}, model_K{};
   for (int t = 0; t < 3000; ++t) {
@@ -214,11 +214,11 @@ TEST(ExchangeDetector, the_evidence_is_that_of_the_equations) {
   }
 }
 
-TEST(ExchangeDetector, two_that_read_the_same_place_are_not_exchanged) {
+TEST(SwapDetector, two_that_read_the_same_place_are_not_swapped) {
   HealthLimits limits;
   limits.swap_fit = 1e3;
   for (const bool same : {false, true}) {
-    ExchangeDetector detector({0.03, 0.03});
+    SwapDetector detector({0.03, 0.03});
     std::array<double, 2> place_K{};
     for (int t = 0; t < 3000; ++t) {
       const double level_K = t % 600 < 300 ? 5.0 : 0.0;
@@ -238,10 +238,10 @@ TEST(ExchangeDetector, two_that_read_the_same_place_are_not_exchanged) {
   }
 }
 
-TEST(ExchangeDetector, three_minutes_of_both_are_needed) {
+TEST(SwapDetector, three_minutes_of_both_are_needed) {
   for (const std::size_t late : {std::size_t{0}, std::size_t{1}}) {
     TwoPlaces crossed;
-    crossed.exchanged = true;
+    crossed.swapped = true;
     for (; crossed.t < 3200;) {
       const int level_s = crossed.t++ % 1200;
       for (std::size_t i = 0; i < 2; ++i) {
@@ -259,13 +259,13 @@ TEST(ExchangeDetector, three_minutes_of_both_are_needed) {
   }
 }
 
-TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {
+TEST(SwapDetector, a_place_whose_model_is_wrong_in_shape_is_not_swapped) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> unit(0.0, 1.0);
   constexpr std::array time_constant_s{100.0, 200.0, 400.0, 800.0, 1600.0};
   for (int run = 0; run < 40; ++run) {
     constexpr std::size_t n = time_constant_s.size();
-    ExchangeDetector detector(std::vector<double>(n, 0.03));
+    SwapDetector detector(std::vector<double>(n, 0.03));
     std::array<double, n> truth_K{}, model_K{}, factor{}, share{};
     for (std::size_t i = 0; i < n; ++i) factor[i] = std::exp(0.2 * unit(random));
     for (std::size_t i = 0; i < n; ++i) share[i] = std::exp(0.35 * unit(random));
@@ -284,5 +284,5 @@ TEST(ExchangeDetector, a_place_whose_model_is_wrong_in_shape_is_not_exchanged) {
   }
 }
 
-}  // namespace health_exchange_detector_test
+}  // namespace health_swap_detector_test
 }  // namespace spindle_twin::correction::test

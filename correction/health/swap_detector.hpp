@@ -17,21 +17,21 @@ namespace spindle_twin::correction {
 /// (swap_floor² ⟨y²⟩ + noise²), the gain of likelihood of i in the place of j against its own is
 ///   a_ij = Σ_τ N ln (R_ii + r_i) / (R_ij + r_i)
 /// and ln of the gains is 0 ± swap_gain on the middle scale, less sure where y hardly moves:
-///   Λ = a_ij + a_ji + Σ± ln² g / (swap_gain² + swap_K² / mean y²)      (own places +, exchanged ones −)
-/// Two are exchanged where Λ > swap_limit, a_ij > 0, a_ji > 0, and either fits the other's place at every scale:
+///   Λ = a_ij + a_ji + Σ± ln² g / (swap_gain² + swap_K² / mean y²)      (own places +, swapped ones −)
+/// Two are swapped where Λ > swap_limit, a_ij > 0, a_ji > 0, and either fits the other's place at every scale:
 /// R_ij <= swap_fit² ⟨y_i²⟩ + noise². Neighbours that move alike are never told apart, and need not be.
-class ExchangeDetector {
+class SwapDetector {
  public:
   static constexpr std::array scales_s{60.0, 300.0, 1200.0};  ///< speed steps; seats and jackets; the whole spindle
 
-  /// Two channels, each -1 where none are exchanged.
+  /// Two channels, each -1 where none are swapped.
   struct Pair {
     int one = -1;
     int other = -1;
   };
 
   /// 1σ of each channel's readings, > 0. Allocates; nothing else here does.
-  explicit ExchangeDetector(const std::vector<double>& noise_K);
+  explicit SwapDetector(const std::vector<double>& noise_K);
 
   /// The uncorrected model at the place of a channel, h_s >= 0 after the one before; for all channels before the
   /// readings. [K], from any zero. May run in the cycle.
@@ -44,13 +44,13 @@ class ExchangeDetector {
   /// own place on. May run in the cycle.
   void forget(std::size_t channel);
 
-  /// The pair among the channels in use that is exchanged with most evidence, none without an uncorrected model. May
+  /// The pair among the channels in use that is swapped with most evidence, none without an uncorrected model. May
   /// run in the cycle: n² logarithms.
   Pair find(const std::vector<bool>& in_use, const HealthLimits& limits) const;
-  /// The channel in use that this one is exchanged with most likely, where other evidence has blamed this one already:
+  /// The channel in use that this one is swapped with most likely, where other evidence has blamed this one already:
   /// Λ > swap_support will do. -1: none. May run in the cycle.
   int partner_of(std::size_t channel, const std::vector<bool>& in_use, const HealthLimits& limits) const;
-  /// What speaks for the two being exchanged, Λ; −∞ where one of the other conditions is not met. May run in the cycle.
+  /// What speaks for the two being swapped, Λ; −∞ where one of the other conditions is not met. May run in the cycle.
   double evidence(std::size_t one, std::size_t other, const HealthLimits& limits) const;
 
  private:

@@ -1,4 +1,4 @@
-#include "correction/health/exchange_detector.hpp"
+#include "correction/health/swap_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 }  // namespace
 
-ExchangeDetector::ExchangeDetector(const std::vector<double>& noise_K)
+SwapDetector::SwapDetector(const std::vector<double>& noise_K)
     : noise_K_(Eigen::Map<const Eigen::VectorXd>(noise_K.data(), index(noise_K.size()))),
       seen_s_(Eigen::VectorXd::Zero(noise_K_.size())) {
   const Eigen::Index n = noise_K_.size();
@@ -27,7 +27,7 @@ ExchangeDetector::ExchangeDetector(const std::vector<double>& noise_K)
   }
 }
 
-double ExchangeDetector::HighPass::pass(double x, double h_s, double tau_s, double first) {
+double SwapDetector::HighPass::pass(double x, double h_s, double tau_s, double first) {
   if (!started_) mean_ = x - first;
   started_ = true;
   const double out = x - mean_;
@@ -35,14 +35,14 @@ double ExchangeDetector::HighPass::pass(double x, double h_s, double tau_s, doub
   return out;
 }
 
-void ExchangeDetector::note_model(std::size_t channel, double uncorrected_K, double h_s) {
+void SwapDetector::note_model(std::size_t channel, double uncorrected_K, double h_s) {
   for (std::size_t s = 0; s < scales_.size(); ++s) {
     scales_[s].model_K[index(channel)] = scales_[s].model_filters[channel].pass(uncorrected_K, h_s, scales_s[s]);
   }
 }
 
-void ExchangeDetector::note_reading(std::size_t channel, double reading_K, double elapsed_s, bool counts,
-                                    const HealthLimits& limits) {
+void SwapDetector::note_reading(std::size_t channel, double reading_K, double elapsed_s, bool counts,
+                                const HealthLimits& limits) {
   const Eigen::Index i = index(channel);
   const double weight_s = std::min(elapsed_s, scales_s.front());  // what moved in a long gap was not seen
   const double keep = std::exp(-elapsed_s / limits.swap_memory_s);
@@ -62,7 +62,7 @@ void ExchangeDetector::note_reading(std::size_t channel, double reading_K, doubl
   }
 }
 
-void ExchangeDetector::forget(std::size_t channel) {
+void SwapDetector::forget(std::size_t channel) {
   const Eigen::Index i = index(channel);
   seen_s_[i] = 0.0;
   for (Scale& scale : scales_) {
@@ -73,7 +73,7 @@ void ExchangeDetector::forget(std::size_t channel) {
   }
 }
 
-ExchangeDetector::Fit ExchangeDetector::fit(const Scale& scale, Eigen::Index reading, Eigen::Index place) {
+SwapDetector::Fit SwapDetector::fit(const Scale& scale, Eigen::Index reading, Eigen::Index place) {
   const double square_K2 = scale.reading_square_K2[reading], product_K2 = scale.product_K2(reading, place);
   const double model_K2 = scale.model_square_K2(reading, place);
   if (!(product_K2 > 0.0 && model_K2 > 0.0)) return {0.0, square_K2};
@@ -81,12 +81,12 @@ ExchangeDetector::Fit ExchangeDetector::fit(const Scale& scale, Eigen::Index rea
   return {gain, std::max(0.0, square_K2 - gain * product_K2)};
 }
 
-double ExchangeDetector::independent_samples(const Scale& scale, double scale_s, Eigen::Index place) {
+double SwapDetector::independent_samples(const Scale& scale, double scale_s, Eigen::Index place) {
   const double square_K2 = scale.model_square_K2(place, place), fourth_K4 = scale.model_fourth_K4[place];
   return fourth_K4 > 0.0 ? square_K2 * square_K2 / fourth_K4 / scale_s : 0.0;
 }
 
-double ExchangeDetector::gain_penalty(Eigen::Index reading, Eigen::Index place, const HealthLimits& limits) const {
+double SwapDetector::gain_penalty(Eigen::Index reading, Eigen::Index place, const HealthLimits& limits) const {
   const double square_K2 = scales_[middle].reading_square_K2[reading];
   if (!(square_K2 > 0.0)) return 0.0;
   const double log_gain = std::log(std::clamp(fit(scales_[middle], reading, place).gain, least_gain, 1.0 / least_gain));
@@ -94,7 +94,7 @@ double ExchangeDetector::gain_penalty(Eigen::Index reading, Eigen::Index place, 
   return log_gain * log_gain / (limits.swap_gain * limits.swap_gain + unsure);
 }
 
-double ExchangeDetector::evidence(std::size_t one, std::size_t other, const HealthLimits& limits) const {
+double SwapDetector::evidence(std::size_t one, std::size_t other, const HealthLimits& limits) const {
   const Eigen::Index i = index(one), j = index(other);
   if (std::min(seen_s_[i], seen_s_[j]) < limits.swap_least_s) return impossible;
   double one_gains = 0.0, other_gains = 0.0;
@@ -118,8 +118,7 @@ double ExchangeDetector::evidence(std::size_t one, std::size_t other, const Heal
          gain_penalty(i, j, limits) - gain_penalty(j, i, limits);
 }
 
-int ExchangeDetector::partner_of(std::size_t channel, const std::vector<bool>& in_use,
-                                 const HealthLimits& limits) const {
+int SwapDetector::partner_of(std::size_t channel, const std::vector<bool>& in_use, const HealthLimits& limits) const {
   int partner = -1;
   double most = limits.swap_support;
   for (std::size_t i = 0; i < in_use.size(); ++i) {
@@ -132,7 +131,7 @@ int ExchangeDetector::partner_of(std::size_t channel, const std::vector<bool>& i
   return partner;
 }
 
-ExchangeDetector::Pair ExchangeDetector::find(const std::vector<bool>& in_use, const HealthLimits& limits) const {
+SwapDetector::Pair SwapDetector::find(const std::vector<bool>& in_use, const HealthLimits& limits) const {
   Pair found;
   double most = limits.swap_limit;
   for (std::size_t i = 0; i < in_use.size(); ++i) {
