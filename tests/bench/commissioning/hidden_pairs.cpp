@@ -30,9 +30,11 @@ int keeps(const char* what, double reached, double least) {
 int judge(const Commissioned& machine, std::size_t set) {
   const Service& day = machine.days[0];
   std::printf(
-      "  %d sensors: nose %.2f um without a test (inside %.2f), %.2f um with it, sigma %.2f; %d runs of the model\n",
-      permanent_sensors[set], day.without_test[set].error_um, day.without_test[set].inside, day.with_test[set].error_um,
-      day.with_test[set].deviation_um, machine.evaluations[set]);
+      "  %d sensors: nose %.2f um without a test, %.1f of its own sigma (inside %.2f), %.2f um with it, sigma %.2f; %d "
+      "runs of the model\n",
+      permanent_sensors[set], day.without_test[set].error_um,
+      day.without_test[set].error_um / day.without_test[set].deviation_um, day.without_test[set].inside,
+      day.with_test[set].error_um, day.with_test[set].deviation_um, machine.evaluations[set]);
   std::printf("    starts, cost and deviations from the best:");
   for (const correction::StartedFit& start : machine.starts[set]) {
     std::printf("  %.2f %.2f%s", start.cost, start.apart, start.is_other ? " (another minimum)" : "");
