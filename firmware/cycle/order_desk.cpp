@@ -24,6 +24,11 @@ bool is_known(const Order& order) {
   return true;
 }
 
+/// Lengths and tares: what one means depends on those before it.
+bool hangs_on_the_zero(OrderKind kind) {
+  return kind == OrderKind::length || kind == OrderKind::sensors || kind == OrderKind::tare;
+}
+
 SwitchOrder switch_of(std::uint16_t code) {
   if (code == not_present_code) return SwitchOrder::as_configured;
   return code == 0 ? SwitchOrder::off : SwitchOrder::on;
@@ -84,15 +89,24 @@ void OrderDesk::add(const Order& order, PlcCommand& command) {
 }
 
 void OrderDesk::hand_out(PlcCommand& command) {
+  while (held_count_ < held_.size() && queue_.pop(held_[held_count_])) ++held_count_;
   OrderKind last = OrderKind::none;
-  while (true) {
-    Order order;
-    if (!next_ && queue_.pop(order)) next_ = order;
-    if (!next_ || next_->kind <= last || waits_[static_cast<std::size_t>(next_->kind)]) return;
-    last = next_->kind;
-    add(*next_, command);
-    next_.reset();
+  std::array<bool, order_kind_codes.size()> blocked = waits_;
+  bool zero_waits = false;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < held_count_; ++i) {
+    const Order order = held_[i];
+    bool& blocks = blocked[static_cast<std::size_t>(order.kind)];
+    if (order.kind <= last || blocks || (zero_waits && hangs_on_the_zero(order.kind))) {
+      blocks = true;
+      zero_waits = zero_waits || hangs_on_the_zero(order.kind);
+      held_[left++] = order;
+      continue;
+    }
+    last = order.kind;
+    add(order, command);
   }
+  held_count_ = left;
 }
 
 OrderResult OrderDesk::kept_result(std::uint32_t revision) const {

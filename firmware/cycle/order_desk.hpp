@@ -3,7 +3,6 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <optional>
 
 #include "firmware/cycle/hand_over.hpp"
 #include "firmware/cycle/snapshot.hpp"
@@ -63,8 +62,10 @@ class OrderDesk {
     return command;
   }
   /// Adds the next orders to `command`: in the order in which they came, as long as each is of a later kind than the
-  /// one before, so that a row of the history tells all of them. None while one of its kind waits for the
-  /// prediction or an update. That a trial goes on is no order of its own: it gets no record.
+  /// one before, so that a row of the history tells all of them. None while one of its kind waits for the prediction or
+  /// an update; lengths and tares wait for each other too, as what they mean hangs on the zero. A switch, an
+  /// acknowledgement or the end of a trial overtakes what waits. That a trial goes on is no order of its own: it gets
+  /// no record.
   void hand_out(PlcCommand& command);
   /// After the cycle: the results of what was handed out, and of those that wait for the disk.
   void settle(const OrderResults& results, const StandingOrders& standing, Snapshot& snapshot);
@@ -91,7 +92,8 @@ class OrderDesk {
   OrderResult kept_result(std::uint32_t revision) const;
 
   Ring<Order, room> queue_;
-  std::optional<Order> next_;
+  std::array<Order, room> held_{};  ///< out of the queue, the oldest first
+  std::size_t held_count_ = 0;
   std::array<Record, order_records> records_{};  ///< newest first
   std::uint32_t orders_ = 0;
   std::uint32_t revision_ = 0;

@@ -196,6 +196,39 @@ TEST(OrderDesk, what_waits_holds_up_only_its_own_kind) {
   EXPECT_EQ(run.last.tare_count, 0);
 }
 
+/// The desk alone: the first of three lengths waits for an update of the estimator.
+TEST(OrderDesk, switches_overtake_lengths_that_wait_and_tares_do_not) {
+  OrderDesk desk;
+  PlcCommand command;
+  Snapshot snapshot;
+  OrderResults results{};
+  for (int n = 0; n < 3; ++n) desk.give(order(OrderKind::length, 1));
+  desk.give(order(OrderKind::compensation, 0));
+  desk.give(order(OrderKind::tare, 1));
+  desk.give(order(OrderKind::trial, trial_ends));
+  desk.give(order(OrderKind::acknowledge, 1));
+  const auto cycle = [&](OrderResult length) {
+    desk.hand_out(command);
+    results.fill(OrderResult::done);
+    results[static_cast<std::size_t>(OrderKind::length)] = length;
+    desk.settle(results, {}, snapshot);
+  };
+  cycle(OrderResult::waiting);
+  EXPECT_EQ(command.displacements, 1U);
+  EXPECT_EQ(command.compensation, SwitchOrder::off);
+  EXPECT_EQ(command.trial.orders, 1U);
+  cycle(OrderResult::waiting);
+  EXPECT_EQ(command.acknowledgements, 1U) << "of an earlier kind than the end of a trial: a cycle later";
+  EXPECT_EQ(command.displacements, 1U);
+  EXPECT_EQ(command.tare_orders, 0U);
+  for (std::uint32_t n = 2; n <= 3; ++n) {
+    cycle(OrderResult::done);
+    cycle(OrderResult::waiting);
+    EXPECT_EQ(command.displacements, n);
+    EXPECT_EQ(command.tare_orders, n == 3 ? 1U : 0U) << "the zero that they were measured from is theirs";
+  }
+}
+
 TEST(OrderDesk, codes_mean_what_the_registers_say) {
   const auto command_of = [](OrderKind kind, std::uint16_t code) {
     OrderDesk desk;
