@@ -20,6 +20,7 @@ constexpr double lag_missed = 0.3;  // of what an open lag does, the share that 
 // and no sensor sees the heat of that. From the second on, where it is likelier with heats as wide than without, those
 // that were open already become wider.
 constexpr double disturbance_by_length = 8.0;
+constexpr double unbelievable = 3.0;  // deviations of its prior
 constexpr double opening_nis = 1.0;
 constexpr double widening_nis = 2.0;
 
@@ -71,6 +72,18 @@ void EstimatorCorrection::measure_displacement() {
   made_.displacement_row << place_, Eigen::VectorXd::Zero(made_.displacement_row.size() - place_.size());
   made_.displacement_m = displacement_.value_m - length_m;
   made_.displacement_variance_m2 = displacement_.variance_m2 + curvature_variance(place_);
+}
+
+bool EstimatorCorrection::is_beyond_belief() const {
+  for (Eigen::Index i = 0; i < parameters_.count(); ++i) {
+    const Parameter& parameter = parameters_.list()[static_cast<std::size_t>(i)];
+    const bool is_factor = parameter.kind == ParameterKind::heat || parameter.kind == ParameterKind::contact ||
+                           parameter.kind == ParameterKind::film;
+    if (!is_factor) continue;
+    const double off = std::abs(theta_[i] - parameter.uncalibrated_mean) / parameter.uncalibrated_deviation;
+    if (off > unbelievable || theta_[i] <= parameter.minimum || theta_[i] >= parameter.maximum) return true;
+  }
+  return false;
 }
 
 bool EstimatorCorrection::contradicted(double time_s) {

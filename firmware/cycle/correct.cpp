@@ -156,7 +156,7 @@ bool is_estimate_in_doubt(const Corrector& corrector) {
   for (std::size_t s = 0; s < estimator.sensors().size(); ++s) {
     if (std::abs(estimator.record(static_cast<Eigen::Index>(s)).offset_K) > most_K) return true;
   }
-  return estimator.consistency().in_doubt();
+  return estimator.is_beyond_belief() || estimator.consistency().in_doubt();
 }
 
 bool waits_for_update(const Corrector& corrector) {

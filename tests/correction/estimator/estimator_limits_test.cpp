@@ -153,6 +153,25 @@ TEST(EstimatorLoosening, without_a_reading_opens_start_and_offsets_as_far_as_the
   EXPECT_NEAR(estimator.widths().environment, 4.0, 1e-12);
 }
 
+TEST(EstimatorBelief, ends_three_deviations_from_the_mean_of_a_heat_a_contact_or_a_film_and_of_nothing_else) {
+  const rom::Network network = plates();
+  Pair pair(network, updates_alone());
+  const ParameterModel& parameters = pair.estimator.parameters();
+  EXPECT_FALSE(pair.estimator.is_beyond_belief());
+  for (Eigen::Index i = 0; i < parameters.count(); ++i) {
+    const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
+    const bool counts = parameter.kind == ParameterKind::heat || parameter.kind == ParameterKind::contact ||
+                        parameter.kind == ParameterKind::film;
+    for (const double off : {-3.1, -2.9, 2.9, 3.1}) {
+      Eigen::VectorXd theta = parameters.mean();
+      theta[i] = parameter.mean + off * parameter.deviation;
+      const bool at_its_end = theta[i] <= parameter.minimum || theta[i] >= parameter.maximum;
+      pair.estimator.set_parameters(theta);
+      EXPECT_EQ(pair.estimator.is_beyond_belief(), counts && (std::abs(off) > 3.0 || at_its_end)) << parameter.name;
+    }
+  }
+}
+
 TEST(EstimatorLoosening, a_change_that_health_has_found_opens_heats_to_two_deviations_and_nothing_else) {
   const rom::Network network = plates();
   Pair pair(network, updates_alone());

@@ -323,5 +323,20 @@ TEST(PublishEstimate, a_sensor_that_would_have_to_be_off_by_more_than_5_K_puts_t
   }
 }
 
+TEST(PublishEstimate, a_joint_beyond_belief_puts_the_estimate_in_doubt) {
+  const rom::Network network = tests::small_network();
+  for (const double deviations : {2.9, 3.1}) {
+    Corrector corrector = make_corrector(network, estimated(), runtime);
+    const correction::ParameterModel& parameters = corrector.estimator->parameters();
+    Eigen::VectorXd theta = parameters.mean();
+    const int joint = parameters.conductance(0);
+    theta[joint] -= deviations * parameters.list()[static_cast<std::size_t>(joint)].deviation;
+    corrector.estimator->set_parameters(theta);
+    Snapshot snapshot = first_snapshot(network);
+    publish_estimate(corrector, snapshot);
+    EXPECT_EQ((snapshot.quality & bits(Quality::estimate_in_doubt)) != 0, deviations > 3.0) << deviations;
+  }
+}
+
 }  // namespace cycle_publish_test
 }  // namespace spindle_twin::firmware
