@@ -16,6 +16,12 @@ void read_exchange(const std::optional<rom::TomlTable>& table, Config& config) {
   if (!std::filesystem::is_directory(exchange.slot, unknown)) {
     table->fail("slot", "\"" + exchange.slot + "\" is not a folder; it must be there, and the daemon may write in it");
   }
+  const std::filesystem::path network = beside(config.path, config.network.path);
+  const std::filesystem::path folder = network.has_parent_path() ? network.parent_path() : ".";
+  if (std::filesystem::equivalent(folder, exchange.slot, unknown)) {
+    table->fail("slot",
+                "is the folder of the network itself, which would be tried and removed; it must be another one");
+  }
   if (config.network.trusted_keys.empty()) {
     table->fail("slot", "network.trusted_keys must name at least one key: only signed networks are taken from a slot");
   }

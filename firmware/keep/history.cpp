@@ -152,7 +152,7 @@ bool History::begin_file() {
     return false;
   }
   remove_oldest_histories(plan_.path, plan_.most_bytes - plan_.segment_bytes);
-  file_ = open(plan_.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0644);
+  file_ = open(plan_.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
   if (file_ < 0 || !write_all(file_, header_)) {
     fail("cannot be written");
     return false;
@@ -163,11 +163,20 @@ bool History::begin_file() {
   return true;
 }
 
+bool History::is_cut() const {
+  struct stat status {};
+  return fstat(file_, &status) == 0 && static_cast<std::uint64_t>(status.st_size) < written_;
+}
+
 void History::write_rows(const std::string& rows, std::uint64_t count) {
   if (count == 0) return;
   if (file_ >= 0 && is_gone()) {
     errno = ENOENT;
     fail("was removed or replaced");
+    begin_file();
+  } else if (file_ >= 0 && is_cut()) {
+    close_file();
+    complain("is begun anew", "somebody has emptied it");
     begin_file();
   }
   const bool is_open = file_ >= 0 || (may_try() && begin_file());

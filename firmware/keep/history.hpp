@@ -30,6 +30,8 @@ class History final : public HistoryWriter {
 
  private:
   bool begin_file();
+  /// Somebody has emptied it ("> twin.csv", a rotation that copies and truncates).
+  bool is_cut() const;
   void write_rows(const std::string& rows, std::uint64_t count);
   void close_file();
   void fail(const char* what);

@@ -51,6 +51,18 @@ TEST(ReadExchange, a_slot_that_is_no_folder_or_that_would_take_unsigned_networks
   }
 }
 
+TEST(ReadExchange, the_folder_of_the_network_is_no_slot_by_whatever_name) {
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("twin.toml");
+  std::filesystem::create_directory(folder.file("slot"));
+  std::filesystem::create_directory_symlink(folder.file("."), folder.file("here"));
+  for (const char* slot : {".", "here", "slot/.."}) {
+    const std::string said = tests::refusal_of(
+        [&] { parse_config(text(with_key, std::string("[exchange]\nslot = \"") + slot + "\"\n"), path); });
+    EXPECT_NE(said.find("exchange.slot: is the folder of the network itself"), std::string::npos) << said;
+  }
+}
+
 TEST(ReadExchange, numbers_are_taken_up_to_their_limits_and_refused_beyond) {
   const tests::TemporaryFolder folder;
   const std::string path = folder.file("twin.toml");

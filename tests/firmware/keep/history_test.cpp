@@ -105,6 +105,23 @@ TEST(History, one_that_is_removed_or_moved_away_while_it_is_written_is_begun_ane
   EXPECT_EQ(troubles.faults() & bits(Fault::history_lost), 0);
 }
 
+TEST(History, one_that_somebody_empties_while_it_is_written_is_begun_anew_and_said) {
+  const rom::Network network = tests::small_network();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder.file("history.csv");
+  Troubles troubles;
+  const Logged log;
+  History history({path}, network, troubles);
+  write_cycles(history, 1, 9);
+  std::filesystem::resize_file(path, 0);
+  write_cycles(history, 10, 11);
+  EXPECT_EQ(text_of(path).substr(0, history_header(network).size()), history_header(network));
+  EXPECT_EQ(std::ranges::count(text_of(path), '\n'), 3) << "the head and the rows behind it";
+  EXPECT_EQ(text_of(path).find('\0'), std::string::npos);
+  EXPECT_NE(log.text().find("somebody has emptied it"), std::string::npos);
+  EXPECT_EQ(troubles.faults() & bits(Fault::history_lost), 0);
+}
+
 TEST(History, what_follows_a_hole_that_a_power_cut_left_is_cut_off_with_the_row_it_begins_in) {
   const rom::Network network = tests::small_network();
   const tests::TemporaryFolder folder;
