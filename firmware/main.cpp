@@ -96,10 +96,11 @@ int run_until_signal(Daemon& daemon, const sigset_t& signals) {
 std::string calibration_text(const Config& config) {
   if (!config.calibration) return {};
   const correction::Calibration& calibration = config.calibration->calibration;
-  return fmt::format("{}: calibrated {:%Y-%m-%d} from {:.1f} h of test, which promised {:.2f} um (1 sigma) without a sensor{}",
-                     config.calibration->path, fmt::gmtime(static_cast<std::time_t>(calibration.made_unix_s)),
-                     calibration.tested_s / rom::seconds_per_hour, calibration.promised_m * rom::um_per_m,
-                     calibration.accepted ? "" : "; written although it missed its limits");
+  return fmt::format(
+      "{}: calibrated {:%Y-%m-%d} from {:.1f} h of test, which promised {:.2f} um (1 sigma) without a sensor{}",
+      config.calibration->path, fmt::gmtime(static_cast<std::time_t>(calibration.made_unix_s)),
+      calibration.tested_s / rom::seconds_per_hour, calibration.promised_m * rom::um_per_m,
+      calibration.accepted ? "" : "; written although it missed its limits");
 }
 
 void say_ok(const std::string& config_path, const PreparedSpindle& spindle) {

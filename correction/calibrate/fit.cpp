@@ -200,6 +200,7 @@ Eigen::VectorXd in_deviations(const TestUnknowns& unknowns, const Eigen::VectorX
 Eigen::MatrixXd minimise(Evaluator& evaluate, const TestUnknowns& unknowns, const std::vector<Eigen::MatrixXd>& weights,
                          Eigen::VectorXd& u) {
   std::vector<Eigen::LLT<Eigen::MatrixXd>> roots;
+  roots.reserve(weights.size());
   for (const Eigen::MatrixXd& each : weights) roots.emplace_back(each);
   WhitenedProblem problem(evaluate, unknowns, std::move(roots));
   Eigen::LevenbergMarquardt<WhitenedProblem> solver(problem);

@@ -26,8 +26,8 @@ struct Calibration {           // NOLINT(public-members): a file as it is writte
   Eigen::MatrixXd root;  ///< n x n lower triangle, covariance = root rootᵀ
   Eigen::VectorXd prior_mean, prior_deviation;
   Eigen::VectorXd nominal = {};  ///< as in KnownParameters; empty in files of before
-  double promised_m = 0.0;       ///< 1σ of the first deformation output after four hours without a sensor (NosePromise)
-  bool accepted = true;          ///< it kept its limits; false: a person has written it all the same
+  double promised_m = 0.0;  ///< 1σ of the first deformation output after four hours without a sensor (NosePromise)
+  bool accepted = true;     ///< it kept its limits; false: a person has written it all the same
 };
 
 /// How far a machine may have changed since its test, or in a long absence of its twin, 1σ of ln factors. Small steps

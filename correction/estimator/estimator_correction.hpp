@@ -143,8 +143,8 @@ class EstimatorCorrection {
   /// Somebody else has found that the readings contradict the estimate (health): the next update loosens it. May run in
   /// the cycle.
   void note_contradiction() { contradicted_ = true; }
-  /// The factor on a heat, a contact or a film is more than 3 deviations of an unknown machine's prior from its mean, or
-  /// at the end of its range: what readings ask for lies more likely elsewhere. May run in the cycle.
+  /// The factor on a heat, a contact or a film is more than 3 deviations of an unknown machine's prior from its mean,
+  /// or at the end of its range: what readings ask for lies more likely elsewhere. May run in the cycle.
   bool is_beyond_belief() const;
 
   /// Health has found that it was the spindle that changed, and no sensor: the next update opens heats that no source

@@ -42,6 +42,7 @@ std::vector<double> heat_through_groups_W(const rom::Network& network, const std
   }
   const Eigen::VectorXd lost_W = heat_W - between * rise_K;
   std::vector<double> through_W;
+  through_W.reserve(groups.size());
   for (const ThermalGroup& group : groups) {
     through_W.push_back(0.5 *
                         ((group.indicator.transpose() * sources_W).lpNorm<1>() +

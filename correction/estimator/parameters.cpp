@@ -294,6 +294,7 @@ double ParameterModel::expansion_factor(const Eigen::VectorXd& theta) const {
   return expansion_ < 0 ? 1.0 : std::exp(theta[expansion_]);
 }
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): a view, written through by expand_by
 void ParameterModel::expand(const Eigen::VectorXd& theta, double& length_m, Eigen::Ref<Eigen::VectorXd> slope) const {
   if (expansion_ >= 0) expand_by(expansion_factor(theta), expansion_, length_m, slope);
 }
