@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "correction/estimator/operating_heat.hpp"
+
 namespace spindle_twin::correction {
 namespace {
 
@@ -54,8 +56,7 @@ std::vector<AskedHeat> heats_asked_for(const FitTask& task, const TestFit& fit) 
   }
   const Eigen::MatrixXd explained = Eigen::LLT<Eigen::MatrixXd>(known_too).matrixL().solve(shared);
   const Eigen::MatrixXd information = own - explained.transpose() * explained;
-  double most_W = 0.0;
-  for (const rom::HeatSource& source : task.network.boundaries.sources) most_W += std::abs(source.nominal_W);
+  const double most_W = nominal_heats_W(task.network);
   std::vector<AskedHeat> asked;
   for (Eigen::Index g = 0; g < groups; ++g) {
     const double heat_W = score[g] / information(g, g);

@@ -1,8 +1,10 @@
 #include "correction/calibrate/misfits.hpp"
 
+#include <Eigen/Core>
 #include <cmath>
 
 #include "correction/calibrate/in_words.hpp"
+#include "correction/estimator/operating_heat.hpp"
 #include "rom/units.hpp"
 
 namespace spindle_twin::correction {
@@ -60,22 +62,25 @@ void add_heats(const CalibrationResult& result, double least_W, const CalibrateL
 
 /// How a probe's readings of one log go with what was foreseen of them.
 struct Regression {
-  double count = 0.0, slope = 0.0, correlation = 0.0, foreseen_rms_m = 0.0;
+  double slope = 0.0, correlation = 0.0, foreseen_rms_m = 0.0;
 };
 
 Regression regression_of(const TestPrediction& before, int channel) {
-  double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  std::vector<double> foreseen, read;
   for (const TestReading& reading : before.readings) {
     if (reading.channel != channel) continue;
-    const double foreseen = reading.value - reading.residual;
-    count += 1.0, x += foreseen, y += reading.value;
-    xx += foreseen * foreseen, xy += foreseen * reading.value, yy += reading.value * reading.value;
+    foreseen.push_back(reading.value - reading.residual);
+    read.push_back(reading.value);
   }
-  if (count < 3.0) return {};
-  const double of_x = xx / count - x * x / count / count, of_y = yy / count - y * y / count / count;
-  const double both = xy / count - x * y / count / count;
-  if (!(of_x > 0.0 && of_y > 0.0)) return {};
-  return {count, both / of_x, both / std::sqrt(of_x * of_y), std::sqrt(of_x)};
+  if (read.size() < 3) return {};
+  const auto count = static_cast<Eigen::Index>(read.size());
+  Eigen::VectorXd x = Eigen::Map<Eigen::VectorXd>(foreseen.data(), count);
+  Eigen::VectorXd y = Eigen::Map<Eigen::VectorXd>(read.data(), count);
+  x.array() -= x.mean();
+  y.array() -= y.mean();
+  if (!(x.norm() > 0.0 && y.norm() > 0.0)) return {};
+  return {x.dot(y) / x.squaredNorm(), x.dot(y) / (x.norm() * y.norm()),
+          x.norm() / std::sqrt(static_cast<double>(count))};
 }
 
 }  // namespace
@@ -88,9 +93,7 @@ std::vector<std::string> misfits_of(const CalibrationResult& result, const rom::
                                result.fit.chi_square_per_reading, limits.chi_square));
   }
   add_channels(result, options, limits, misfits);
-  double all_W = 0.0;
-  for (const rom::HeatSource& source : network.boundaries.sources) all_W += std::abs(source.nominal_W);
-  add_heats(result, limits.asked_share * all_W, limits, misfits);
+  add_heats(result, limits.asked_share * nominal_heats_W(network), limits, misfits);
   return misfits;
 }
 
@@ -103,12 +106,12 @@ std::vector<std::string> hints_of(const CalibrationResult& result, const rom::Ne
       const int channel = static_cast<int>(options.sensors.size() + d);
       const Regression of = regression_of(result.before[test], channel);
       if (std::abs(of.correlation) < least_correlation || of.foreseen_rms_m < least_m) continue;
+      if (of.slope > 0.25 && of.slope < 4.0) continue;
       const double times = std::abs(of.slope);
       const char* unit = times < 4e-3 && times > 2.5e-4    ? "; is it in mm, not um?"
                          : times > 250.0 && times < 4000.0 ? "; is it in nm, not um?"
                                                            : "";
       const char* sign = of.slope < 0.0 ? "; + must be a spindle that is longer" : "";
-      if (of.slope > 0.25 && of.slope < 4.0) continue;
       hints.push_back(in_words("%s, log %zu: reads %.3g times what was foreseen%s%s",
                                network.deformations[d].name.c_str(), test + 1, of.slope, unit, sign));
     }

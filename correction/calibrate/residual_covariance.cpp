@@ -7,8 +7,7 @@
 namespace spindle_twin::correction {
 namespace {
 
-constexpr double missed_share = 0.3;        // of a start's shapes, as in the estimator
-constexpr double missed_memory_s = 1200.0;  // of that share; of its variance half as long
+constexpr double missed_memory_s = 1200.0;  // of what a start's shapes miss; of its variance half as long
 
 double squared(double value) { return value * value; }
 
@@ -47,8 +46,8 @@ Eigen::MatrixXd of_missed_start(const TestPrediction& prediction, const Paramete
   Eigen::MatrixXd missed = Eigen::MatrixXd::Zero(count, count);
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
     if (!parameters.is_start(i)) continue;
-    const Eigen::VectorXd column =
-        missed_share * start_deviation_K(parameters, i, spread_K) * prediction.sensitivities.col(i).cwiseProduct(left);
+    const Eigen::VectorXd column = start_missed_share * start_deviation_K(parameters, i, spread_K) *
+                                   prediction.sensitivities.col(i).cwiseProduct(left);
     missed.noalias() += column * column.transpose();
   }
   return missed;

@@ -8,8 +8,6 @@ namespace spindle_twin::correction {
 namespace {
 
 constexpr double zero_deviation_m = 1e-3;  // of a probe: unknown
-constexpr double isothermal = 3.0;         // deviations of a reading within which a start is as said
-constexpr double of_steady_rises = 2.0;    // of the spread
 
 std::vector<double> spreads_of(const std::vector<ThermalTest>& tests, const CalibrateOptions& options) {
   std::vector<double> spreads_K;
@@ -21,10 +19,9 @@ std::vector<double> spreads_of(const std::vector<ThermalTest>& tests, const Cali
 }  // namespace
 
 double start_deviation_K(const ParameterModel& parameters, Eigen::Index i, double spread_K) {
-  const bool group = i >= parameters.count() - static_cast<Eigen::Index>(parameters.groups().size());
-  const bool steady_rise = i > parameters.start() && !group;
-  return std::max(parameters.list()[static_cast<std::size_t>(i)].deviation,
-                  (steady_rise ? of_steady_rises : 1.0) * spread_K);
+  const double of_shape = parameters.is_start_of_group(i) ? open_groups_share : open_rises_share;
+  const double share = i == parameters.start() ? 1.0 : of_shape;
+  return std::max(parameters.list()[static_cast<std::size_t>(i)].deviation, share * spread_K);
 }
 
 double start_spread_K(const ThermalTest& test, const CalibrateOptions& options) {
@@ -39,7 +36,7 @@ double start_spread_K(const ThermalTest& test, const CalibrateOptions& options) 
       break;
     }
   }
-  if (spread_K <= isothermal * expected_K) spread_K = 0.0;
+  if (spread_K <= start_isothermal * expected_K) spread_K = 0.0;
   const Eigen::VectorXd& around_K = test.operating[0].environment_K;
   if (around_K.size() == 0) return spread_K;
   return std::max({spread_K, test.start_K - around_K.maxCoeff(), around_K.minCoeff() - test.start_K});

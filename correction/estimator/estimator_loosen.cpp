@@ -30,15 +30,6 @@ constexpr double environment_widest = 50.0;
 
 constexpr double new_flow_share = 0.1;  // a film learnt at one flow is another at a flow that differs by more
 
-// A start of which nothing is known.
-constexpr double isothermal = 3.0;  // deviations of one reading within which the sensors stand at one temperature
-// Of the largest reading off the mean: σ of the steady rises, whose hottest place no sensor sees, and of each group;
-// and what a group's own temperature differences add to either. Larger ones change nothing (warm_restart of
-// tests/bench/reality_campaign), smaller ones leave the truth outside.
-constexpr double open_shapes_share = 2.0;
-constexpr double open_groups_share = 1.0;
-constexpr double shape_missed = 0.3;
-
 }  // namespace
 
 void EstimatorCorrection::widen_disturbances(double first) {
@@ -79,15 +70,13 @@ void EstimatorCorrection::widen_environments(double widest_K) {
 void EstimatorCorrection::open_start(double widest_K, double shapes_share, double groups_share) {
   const Eigen::Index first = parameters_.start();
   if (first < 0) return;
-  const auto groups = static_cast<Eigen::Index>(parameters_.groups().size());
   for (Eigen::Index i = first; i < parameters_.count(); ++i) {
-    const bool group = i >= parameters_.count() - groups;
-    const double share = i == first ? 1.0 : (group ? groups_share : shapes_share);
+    const double share = i == first ? 1.0 : (parameters_.is_start_of_group(i) ? groups_share : shapes_share);
     const double least_K = parameters_.list()[static_cast<std::size_t>(i)].deviation;
     keep_[i] = 0.0;
     const double deviation_K = std::max(share * widest_K, least_K);
     growth_[i] = deviation_K * deviation_K;
-    open_.start_missed[i - first] = shape_missed * deviation_K;
+    open_.start_missed[i - first] = start_missed_share * deviation_K;
   }
   open_.widened_s = times_.seen_s;
 }
@@ -189,10 +178,10 @@ void EstimatorCorrection::look_at_the_start() {
   }
   if (!seen) return;
   start_unseen_ = false;
-  if (parameters_.start() < 0 || widest_K <= isothermal * expected_K) return;
+  if (parameters_.start() < 0 || widest_K <= start_isothermal * expected_K) return;
   keep_.setOnes();
   growth_.setZero();
-  open_start(widest_K, open_shapes_share, open_groups_share);
+  open_start(widest_K, open_rises_share, open_groups_share);
   filter_.widen(keep_, growth_);
   note_curvature();
   outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);

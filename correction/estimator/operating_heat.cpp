@@ -23,6 +23,12 @@ double over_border_W(const Eigen::MatrixXd& between_W_per_K, const Eigen::Vector
 
 }  // namespace
 
+double nominal_heats_W(const rom::Network& network) {
+  double heats_W = 0.0;
+  for (const rom::HeatSource& source : network.boundaries.sources) heats_W += std::abs(source.nominal_W);
+  return heats_W;
+}
+
 std::vector<double> heat_through_groups_W(const rom::Network& network, const std::vector<ThermalGroup>& groups) {
   rom::BoundaryValues values = make_boundary_values(network.boundaries);
   evaluate_boundaries(network.boundaries, network.boundaries.operating, no_correction(network.boundaries), values);

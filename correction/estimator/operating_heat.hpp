@@ -8,6 +8,9 @@
 
 namespace spindle_twin::correction {
 
+/// All nominal heats together, each by its size, in W.
+double nominal_heats_W(const rom::Network& network);
+
 /// What flows through each group in the steady state at the described operating state, in W: half of all that goes in
 /// and out over its border, its own sources included. With x the steady rises, K₀ + Σ g F Fᵀ x = B q (surroundings at
 /// the reference temperature), E the part of that matrix between bodies:

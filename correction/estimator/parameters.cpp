@@ -27,6 +27,7 @@ constexpr double largest_start_K = 500.0;
 constexpr double largest_capacity = 1.6094379124341003;
 constexpr double most_disturbance = 1.0;  // of all nominal heats together
 constexpr std::size_t most_groups = 8;
+constexpr double least_flow = 0.01;  // of all nominal heats, through a node that leads nowhere
 
 /// Its pressure is that of a fit, by the published law or by a law of physics.
 bool has_fit(const rom::Conductance& conductance) {
@@ -190,8 +191,7 @@ void ParameterModel::add_capacities(const rom::Network& network, const Estimator
 }
 
 void ParameterModel::add_disturbances(const rom::Network& network, const EstimatorPriors& priors) {
-  double heat_W = 0.0;
-  for (const rom::HeatSource& source : network.boundaries.sources) heat_W += std::abs(source.nominal_W);
+  const double heat_W = nominal_heats_W(network);
   const bool wanted = heat_W > 0.0 && (network.hand_written ? priors.disturbance_by_hand : priors.disturbance) > 0.0;
   if (wanted || priors.start_K > 0.0) groups_ = thermal_groups(network, most_groups);
   if (!wanted) return;
@@ -199,7 +199,8 @@ void ParameterModel::add_disturbances(const rom::Network& network, const Estimat
   if (network.hand_written) {
     const std::vector<double> through_W = heat_through_groups_W(network, groups_);
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      deviation_W[g] = std::max(deviation_W[g], through_W[g] * priors.disturbance_by_hand);
+      const double flows_W = std::max(least_flow * heat_W, through_W[g]);
+      deviation_W[g] = std::max(deviation_W[g], flows_W * priors.disturbance_by_hand);
     }
   }
   disturbance_.assign(groups_.size(), -1);

@@ -189,6 +189,7 @@ class ParameterModel {
   int start() const { return start_; }
   Eigen::Index starts() const { return start_ < 0 ? 0 : count() - start_; }
   bool is_start(Eigen::Index i) const { return start_ >= 0 && i >= start_; }
+  bool is_start_of_group(Eigen::Index i) const { return is_start(i) && i >= count() - std::ssize(groups_); }
 
   /// All 1, with room for the node heats and capacities that θ sets. Allocates.
   rom::CorrectionFactors make_factors(const rom::Network& network) const;

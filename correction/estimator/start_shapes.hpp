@@ -16,6 +16,15 @@ struct StartShape {
   Eigen::VectorXd rise_K;  ///< N, largest absolute value 1
 };
 
+// A start of which readings say that it was another. Of their spread about it:
+/// deviations of one reading within which the sensors stand at one temperature,
+inline constexpr double start_isothermal = 3.0;
+/// σ of the steady rises, whose hottest place no sensor sees, and of each group,
+inline constexpr double open_rises_share = 2.0, open_groups_share = 1.0;
+/// and what a group's own temperature differences add to either. Larger shares change nothing (warm_restart of
+/// tests/bench/reality_campaign), smaller ones leave the truth outside.
+inline constexpr double start_missed_share = 0.3;
+
 /// In this order:
 ///   uniform   1 at every node
 ///   running   the steady rise at the described operating state, K x = B q

@@ -64,7 +64,7 @@ class OrderDesk {
   /// Adds the next orders to `command`: in the order in which they came, as long as each is of a later kind than the
   /// one before, so that a row of the history tells all of them. None while one of its kind waits for the prediction or
   /// an update; lengths and tares wait for each other too, as what they mean hangs on the zero. A switch, an
-  /// acknowledgement or the end of a trial overtakes what waits. That a trial goes on is no order of its own: it gets
+  /// acknowledgement or a trial overtakes what waits. That a trial goes on is no order of its own: it gets
   /// no record.
   void hand_out(PlcCommand& command);
   /// After the cycle: the results of what was handed out, and of those that wait for the disk.

@@ -2,7 +2,7 @@
 
 #include "firmware/cycle/correct.hpp"
 
-/// All but first_snapshot() run in the cycle: no heap, no lock, no exception.
+// All but first_snapshot() run in the cycle: no heap, no lock, no exception.
 namespace spindle_twin::firmware {
 
 /// Copies a network's predictions into the snapshot; the nose minus snapshot.tare_m. A published deformation moves

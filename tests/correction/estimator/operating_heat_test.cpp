@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "correction/estimator/parameters.hpp"
 #include "rom/by_hand/read_by_hand.hpp"
 #include "tests/rom/by_hand_texts.hpp"
 
@@ -55,6 +60,21 @@ TEST(HeatThroughGroups, without_a_way_out_counts_all_heats_everywhere) {
   network.conduction_W_per_K.setZero();
   for (const double through_W : heat_through_groups_W(network, thermal_groups(network, 8))) {
     EXPECT_EQ(through_W, 100.0);
+  }
+}
+
+/// Where the share of all heats is switched off, a node that leads nowhere keeps its unexplained heat.
+TEST(HeatThroughGroups, of_nothing_leaves_a_group_its_unexplained_heat) {
+  const rom::Network network = chain(1.0);
+  EstimatorPriors priors;
+  priors.disturbance = 0.0;
+  const ParameterModel model(network, priors);
+  ASSERT_EQ(model.group_count(), 4);
+  for (Eigen::Index g = 0; g < 4; ++g) {
+    ASSERT_EQ(model.disturbance(g), model.disturbance(0) + g) << "one after the other";
+    const double deviation_W = model.list()[static_cast<std::size_t>(model.disturbance(g))].deviation;
+    EXPECT_NEAR(deviation_W,
+                0.1 * std::max(1.0, heat_through_groups_W(network, model.groups())[static_cast<std::size_t>(g)]), 1e-9);
   }
 }
 

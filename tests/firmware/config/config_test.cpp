@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/firmware/config/texts_of_signals.hpp"
 #include "tests/firmware/support/small_network.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/texts.hpp"
@@ -233,15 +234,6 @@ TEST(ConfigErrors, a_network_too_large_for_the_map) {
     EXPECT_EQ(std::string(error.what()), "/etc/twin.toml:1: network: has 33 parts, the register map has room for 32");
   }
 }
-
-const std::string all_from_the_plc = R"(network = "small.rom"
-[serve]
-[signals]
-speed = { source = "plc" }
-load = { source = "plc" }
-coolant = { source = "plc" }
-ambient = { source = "plc" }
-)";
 
 TEST(Config, until_it_is_written_a_signal_is_standstill_without_load_at_twenty_degrees) {
   const Config config = parse_config(all_from_the_plc + "[start]\ntemperature_degC = 25.0\n", "x.toml");

@@ -3,21 +3,13 @@
 #include <string>
 
 #include "firmware/config/config.hpp"
+#include "tests/firmware/config/texts_of_signals.hpp"
 #include "tests/firmware/support/small_network.hpp"
 #include "tests/support/texts.hpp"
 
 /// Configurations of which each table is right by itself, and that cannot be meant as they stand.
 namespace spindle_twin::firmware {
 namespace config_contradictions_test {
-
-const std::string all_from_the_plc = R"(network = "small.rom"
-[serve]
-[signals]
-speed = { source = "plc" }
-load = { source = "plc" }
-coolant = { source = "plc" }
-ambient = { source = "plc" }
-)";
 
 std::string error_of(const std::string& text) {
   return tests::refusal_of([&] { bind_config(parse_config(text, "/etc/twin.toml"), tests::small_network()); });

@@ -18,57 +18,15 @@
 #include <thread>
 #include <vector>
 
-#include "firmware/cycle/publish.hpp"
 #include "firmware/keep/database.hpp"
 #include "firmware/keep/history.hpp"
 #include "firmware/keep/read_sqlite_history.hpp"
 #include "firmware/watch/clock.hpp"
 #include "rom/read/input_error.hpp"
-#include "tests/firmware/support/small_network.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/firmware/keep/sqlite_file.hpp"
 
 namespace spindle_twin::firmware {
 namespace keep_sqlite_history_test {
-
-class SqliteFile : public ::testing::Test {
- protected:
-  /// Writes these cycles and ends.
-  void write_cycles(HistoryWriter& history, std::uint64_t first, std::uint64_t last) {
-    std::atomic<bool> stop{false};
-    std::thread writer([&] { history.run(stop); });
-    Snapshot snapshot = first_snapshot(network_);
-    for (snapshot.sequence = first; snapshot.sequence <= last; ++snapshot.sequence) {
-      snapshot.time_ns = MonotonicClock().now_ns();
-      change_(snapshot);
-      while (!history.ring().push(snapshot)) std::this_thread::yield();
-    }
-    stop.store(true);
-    writer.join();
-  }
-  void write_run(std::uint64_t last) {
-    SqliteHistory history({path_}, network_, troubles_);
-    write_cycles(history, 1, last);
-  }
-  rom::CsvTable table(std::optional<std::int64_t> run = std::nullopt) const {
-    return SqliteHistoryReader(path_).table(run);
-  }
-  std::vector<HistoryRun> runs() const { return SqliteHistoryReader(path_).runs(); }
-  bool is_at_fault() const { return (troubles_.faults() & bits(Fault::history_lost)) != 0; }
-  std::string error_of(const std::string& path) const {
-    try {
-      const SqliteHistoryReader reader(path);
-    } catch (const rom::InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
-  rom::Network network_ = tests::small_network();
-  tests::TemporaryFolder folder_;
-  std::string path_ = folder_.file("history.sqlite");
-  Troubles troubles_;
-  std::function<void(Snapshot&)> change_ = [](Snapshot&) {};
-};
 
 TEST_F(SqliteFile, each_start_and_each_gap_begins_a_run_and_rows_are_in_order) {
   {
@@ -135,42 +93,6 @@ TEST_F(SqliteFile, is_read_while_it_is_written) {
   EXPECT_EQ(table().rows(), 20U);
 }
 
-TEST_F(SqliteFile, the_oldest_rows_go_when_there_are_too_many_and_the_file_stays_as_large) {
-  HistoryPlan plan{path_};
-  plan.most_bytes = 512 << 10;
-  SqliteHistory history(plan, network_, troubles_);
-  write_cycles(history, 1, 8000);
-  EXPECT_EQ(history.lost().load(), 0U);
-  const rom::CsvTable kept = table();
-  EXPECT_LT(kept.rows(), 5000U);
-  EXPECT_GT(kept.rows(), 500U);
-  EXPECT_EQ(kept.column("sequence").back(), 8000.0);
-  EXPECT_LT(std::filesystem::file_size(path_), plan.most_bytes + (256 << 10));
-}
-
-TEST_F(SqliteFile, rows_older_than_most_days_go_and_runs_without_rows_with_them) {
-  change_ = [](Snapshot& snapshot) { snapshot.time_ns -= std::int64_t{3} * 86400 * 1'000'000'000; };
-  write_run(100);
-  change_ = [](Snapshot&) {};
-  HistoryPlan plan{path_};
-  plan.most_days = 2.0;
-  const auto write_more = [&](std::uint64_t rows) {
-    SqliteHistory history(plan, network_, troubles_);
-    write_cycles(history, 1, rows);
-  };
-  write_more(10);
-  ASSERT_EQ(runs().size(), 2U);
-  EXPECT_EQ(runs()[0].rows, 100) << "the clock may be wrong: nothing goes by its leap";
-  write_more(10);
-  ASSERT_EQ(runs().size(), 3U);
-  EXPECT_GE(runs()[0].rows, 80) << "two at most for each new one";
-  EXPECT_LT(runs()[0].rows, 100);
-  write_more(100);
-  ASSERT_EQ(runs().size(), 3U);
-  EXPECT_EQ(runs()[0].rows, 10);
-  EXPECT_EQ(runs()[0].id, 101);
-}
-
 TEST_F(SqliteFile, one_that_is_removed_while_it_is_written_is_begun_anew_and_said) {
   SqliteHistory history({path_}, network_, troubles_);
   write_cycles(history, 1, 10);
@@ -179,18 +101,6 @@ TEST_F(SqliteFile, one_that_is_removed_while_it_is_written_is_begun_anew_and_sai
   write_cycles(history, 13, 20);
   EXPECT_EQ(table().rows(), 10U);
   EXPECT_FALSE(is_at_fault());
-}
-
-TEST_F(SqliteFile, rows_of_a_clock_that_was_wrong_for_a_while_take_no_younger_ones_with_them) {
-  HistoryPlan plan{path_};
-  plan.most_days = 2.0;
-  SqliteHistory history(plan, network_, troubles_);
-  write_cycles(history, 1, 100);
-  change_ = [](Snapshot& snapshot) { snapshot.time_ns -= std::int64_t{9000} * 86400 * 1'000'000'000; };
-  write_cycles(history, 101, 110);
-  change_ = [](Snapshot&) {};
-  write_cycles(history, 111, 200);
-  EXPECT_EQ(table().rows(), 200U);
 }
 
 TEST_F(SqliteFile, one_of_other_columns_and_a_damaged_one_are_put_aside) {
@@ -214,6 +124,7 @@ TEST_F(SqliteFile, one_of_other_columns_and_a_damaged_one_are_put_aside) {
 }
 
 /// A process's limit of file sizes stands for a full disk.
+
 TEST_F(SqliteFile, on_a_full_disk_rows_are_lost_and_counted_what_is_there_stays_and_it_goes_on_afterwards) {
   SqliteHistory history({path_}, network_, troubles_);
   write_cycles(history, 1, 50);
@@ -252,22 +163,6 @@ TEST_F(SqliteFile, a_folder_that_is_not_there_is_a_fault_and_not_the_end_and_it_
   EXPECT_EQ(table().rows(), 3U);
 }
 
-/// In one transaction, as many as the ring takes.
-void write_at_once(HistoryWriter& history, const std::vector<Snapshot>& cycles) {
-  for (const Snapshot& cycle : cycles) ASSERT_TRUE(history.ring().push(cycle));
-  history.run(std::atomic<bool>(true));
-}
-
-std::vector<Snapshot> cycles_at(const rom::Network& network, const std::vector<std::int64_t>& seconds_ago) {
-  std::vector<Snapshot> cycles(seconds_ago.size(), first_snapshot(network));
-  const std::int64_t now_ns = MonotonicClock().now_ns();
-  for (std::size_t n = 0; n < cycles.size(); ++n) {
-    cycles[n].sequence = n + 1;
-    cycles[n].time_ns = now_ns - seconds_ago[n] * 1'000'000'000;
-  }
-  return cycles;
-}
-
 TEST_F(SqliteFile, each_row_has_the_time_of_its_cycle_and_a_run_that_of_its_first) {
   SqliteHistory history({path_}, network_, troubles_);
   write_at_once(history, cycles_at(network_, {50'000, 49'990, 49'000}));
@@ -283,59 +178,7 @@ TEST_F(SqliteFile, each_row_has_the_time_of_its_cycle_and_a_run_that_of_its_firs
   EXPECT_EQ(table().rows(), 1U) << "a single row is written too";
 }
 
-TEST_F(SqliteFile, a_row_goes_once_it_is_older_than_most_days_and_not_a_minute_before) {
-  HistoryPlan plan{path_};
-  plan.most_days = 3.0;
-  constexpr std::int64_t days_s = 3 * 86400;
-  SqliteHistory history(plan, network_, troubles_);
-  write_at_once(history, cycles_at(network_, {days_s + 9000, days_s + 60, days_s - 60, 10}));
-  EXPECT_EQ(table().rows(), 2U);
-  EXPECT_EQ(table().column("sequence").front(), 3.0);
-}
-
 /// Of one that is full an eighth goes, whether it holds thousands or a hundred.
-TEST_F(SqliteFile, a_small_one_that_is_full_keeps_most_of_its_rows) {
-  HistoryPlan plan{path_};
-  plan.most_bytes = 96 << 10;
-  SqliteHistory history(plan, network_, troubles_);
-  Database reader(path_, Database::Mode::read);
-  std::int64_t most = 0;
-  for (std::uint64_t n = 0; n < 12; ++n) {
-    std::vector<Snapshot> cycles = cycles_at(network_, std::vector<std::int64_t>(64, 0));
-    for (Snapshot& cycle : cycles) cycle.sequence += 64 * n;
-    write_at_once(history, cycles);
-    const std::int64_t rows = reader.whole("SELECT count(*) FROM cycle");
-    most = std::max(most, rows);
-    EXPECT_GT(rows, most - most / 6) << n;
-  }
-  std::vector<Snapshot> one = cycles_at(network_, {0});
-  for (one[0].sequence = 12 * 64 + 1; one[0].sequence <= 12 * 64 + 20; ++one[0].sequence) write_at_once(history, one);
-  EXPECT_GT(reader.whole("SELECT count(*) FROM cycle"), most - most / 6) << "what is free in the file counts not";
-  EXPECT_GT(most, 128);
-  EXPECT_LT(most, 12 * 64) << "it was full";
-}
-
-TEST_F(SqliteFile, half_of_the_bytes_are_for_those_put_aside_and_it_has_what_they_leave) {
-  constexpr std::int64_t most = 256 << 10, slack = 32 << 10;
-  for (const bool fits : {true, false}) {
-    for (const auto& each : std::filesystem::directory_iterator(folder_.path())) std::filesystem::remove(each.path());
-    const std::string earlier = folder_.write("history.000001.sqlite", "x");
-    std::filesystem::resize_file(earlier, static_cast<std::uintmax_t>(most / 2 + (fits ? 0 : 1)));
-    HistoryPlan plan{path_};
-    plan.most_bytes = static_cast<std::uint64_t>(most);
-    SqliteHistory history(plan, network_, troubles_);
-    EXPECT_EQ(std::filesystem::exists(earlier), fits);
-    write_cycles(history, 1, 1400);
-    const std::int64_t size =
-        Database(path_, Database::Mode::read).whole("PRAGMA page_count") * 4096;  // what is in the WAL too
-    if (fits) {
-      EXPECT_LT(size, most / 2 + slack);
-    } else {
-      EXPECT_GT(size, most / 2 + slack);
-      EXPECT_LT(size, most + slack);
-    }
-  }
-}
 
 TEST_F(SqliteFile, one_of_another_program_or_version_is_put_aside_and_left_as_it_is) {
   for (const char* other : {"PRAGMA application_id = 7", "PRAGMA user_version = 2"}) {
@@ -354,17 +197,6 @@ TEST_F(SqliteFile, one_of_another_program_or_version_is_put_aside_and_left_as_it
 }
 
 /// What was committed is not lost where it is only the old rows that cannot be removed.
-TEST_F(SqliteFile, where_no_old_row_can_go_it_is_a_fault_but_no_row_is_lost) {
-  HistoryPlan plan{path_};
-  plan.most_days = 1.0;
-  SqliteHistory history(plan, network_, troubles_);
-  Database(path_, Database::Mode::write)
-      .run("CREATE TRIGGER keeps BEFORE DELETE ON cycle BEGIN SELECT RAISE(ABORT, 'kept'); END");
-  write_at_once(history, cycles_at(network_, {200'000, 0}));
-  EXPECT_TRUE(is_at_fault());
-  EXPECT_EQ(history.lost().load(), 0U);
-  EXPECT_EQ(table().rows(), 2U);
-}
 
 TEST_F(SqliteFile, what_is_no_history_is_one_clear_error) {
   EXPECT_EQ(error_of(folder_.file("missing.sqlite")).find(folder_.file("missing.sqlite") + ": cannot be read"), 0U);
@@ -396,6 +228,7 @@ TEST_F(SqliteFile, a_row_that_is_gone_from_the_middle_is_damage_and_the_oldest_m
 }
 
 /// What a broken disk leaves ends in an error or in rows, never in a crash: 300 files cut or changed at random.
+
 TEST_F(SqliteFile, a_file_that_is_cut_or_scrambled_never_ends_in_more_than_an_error) {
   write_run(40);
   std::ifstream file(path_, std::ios::binary);
