@@ -41,6 +41,19 @@ std::string place_of(const RegisterSource& source) {
          std::to_string(source.address);
 }
 
+/// Registers that two channels read must be the same number or none in common: one word cannot be of two numbers.
+void refuse_overlap(const rom::TomlTable& table, const RegisterSource& source,
+                    const std::vector<RegisterSource>& others) {
+  const auto end = [](const RegisterSource& of) { return of.address + words_of(of.type); };
+  for (const RegisterSource& other : others) {
+    const bool same = other.address == source.address && other.type == source.type;
+    if (same || other.table != source.table || source.address >= end(other) || other.address >= end(source)) continue;
+    table.fail("register", place_of(source) + " shares a word with " + place_of(other) +
+                               ", which another channel reads as a number of " + std::to_string(words_of(other.type)) +
+                               " words");
+  }
+}
+
 }  // namespace
 
 ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
@@ -57,6 +70,7 @@ ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
                                                                                     : RegisterTable::holding;
   source.type = *register_type_of(
       table.choice_or("type", "int16", {"int16", "uint16", "offset16", "int32", "uint32", "float32", "float32_cdab"}));
+  refuse_overlap(table, source, sources);
   sources.push_back(source);
   return {1.0, source.type != RegisterType::float32 && source.type != RegisterType::float32_cdab, place_of(source)};
 }

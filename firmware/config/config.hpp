@@ -141,6 +141,7 @@ struct Config {  // NOLINT(public-members): the configuration as read, a member 
   std::vector<ConfiguredHeat> heats;
   std::vector<ConfiguredGroup> groups;
   std::vector<ConfiguredStart> start;  ///< of single nodes; the others have their mean
+  rom::SourceLine start_where;         ///< of the one start temperature of all, where it is given
   std::vector<ConfiguredLimit> output_limits;
   ConfiguredCompensation compensation;
   ConfiguredExchange exchange;

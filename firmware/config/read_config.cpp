@@ -31,6 +31,27 @@ double added_age_s(const ConfiguredChannel& channel, const Config& config) {
   return config.cycle.clock_rate * (config.devices[channel.device].delay_s + share * channel.filter.time_s);
 }
 
+/// How long a reading may stay the newest that there is; model time. A device that is not polled sends when it likes.
+double between_readings_s(const ConfiguredChannel& channel, const Config& config) {
+  return config.cycle.clock_rate * config.devices[channel.device].poll_s;
+}
+
+/// `stale_after_s` of a channel, 0 where `range` has it: never. Not given, three times what lies between its readings,
+/// at least `least_s`.
+double read_stale_after(const TomlTable& table, const ConfiguredChannel& channel, double least_s,
+                        const rom::Range& range, const Config& config) {
+  const double between_s = between_readings_s(channel, config);
+  const double stale_after_s =
+      table.number_or("stale_after_s", std::max(least_s, 3.0 * between_s) + added_age_s(channel, config), range);
+  const bool never = stale_after_s == 0.0;
+  if (!never && stale_after_s < between_s) {
+    table.fail("stale_after_s", "must be at least the " + rom::printed(between_s) +
+                                    " s between two readings of its device (poll_s), or none is fresh to the end; is " +
+                                    rom::printed(stale_after_s));
+  }
+  return stale_after_s;
+}
+
 /// Two of one kind that read one place are one cable written down twice.
 template <typename Configured>
 void refuse_same_place(const TomlTable& table, const char* key, const std::optional<ConfiguredChannel>& channel,
@@ -65,13 +86,13 @@ ConfiguredSignal read_signal(const TomlTable& signals, const std::string& name, 
     first = table.number("value", rom::between(rules.min, rules.max));
   } else {
     signal.plan.source = from == "device" ? SignalSource::device : SignalSource::plc;
-    double stale_after_s = 0.0;
     if (from == "device") {
       if (config.devices.empty()) table.fail("source", "is \"device\", but there is no [[device]] table");
       signal.channel = read_channel(table, rules.unit, config.cycle.clock_rate, config.devices);
-      stale_after_s = 3.0 + added_age_s(*signal.channel, config);
+      signal.plan.stale_after_s = read_stale_after(table, *signal.channel, 3.0, rom::not_negative, config);
+    } else {
+      signal.plan.stale_after_s = table.number_or("stale_after_s", 0.0, rom::not_negative);
     }
-    signal.plan.stale_after_s = table.number_or("stale_after_s", stale_after_s, rom::not_negative);
     first = table.number_or("first", rules.first, rom::between(rules.min, rules.max));
   }
   const auto si = [&](double value) { return value * rules.unit.factor + rules.unit.shift; };
@@ -153,9 +174,8 @@ ConfiguredSensor read_sensor(const TomlTable& table, Config& config) {
   sensor.max_degC = table.number_or("max_degC", sensor.max_degC, rom::between(coldest_degC, hottest_degC));
   if (sensor.max_degC <= sensor.min_degC) table.fail("max_degC", "must be above min_degC");
   sensor.interval_s = table.number_or("interval_s", sensor.interval_s, rom::between(0.0, 3600.0));
-  sensor.stale_after_s = table.number_or(
-      "stale_after_s", std::max(sensor.stale_after_s, 3.0 * sensor.interval_s) + added_age_s(*sensor.channel, config),
-      rom::positive);
+  sensor.stale_after_s = read_stale_after(
+      table, *sensor.channel, std::max(sensor.stale_after_s, 3.0 * sensor.interval_s), rom::positive, config);
   sensor.noise_K = table.optional_number("noise_K", correction::noise_range_K);
   sensor.offset_deviation_K = table.optional_number("offset_K", correction::offset_range_K);
   sensor.lag_s = table.optional_number("lag_s", correction::lag_range_s);
@@ -177,7 +197,7 @@ ConfiguredProbe read_probe(const TomlTable& table, Config& config) {
   plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, limits_um);
   if (plan.max_m <= plan.min_m) table.fail("max_um", "must be above min_um");
   plan.interval_s = table.number_or("interval_s", plan.interval_s, rom::between(1.0, 86400.0));
-  plan.stale_after_s = table.number_or("stale_after_s", plan.stale_after_s, rom::positive);
+  plan.stale_after_s = read_stale_after(table, probe.channel, plan.stale_after_s, rom::positive, config);
   return probe;
 }
 
@@ -281,6 +301,7 @@ void read_start_temperature(const TomlTable& root, Config& config) {
   } else if (start && start->has("temperature_degC")) {
     config.cycle.start_temperature_K =
         start->number("temperature_degC", rom::between(coldest_degC, hottest_degC)) + zero_degC_K;
+    config.start_where = start->where("temperature_degC");
   } else if (config.sensors.empty()) {
     root.fail("start", "temperature_degC is required here when there is no sensor to start from");
   }

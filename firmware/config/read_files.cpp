@@ -1,6 +1,7 @@
 #include "firmware/config/read_files.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -26,23 +27,33 @@ class FileOwners {
   void take(const std::string& path, const TomlTable& table, const std::string& key) {
     const auto [owner, is_new] = owners_.try_emplace(one_way_to(path), table.path(key));
     if (!is_new) table.fail(key, "\"" + path + "\" is " + owner->second + ", which would be written over");
-    owners_.try_emplace(one_way_to(path + ".lock"), "the lock file of " + table.path(key));
+    const std::string lock = path + ".lock";
+    const auto [taken, is_own] = owners_.try_emplace(one_way_to(lock), "the lock file of " + table.path(key));
+    if (!is_own) table.fail(key, "needs \"" + lock + "\" as its lock file, which is " + taken->second);
   }
 
  private:
   std::map<std::string, std::string> owners_;
 };
 
-/// A file that the daemon writes, relative to the configuration's folder.
-std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path,
-                            FileOwners& owners) {
-  std::string path = beside(config_path, table.string(key));
+/// A file that the daemon writes.
+void take_state_file(const std::string& path, const TomlTable& table, const std::string& key, FileOwners& owners) {
   std::error_code unknown;
   const auto status = std::filesystem::status(path, unknown);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     table.fail(key, "\"" + path + "\" exists and is not a regular file");
   }
+  if (unknown.value() == ENAMETOOLONG) table.fail(key, "is longer than a file's path may be");
   owners.take(path, table, key);
+}
+
+/// The same, relative to the configuration's folder.
+std::string read_state_file(const TomlTable& table, const std::string& key, const std::string& config_path,
+                            FileOwners& owners) {
+  const std::string name = table.string(key);
+  if (name.empty()) table.fail(key, "must name a file, is empty");
+  std::string path = beside(config_path, name);
+  take_state_file(path, table, key, owners);
   return path;
 }
 
@@ -124,7 +135,7 @@ void read_files(const TomlTable& root, Config& config) {
     keep.max_age_s = rom::seconds_per_hour * checkpoint->number_or("max_age_h", keep.max_age_s / rom::seconds_per_hour,
                                                                    rom::between(0.0, 8760.0));
   }
-  if (!orders) owners.take(config.keep.orders_path, root, "orders");
+  if (!orders) take_state_file(config.keep.orders_path, root, "orders", owners);
 }
 
 }  // namespace spindle_twin::firmware

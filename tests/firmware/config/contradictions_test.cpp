@@ -29,6 +29,11 @@ TEST(ConfigErrors, a_file_that_the_daemon_writes_is_none_that_it_reads_and_no_ot
   EXPECT_NE(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"x.orders\"\n").find("is history.path"),
             std::string::npos)
       << "orders stand beside the checkpoint where nothing else is said";
+  EXPECT_EQ(error("[orders]\npath = \"x.lock\"\n[checkpoint]\npath = \"x\"\n"),
+            "/etc/twin.toml:13: checkpoint.path: needs \"/etc/x.lock\" as its lock file, which is orders.path");
+  EXPECT_EQ(error("[history]\npath = \"\"\n"), "/etc/twin.toml:11: history.path: must name a file, is empty");
+  EXPECT_EQ(error("[history]\npath = \"" + std::string(5000, 'x') + "\"\n"),
+            "/etc/twin.toml:11: history.path: is longer than a file's path may be");
   EXPECT_EQ(error("[checkpoint]\npath = \"x\"\n[history]\npath = \"y\"\nparameters = \"z\"\n"), "accepted");
 }
 
@@ -57,6 +62,32 @@ TEST(ConfigErrors, what_nobody_can_mean_is_refused) {
           "[device]\n[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 6\n[[sensor]]\nkey_point = \"sleeve_outer\"\n"
           "register = 6\ntable = \"holding\"\n"),
       "accepted");
+}
+
+/// Two sensors of one device; `first` and `second` are the keys that say where they stand in it.
+std::string two_sensors(const std::string& first, const std::string& second, const std::string& device = "") {
+  return all_from_the_plc + "[start]\ntemperature_degC = 25.0\n[device]\n" + device +
+         "[[sensor]]\nkey_point = \"sleeve_inner\"\n" + first + "[[sensor]]\nkey_point = \"sleeve_outer\"\n" + second;
+}
+
+TEST(ConfigErrors, one_register_is_no_word_of_two_numbers) {
+  const std::string wide = "type = \"float32\"\n";
+  EXPECT_EQ(
+      error_of(two_sensors("register = 6\n" + wide, "register = 7\n" + wide)),
+      "/etc/twin.toml:17: sensor[2].register: input register 7 shares a word with input register 6, which another "
+      "channel reads as a number of 2 words");
+  EXPECT_NE(error_of(two_sensors("register = 6\n", "register = 5\n" + wide)).find("shares a word"), std::string::npos);
+  EXPECT_EQ(error_of(two_sensors("register = 6\n" + wide, "register = 8\n" + wide)), "accepted");
+  EXPECT_EQ(error_of(two_sensors("register = 6\n" + wide, "register = 7\ntable = \"holding\"\n" + wide)), "accepted");
+}
+
+TEST(ConfigErrors, a_reading_may_grow_as_old_as_the_next_one_is_away) {
+  const std::string slow = "poll_s = 20.0\n";
+  EXPECT_EQ(error_of(two_sensors("register = 6\n", "register = 7\n", slow)), "accepted") << "three polls are usual";
+  EXPECT_EQ(error_of(two_sensors("register = 6\n", "register = 7\nstale_after_s = 20.0\n", slow)), "accepted");
+  EXPECT_EQ(error_of(two_sensors("register = 6\n", "register = 7\nstale_after_s = 10.0\n", slow)),
+            "/etc/twin.toml:18: sensor[2].stale_after_s: must be at least the 20 s between two readings of its device "
+            "(poll_s), or none is fresh to the end; is 10");
 }
 
 TEST(ConfigErrors, a_step_beyond_the_limit_would_never_move) {

@@ -65,7 +65,8 @@ TEST(Devices, each_has_its_own_period_delay_and_back_off_and_gives_the_channels_
   EXPECT_DOUBLE_EQ(cabinet.channels[1].filter.time_s, 0.5);
   ASSERT_EQ(plan.devices[1].channels.size(), 1U);
   EXPECT_EQ(plan.devices[1].channels[0].index, 0U);
-  EXPECT_DOUBLE_EQ(plan.cycle.signals[1].stale_after_s, 3.0 + 2.5 + 7.5) << "delay and window make readings older";
+  EXPECT_DOUBLE_EQ(plan.cycle.signals[1].stale_after_s, 3.0 * 2.0 + 2.5 + 7.5)
+      << "three polls; delay and window make readings older";
   EXPECT_DOUBLE_EQ(plan.cycle.sensors[0].stale_after_s, 3.0);
   EXPECT_NEAR(plan.cycle.sensors[2].resolution_K, 0.01 / 0.39083, 1e-9) << "one count of 0.01 ohm";
 }

@@ -20,9 +20,9 @@ rom::Network with_circuits() {
 }
 
 /// Field and line of each finding. Of the signals, from line 7 on, `which` is as given.
-std::vector<std::string> found(const std::string& which, const std::string& is,
-                               rom::Network network = with_circuits()) {
-  std::string text = "network = \"x.rom\"\n[serve]\nport = 1502\n[start]\ntemperature_degC = 20.0\n[signals]\n";
+std::vector<std::string> found(const std::string& which, const std::string& is, rom::Network network = with_circuits(),
+                               const std::string& start = "temperature_degC = 20.0") {
+  std::string text = "network = \"x.rom\"\n[serve]\nport = 1502\n[start]\n" + start + "\n[signals]\n";
   for (const auto& [name, usual] :
        std::vector<std::pair<std::string, std::string>>{{"speed", "source = \"constant\", value = 6000.0"},
                                                         {"load", "source = \"constant\", value = 1.0"},
@@ -53,9 +53,20 @@ TEST(ImplausiblePlan, each_constant_is_named_at_its_line_and_no_other_is) {
   EXPECT_EQ(found("flow.cover", constant("5.0")), Lines{"/etc/twin.toml:12: signals.flow.cover"});
 }
 
-TEST(ImplausiblePlan, what_the_machine_tells_is_judged_when_it_tells_it) {
-  EXPECT_TRUE(found("speed", "source = \"plc\", first = 50000.0").empty());
-  EXPECT_TRUE(found("coolant", "source = \"plc\", first = 90.0").empty());
+TEST(ImplausiblePlan, of_what_the_machine_tells_the_first_value_is_judged) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(found("speed", "source = \"plc\", first = 50000.0"), Lines{"/etc/twin.toml:7: signals.speed"});
+  EXPECT_EQ(found("coolant", "source = \"plc\", first = 293.15"), Lines{"/etc/twin.toml:9: signals.coolant"});
+  EXPECT_EQ(found("coolant", "source = \"plc\", first = 25.0"), Lines{});
+  EXPECT_EQ(found("coolant", "source = \"plc\""), Lines{}) << "the value before the first reading is not the user's";
+}
+
+TEST(ImplausiblePlan, a_start_in_kelvin_is_named) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(found("", "", with_circuits(), "temperature_degC = 293.15"),
+            Lines{"/etc/twin.toml:5: start.temperature_degC"});
+  EXPECT_EQ(found("", "", with_circuits(), "temperature_degC = { inner = 20.0, outer = 293.15 }"),
+            Lines{"/etc/twin.toml:5: start.temperature_degC.outer"});
 }
 
 TEST(ImplausiblePlan, what_is_wrong_with_the_description_is_the_networks) {
