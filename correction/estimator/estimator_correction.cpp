@@ -140,6 +140,7 @@ void EstimatorCorrection::forget() {
     records_[s].offset_deviation_K = options_.sensors[s].offset_deviation_K;
   }
   consistency_.restart();
+  chi_square_.restart();
   contradicted_ = false;
   knows_calibration_ = true;
   open_.disturbance = disturbance_idle_;
@@ -168,7 +169,7 @@ void EstimatorCorrection::reset(double time_s, const Eigen::VectorXd& nodes, con
   nodes_K_ = corrected_K_ = nodes;
   known_flow_kg_per_s_ = operating.flow_kg_per_s;
   publish_factors(operating);
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  publish_deviations();
 }
 
 void EstimatorCorrection::publish_factors(const rom::OperatingState& operating) {
@@ -239,6 +240,11 @@ void EstimatorCorrection::note_curvature() {
   curvature_.tail(open_.start_missed.size()) = left * open_.start_missed;
 }
 
+void EstimatorCorrection::publish_deviations() {
+  if (!standing_by_) chi_square_.note(parameters_, theta_, filter_);
+  outputs_.evaluate(sensitivities_, filter_, {curvature_, chi_square_.excess()}, nodes_K_);
+}
+
 EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
   if (!started_) reset(sample.time_s, sample.nodes_K, sample.operating);
   if (standing_by_) {
@@ -266,7 +272,7 @@ EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
     times_.due_s += options_.period_s;
     if (times_.due_s <= sample.time_s) times_.due_s = sample.time_s + options_.period_s;
   } else if (fresh && !is_held_) {
-    outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+    publish_deviations();
   }
   publish_factors(sample.operating);
   if (!period_.is_open()) open_period(sample.time_s, sample.operating);
@@ -302,7 +308,7 @@ void EstimatorCorrection::stand_by(double time_s, const Eigen::VectorXd& nodes, 
   if (time_s >= period_.opened_s() + options_.period_s - due_slack_s || time_s < times_.fresh_until_s ||
       period_.differs(operating)) {
     close_period(time_s);
-    outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+    publish_deviations();
   }
   if (!period_.is_open()) open_period(time_s, operating);
 }

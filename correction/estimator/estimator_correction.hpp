@@ -14,6 +14,7 @@
 #include "correction/estimator/measurement.hpp"
 #include "correction/estimator/output_deviations.hpp"
 #include "correction/estimator/parameters.hpp"
+#include "correction/estimator/reduced_chi_square.hpp"
 #include "correction/estimator/sensitivities.hpp"
 #include "correction/estimator/sensor_channel.hpp"
 #include "correction/estimator/square_root_filter.hpp"
@@ -72,6 +73,7 @@ struct EstimatorState {
   std::vector<double> scale;      ///< prior deviations that `root` is counted in
   std::vector<double> nominal;    ///< as in KnownParameters
   bool knows_calibration = true;  ///< false: readings have contradicted the machine that was calibrated
+  double determined = 0.0;        ///< ReducedChiSquare::determined
 };
 
 /// What a state says of the unknowns that are called so, in its order; nothing where sizes do not fit or a number is
@@ -288,6 +290,7 @@ class EstimatorCorrection {
   void close_period(double time_s);
   void pass_time(double elapsed_s);
   void note_curvature();
+  void publish_deviations();
   double curvature_variance(const Eigen::Ref<const Eigen::VectorXd>& sensitivity) const;
 
   /// What a straight line in a sensor's lag leaves out while the lag is open.
@@ -344,6 +347,7 @@ class EstimatorCorrection {
   DeviationOfOutputs outputs_;
   HeldPeriod period_;
   Consistency consistency_;
+  ReducedChiSquare chi_square_;
   SquareRootFilter filter_, prior_;
   SquareRootFilter before_length_;  ///< before a length opened the unexplained heats
   CalibrationRecall recall_;

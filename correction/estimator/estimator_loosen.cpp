@@ -184,7 +184,7 @@ void EstimatorCorrection::look_at_the_start() {
   open_start(widest_K, open_rises_share, open_groups_share);
   filter_.widen(keep_, growth_);
   note_curvature();
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  publish_deviations();
 }
 
 }  // namespace spindle_twin::correction

@@ -53,6 +53,7 @@ void EstimatorCorrection::save(EstimatorState& state) const {
   state.nominal.resize(n, 1.0);
   for (std::size_t i = 0; i < p; ++i) state.nominal[i] = parameters_.list()[i].nominal;
   state.knows_calibration = knows_calibration_;
+  state.determined = chi_square_.determined();
 }
 
 bool EstimatorCorrection::restore(const EstimatorState& state) {
@@ -62,7 +63,8 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
       !fits(state.sensitivities, static_cast<std::size_t>(sensitivities_.transposed().size())) ||
       !fits(state.channels, channels_.size() * per_channel) ||
       !fits(state.start, of_start + static_cast<std::size_t>(open_.start_missed.size())) ||
-      (!state.scale.empty() && !fits(state.scale, n))) {
+      (!state.scale.empty() && !fits(state.scale, n)) || !(state.determined >= 0.0) ||
+      !std::isfinite(state.determined)) {
     return false;
   }
   const auto size = static_cast<Eigen::Index>(n);
@@ -74,6 +76,7 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   }
   filter_.set_root(root);
   knows_calibration_ = state.knows_calibration;
+  chi_square_.set_determined(state.determined);
   sensitivities_.set_transposed(Eigen::Map<const Eigen::MatrixXd>(
       state.sensitivities.data(), sensitivities_.transposed().rows(), coordinates_->nodes()));
   theta_ = filter_.mean().head(parameters_.count());
@@ -98,7 +101,7 @@ bool EstimatorCorrection::restore(const EstimatorState& state) {
   start_unseen_ = false;
   begin_another_record();
   note_curvature();
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  publish_deviations();
   return true;
 }
 
@@ -129,7 +132,7 @@ void EstimatorCorrection::widen_start(double time_s, const Eigen::VectorXd& node
     channel.set_sensitivity_at(start, place_[start]);
   }
   note_curvature();
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  publish_deviations();
 }
 
 std::vector<std::string> EstimatorCorrection::unknowns() const {

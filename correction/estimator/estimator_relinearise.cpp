@@ -65,7 +65,7 @@ void EstimatorCorrection::take_over(const EstimatorCorrection& pass, const rom::
   nodes_K_ = corrected_K_ = pass.corrected_K_;
   outputs_.clear_alternatives();
   note_curvature();
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  publish_deviations();
   publish_factors(operating);
   period_.drop();
   open_period(times_.seen_s, operating);

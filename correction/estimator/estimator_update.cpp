@@ -238,7 +238,7 @@ bool EstimatorCorrection::follow_filter() {
     records_[s].offset_deviation_K = filter_.deviation(offset_at(index));
   }
   note_curvature();
-  outputs_.evaluate(sensitivities_, filter_, curvature_, nodes_K_);
+  publish_deviations();
   return moved;
 }
 

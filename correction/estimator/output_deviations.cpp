@@ -65,48 +65,50 @@ DeviationOfOutputs::DeviationOfOutputs(const rom::Network& network, const Sensit
 }
 
 double DeviationOfOutputs::deviation(const Eigen::Ref<const Eigen::VectorXd>& internal, double certificate,
-                                     Sensitivities& sensitivities, SquareRootFilter& filter,
-                                     const Eigen::VectorXd& bend) {
+                                     Sensitivities& sensitivities, SquareRootFilter& filter, const LeftOut& left_out) {
   sensitivities.of_row(internal, sensitivity_);
-  return deviation(certificate, filter, bend);
+  return deviation(certificate, filter, left_out);
 }
 
-double DeviationOfOutputs::deviation(double certificate, SquareRootFilter& filter, const Eigen::VectorXd& bend) {
-  const double bent = sensitivity_.cwiseProduct(bend).squaredNorm();
+double DeviationOfOutputs::deviation(double certificate, SquareRootFilter& filter, const LeftOut& left_out) {
+  const double bent = sensitivity_.cwiseProduct(left_out.bend).squaredNorm();
   double alternative = 0.0;
   for (Eigen::Index s = 0; s < alternatives_.cols(); ++s) {
     alternative = std::max(alternative, std::abs(alternatives_.col(s).dot(sensitivity_)));
   }
-  const double variance = filter.variance_of_first(sensitivity_, covariance_) + bent + certificate * certificate +
-                          alternative * alternative;
-  const double deviation = std::sqrt(variance);
+  const double known = filter.variance_of_first(sensitivity_, covariance_) + bent;
+  const double beside = certificate * certificate + alternative * alternative;
+  const double variance = known + beside;
+  const double deviation = std::sqrt(left_out.excess * left_out.excess * known + beside);
   const double third = 3.0 * (skew_sign_.array() * sensitivity_.array() * covariance_.array().square()).sum();
-  const double skewness = variance > 0.0 ? std::abs(third) / (variance * deviation) : 0.0;
+  const double skewness = variance > 0.0 ? std::abs(third) / (variance * std::sqrt(variance)) : 0.0;
   return deviation * (1.0 + 0.25 * std::min(skewness, widest_skewness));
 }
 
 void DeviationOfOutputs::evaluate(const Rows& rows, Sensitivities& sensitivities, SquareRootFilter& filter,
-                                  const Eigen::VectorXd& bend, Eigen::VectorXd& to) {
+                                  const LeftOut& left_out, Eigen::VectorXd& to) {
   for (std::size_t i = 0; i < rows.internal.size(); ++i) {
-    to[static_cast<Eigen::Index>(i)] = deviation(rows.internal[i], rows.certificate[i], sensitivities, filter, bend);
+    to[static_cast<Eigen::Index>(i)] =
+        deviation(rows.internal[i], rows.certificate[i], sensitivities, filter, left_out);
   }
 }
 
-void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const Eigen::VectorXd& bend,
+void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter& filter, const LeftOut& left_out,
                                   const Eigen::VectorXd& nodes_K) {
   if (x_.size() == 0) return;
   sensitivities.to_internal(nodes_K, x_);
-  evaluate(key_points_, sensitivities, filter, bend, deviations_.key_points_K);
-  evaluate(part_means_, sensitivities, filter, bend, deviations_.part_mean_K);
+  evaluate(key_points_, sensitivities, filter, left_out, deviations_.key_points_K);
+  evaluate(part_means_, sensitivities, filter, left_out, deviations_.part_mean_K);
   for (std::size_t i = 0; i < deformations_.internal.size(); ++i) {
     sensitivities.of_row(deformations_.internal[i], sensitivity_);
     if (expansion_ >= 0) {
       double length_m = deformations_.internal[i].dot(x_);
       expand_by(std::exp(filter.mean()[expansion_]), expansion_, length_m, sensitivity_);
     }
-    deviations_.deformations_m[static_cast<Eigen::Index>(i)] = deviation(deformations_.certificate[i], filter, bend);
+    deviations_.deformations_m[static_cast<Eigen::Index>(i)] =
+        deviation(deformations_.certificate[i], filter, left_out);
   }
-  evaluate(pressures_, sensitivities, filter, bend, deviations_.contact_pressures_Pa);
+  evaluate(pressures_, sensitivities, filter, left_out, deviations_.contact_pressures_Pa);
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const Eigen::MatrixXd& candidates = candidates_[i];
     if (candidates.cols() == 0) continue;
@@ -120,7 +122,7 @@ void DeviationOfOutputs::evaluate(Sensitivities& sensitivities, SquareRootFilter
       hottest = c;
     }
     deviations_.part_maximum_K[static_cast<Eigen::Index>(i)] =
-        deviation(candidates.col(hottest), part_maximum_certificate_[i], sensitivities, filter, bend);
+        deviation(candidates.col(hottest), part_maximum_certificate_[i], sensitivities, filter, left_out);
   }
 }
 

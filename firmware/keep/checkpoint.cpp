@@ -36,6 +36,7 @@ Message message_of(const Checkpoint& checkpoint, const std::vector<double>& sign
   message.channels = attach<way>(remembered.estimator.channels);
   message.start = attach<way>(remembered.estimator.start);
   message.scale = attach<way>(remembered.estimator.scale);
+  message.determined = remembered.estimator.determined;
   message.calibration_contradicted = !remembered.estimator.knows_calibration;
   message.spindle = attach<way>(remembered.spindle);
   message.calibration = attach<way>(remembered.calibration);
@@ -81,6 +82,7 @@ Checkpoint decode_checkpoint(const std::vector<std::uint8_t>& bytes, const std::
   checkpoint.remembered.model_time_s = message.model_time_s;
   checkpoint.remembered.tare_m = message.tare_m;
   checkpoint.remembered.estimator.knows_calibration = !message.calibration_contradicted;
+  checkpoint.remembered.estimator.determined = message.determined;
   checkpoint.remembered.trial_away_m = message.trial_away_m;
   checkpoint.remembered.sensor_tare.count = message.sensor_tares;
   std::copy(signals.begin(), signals.end(), checkpoint.remembered.signals.begin());

@@ -32,6 +32,9 @@ std::vector<Family> make_families() {
   Family& flow = add("flow_halved", TruthKind::flow);
   limit(flow, {{Measure::open_loop, 0.25}}, 0.95, 0.70);
 
+  add("coolant_blocked", TruthKind::blocked);
+  add("coolant_blocked_3", TruthKind::blocked).sensors = rear_sensors;
+
   for (const auto& [name, lag_s, most] : {std::tuple{"lag_5s", 5.0, 1.1}, std::tuple{"lag_30s", 30.0, 1.5}}) {
     Family& lag = add(name);
     lag.lag_s = lag_s;

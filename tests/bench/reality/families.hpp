@@ -7,8 +7,8 @@
 
 namespace spindle_twin::bench {
 
-// Sensors of the reference spindle, by their number.
-inline constexpr std::size_t front_seat = 3, winding = 4, jacket = 5;
+// Sensors of the reference spindle, by their number; before them those at the rear sleeve.
+inline constexpr std::size_t rear_sensors = 3, front_seat = 3, winding = 4, jacket = 5;
 
 enum class Gaps { none, signals_known, signals_held };
 
@@ -30,12 +30,13 @@ struct Family {
   Gaps gaps = Gaps::none;
   bool touch_offs = false;
   double winding_drift_K_per_h = 0.0;
-  double offset_K = 0.02;     ///< 1σ of the sensors' offsets; the twin is told 0.02
-  bool exchanged = false;     ///< front seat and jacket
-  bool displaced = false;     ///< sensors sit 10 mm off
-  double speed_scale = 1.0;   ///< of the speed signal
-  bool inlet_untold = false;  ///< the coolant's step is not in its signal
-  double cycle_s = 0.0;       ///< 0: the campaign's
+  double offset_K = 0.02;              ///< 1σ of the sensors' offsets; the twin is told 0.02
+  bool exchanged = false;              ///< front seat and jacket
+  bool displaced = false;              ///< sensors sit 10 mm off
+  double speed_scale = 1.0;            ///< of the speed signal
+  bool inlet_untold = false;           ///< the coolant's step is not in its signal
+  std::size_t sensors = sensor_count;  ///< the first of them
+  double cycle_s = 0.0;                ///< 0: the campaign's
   double run_s = followed_s;
   int most_runs = 1000;  ///< of a dear one
   // What issue "An estimator that survives reality" asks of it; 0: nothing.

@@ -134,7 +134,7 @@ void print_row(const RealityTruth& truth, const firmware::Snapshot& now, double 
 RealityScore follow_reality(const rom::Network& network, const RealityTruth& truth, const Family& family,
                             double cycle_s, const Unplugging& unplugging, std::ostream* trace) {
   const double period_s = family.cycle_s > 0.0 ? family.cycle_s : cycle_s;
-  firmware::Cycle cycle(network, default_plan(sensor_count, period_s),
+  firmware::Cycle cycle(network, default_plan(family.sensors, period_s),
                         [](const rom::Network& of) { return rom::make_runtime_stepper(of); });
   MachineSide machine(truth, family, unplugging);
   Judge judge(truth, machine, period_s);

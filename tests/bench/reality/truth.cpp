@@ -31,6 +31,7 @@ constexpr double grease_peak = 1.5;
 constexpr double grease_s = 400.0;  // a twentieth of the peak is left after 20 min
 constexpr double run_in_excess = 0.5;
 const double halved_film = std::pow(0.5, 0.8);  // turbulent flow in a channel: Nu ~ Re^0.8
+constexpr double standing_film = 0.03;          // water that stands and warms up takes some per cent of the heat
 
 enum Purpose : std::uint32_t { factors_of, spectrum_of, earlier_spectrum_of, inlets_of, event_of, contact_of };
 
@@ -124,7 +125,8 @@ struct Inlets {
 };
 
 bool has_event(TruthKind kind) {
-  return kind == TruthKind::flow || kind == TruthKind::cutting || kind == TruthKind::inlet;
+  return kind == TruthKind::flow || kind == TruthKind::blocked || kind == TruthKind::cutting ||
+         kind == TruthKind::inlet;
 }
 
 void draw_event(RealityTruth& truth) {
@@ -171,6 +173,10 @@ class Run {
 
  private:
   bool after_event() const { return truth_.event_s >= 0.0 && time_s_ - schedule_.start_s >= truth_.event_s; }
+  double film_after_event() const {
+    if (truth_.kind == TruthKind::flow) return halved_film;
+    return truth_.kind == TruthKind::blocked ? standing_film : 1.0;
+  }
   bool is_coolant(Eigen::Index environment) const {
     return environment >= 0 &&
            boundaries_.environments[static_cast<std::size_t>(environment)].kind == rom::EnvironmentKind::coolant;
@@ -227,8 +233,7 @@ class Run {
       const rom::Conductance& conductance = boundaries_.conductances[static_cast<std::size_t>(j)];
       const bool contact = conductance.kind == rom::ConductanceKind::contact;
       factors_.conductance[j] = std::exp(hidden_.conductance[j] + (contact ? settled : 0.0));
-      const bool slowed = truth_.kind == TruthKind::flow && is_coolant(conductance.environment) && after_event();
-      if (slowed) factors_.conductance[j] *= halved_film;
+      if (is_coolant(conductance.environment) && after_event()) factors_.conductance[j] *= film_after_event();
     }
   }
 
@@ -252,8 +257,8 @@ class Run {
 }  // namespace
 
 const char* name_of(TruthKind kind) {
-  constexpr std::array names{"nominal",      "warm",          "cold",  "flow",   "early_cutting", "structure",
-                             "structure_10", "large_contact", "inlet", "grease", "run_in"};
+  constexpr std::array names{"nominal",   "warm",         "cold",          "flow",  "blocked", "early_cutting",
+                             "structure", "structure_10", "large_contact", "inlet", "grease",  "run_in"};
   return names[static_cast<std::size_t>(kind)];
 }
 

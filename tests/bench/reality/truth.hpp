@@ -26,6 +26,7 @@ enum class TruthKind {
   warm,          ///< runs an hour before the twin starts
   cold,          ///< runs an hour, then stands 20 to 40 min; the twin starts with the spindle
   flow,          ///< coolant flow halved at event_s
+  blocked,       ///< the coolant stands from event_s on: its films at three hundredths
   cutting,       ///< 25 W into the shaft's front face from event_s on
   structure,     ///< conductivity, capacity, expansion of each material wrong by 10 to 20 %, each with its own sign
   structure_10,  ///< conductivity -10 %, capacity and expansion +10 % everywhere

@@ -113,7 +113,7 @@ struct Evaluated {
     DeviationOfOutputs outputs(network, sensitivities, parameters, skewed);
     outputs.set_alternatives(alternatives);
     if (!with_alternatives) outputs.clear_alternatives();
-    outputs.evaluate(sensitivities, filter, bend, temperatures_K);
+    outputs.evaluate(sensitivities, filter, {bend, excess}, temperatures_K);
     return outputs.deviations();
   }
   /// What the header says, of an output with these derivatives by θ.
@@ -122,8 +122,9 @@ struct Evaluated {
     for (Eigen::Index k = 0; with_alternatives && k < 2; ++k) {
       alternative = std::max(alternative, std::abs(alternatives.col(k).dot(slope)));
     }
-    const double variance = slope.dot(covariance * slope) + slope.cwiseProduct(bend).squaredNorm() +
-                            certificate * certificate + alternative * alternative;
+    const double known = slope.dot(covariance * slope) + slope.cwiseProduct(bend).squaredNorm();
+    const double beside = certificate * certificate + alternative * alternative;
+    const double variance = known + beside;
     double third = 0.0;
     for (Eigen::Index i = 0; i < count() && skewed; ++i) {
       const ParameterKind kind = parameters.list()[static_cast<std::size_t>(i)].kind;
@@ -132,7 +133,8 @@ struct Evaluated {
                                                                                           : 0.0;
       third += 3.0 * sign * slope[i] * std::pow(covariance.row(i).dot(slope), 2.0);
     }
-    return std::sqrt(variance) * (1.0 + 0.25 * std::min(2.0, std::abs(third) / std::pow(variance, 1.5)));
+    return std::sqrt(excess * excess * known + beside) *
+           (1.0 + 0.25 * std::min(2.0, std::abs(third) / std::pow(variance, 1.5)));
   }
   Eigen::VectorXd slope_of(const Eigen::VectorXd& row) const { return sensitivities.in_kelvin().transpose() * row; }
   Eigen::Index nodes() const { return network.capacity_J_per_K.rows(); }
@@ -140,6 +142,7 @@ struct Evaluated {
 
   rom::Network network;
   bool skewed;
+  double excess = 1.7;  ///< of an unlikely machine
   ParameterModel parameters{network, {}};
   Sensitivities sensitivities{network, std::make_shared<const rom::NetworkOperator>(network), parameters};
   Eigen::MatrixXd covariance, alternatives;
@@ -181,6 +184,7 @@ TEST(OutputDeviations, are_what_parameters_their_bends_alternatives_and_certific
 /// A heat alone, known to a factor of e: its error is so skewed that the longer tail is cut.
 TEST(OutputDeviations, of_the_most_skewed_error_are_half_as_wide_again_and_no_wider) {
   Evaluated of(true);
+  of.excess = 1.0;
   of.bend.setZero();
   of.network.certificate = {};
   of.alternatives.setZero();

@@ -97,6 +97,8 @@ TEST(Checkpoint, comes_back_bit_for_bit) {
   EXPECT_EQ(b.estimator.start, a.estimator.start);
   EXPECT_EQ(b.sensor_health, a.sensor_health);
   EXPECT_EQ(b.estimator.scale, a.estimator.scale);
+  EXPECT_GT(a.estimator.determined, 0.0);
+  EXPECT_EQ(b.estimator.determined, a.estimator.determined);
   EXPECT_EQ(b.spindle, "small");
   EXPECT_EQ(b.unknowns, a.unknowns);
   EXPECT_EQ(b.estimator.nominal, a.estimator.nominal);
