@@ -19,6 +19,7 @@ constexpr double idle_width = 1e-3;
 constexpr double open_width = 2.0;
 constexpr double start_missed_memory_s = 600.0;
 constexpr double least_floor_K = 1e-3;
+constexpr double floor_counts_s = 1800.0;  // its own memory: what a sensor showed before that says nothing of now
 
 ConsistencyLimits limits_of(const rom::Network& network, const EstimatorOptions& options) {
   ConsistencyLimits limits;
@@ -240,8 +241,19 @@ void EstimatorCorrection::note_curvature() {
   curvature_.tail(open_.start_missed.size()) = left * open_.start_missed;
 }
 
+double EstimatorCorrection::chi_square_of_readings() const {
+  double left_K2 = 0.0, expected_K2 = 0.0;
+  for (std::size_t s = 0; s < channels_.size(); ++s) {
+    if (times_.seen_s - channels_[s].fused_s > floor_counts_s) continue;
+    const double noise_K2 = std::pow(options_.sensors[s].noise_K, 2.0);
+    left_K2 += noise_K2 + std::pow(consistency_.floor_K(static_cast<Eigen::Index>(s)), 2.0);
+    expected_K2 += noise_K2 + std::pow(consistency_.least_floor_K(), 2.0);
+  }
+  return expected_K2 > 0.0 ? left_K2 / expected_K2 : 1.0;
+}
+
 void EstimatorCorrection::publish_deviations() {
-  if (!standing_by_) chi_square_.note(parameters_, theta_, filter_);
+  if (!standing_by_) chi_square_.note(parameters_, theta_, filter_, chi_square_of_readings());
   outputs_.evaluate(sensitivities_, filter_, {curvature_, chi_square_.excess()}, nodes_K_);
 }
 

@@ -290,6 +290,8 @@ class EstimatorCorrection {
   void close_period(double time_s);
   void pass_time(double elapsed_s);
   void note_curvature();
+  /// Σ (noise² + floor²) / Σ (noise² + least floor²) over the sensors that were taken in within the floor's memory.
+  double chi_square_of_readings() const;
   void publish_deviations();
   double curvature_variance(const Eigen::Ref<const Eigen::VectorXd>& sensitivity) const;
 

@@ -6,7 +6,7 @@
 namespace spindle_twin::correction {
 
 void ReducedChiSquare::note(const ParameterModel& parameters, const Eigen::VectorXd& theta,
-                            const SquareRootFilter& filter) {
+                            const SquareRootFilter& filter, double of_readings) {
   double chi_square = 0.0, determined = 0.0;
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
@@ -17,7 +17,7 @@ void ReducedChiSquare::note(const ParameterModel& parameters, const Eigen::Vecto
     determined += std::max(0.0, 1.0 - left * left);
   }
   determined_ = std::max(determined_, determined);
-  excess_ = std::sqrt(std::max(1.0, chi_square / std::max(determined_, 1.0)));
+  excess_ = std::sqrt(std::max({1.0, chi_square / std::max(determined_, 1.0), of_readings}));
 }
 
 }  // namespace spindle_twin::correction
