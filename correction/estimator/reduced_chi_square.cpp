@@ -4,20 +4,40 @@
 #include <cmath>
 
 namespace spindle_twin::correction {
+namespace {
 
-void ReducedChiSquare::note(const ParameterModel& parameters, const Eigen::VectorXd& theta,
-                            const SquareRootFilter& filter, double of_readings) {
-  double chi_square = 0.0, determined = 0.0;
+struct Counted {
+  double chi_square = 0.0;
+  double determined = 0.0;  // ν
+};
+
+/// `theta`: the parameters first, more may follow.
+Counted count(const ParameterModel& parameters, const Eigen::VectorXd& theta, const SquareRootFilter& filter) {
+  Counted counted;
   for (Eigen::Index i = 0; i < parameters.count(); ++i) {
     const Parameter& parameter = parameters.list()[static_cast<std::size_t>(i)];
     if (!bends_the_state(parameter.kind) || !(parameter.uncalibrated_deviation > 0.0)) continue;
     const double off = (theta[i] - parameter.uncalibrated_mean) / parameter.uncalibrated_deviation;
     const double left = filter.deviation(i) / parameter.uncalibrated_deviation;
-    chi_square += off * off;
-    determined += std::max(0.0, 1.0 - left * left);
+    counted.chi_square += off * off;
+    counted.determined += std::max(0.0, 1.0 - left * left);
   }
-  determined_ = std::max(determined_, determined);
-  excess_ = std::sqrt(std::max({1.0, chi_square / std::max(determined_, 1.0), of_readings}));
+  return counted;
+}
+
+}  // namespace
+
+void ReducedChiSquare::note(const ParameterModel& parameters, const Eigen::VectorXd& theta,
+                            const SquareRootFilter& filter, double of_readings) {
+  const Counted counted = count(parameters, theta, filter);
+  determined_ = std::max(determined_, counted.determined);
+  const double of_parameters = counted.chi_square / std::max(determined_, 1.0);
+  excess_ = std::sqrt(std::max(1.0, of_parameters) * std::sqrt(std::max(1.0, of_readings)));
+}
+
+double reduced_chi_square(const ParameterModel& parameters, const SquareRootFilter& filter) {
+  const Counted counted = count(parameters, filter.mean(), filter);
+  return counted.chi_square / std::max(counted.determined, 1.0);
 }
 
 }  // namespace spindle_twin::correction

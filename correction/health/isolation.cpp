@@ -127,6 +127,10 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_i
     model_in_doubt_ = true;
     return {worst, -1, HealthFault::none, true, true};
   }
+  if (updates[blamed].chi_square_without > limits.unlikely_machine) {
+    model_in_doubt_ = true;
+    return {};
+  }
   const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
   if (fast) return {worst, -1, HealthFault::implausible, model_in_doubt_};

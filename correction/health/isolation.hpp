@@ -13,9 +13,10 @@ struct HealthUpdate {
   double evidence = 0.0;      ///< against the channel, leave_one_out.hpp
   int rejected_in_a_row = 0;  ///< by the estimator
   double reading_K = 0.0;
-  double misfit_K = 0.0;     ///< reading − what all others say of it
-  double deviation_K = 1.0;  ///< 1σ of that
-  int moves_like = -1;       ///< channel whose place it moves like (SwapDetector::partner_of); set by SensorHealth
+  double misfit_K = 0.0;            ///< reading − what all others say of it
+  double deviation_K = 1.0;         ///< 1σ of that
+  double chi_square_without = 1.0;  ///< χ²/ν of the factors in the filter without the channel (reduced_chi_square.hpp)
+  int moves_like = -1;  ///< channel whose place it moves like (SwapDetector::partner_of); set by SensorHealth
 };
 
 /// Whom the evidence blames, and for what.

@@ -95,10 +95,10 @@ TEST(ReducedChiSquare, is_of_what_was_determined_before_a_loosening_too) {
   EXPECT_DOUBLE_EQ(likely.excess(), 1.0);
 }
 
-TEST(ReducedChiSquare, of_the_readings_counts_where_it_is_the_larger) {
+TEST(ReducedChiSquare, of_the_readings_widens_by_the_root_of_their_excess) {
   const Machines machines;
   ReducedChiSquare likely;
-  likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 9.0);
+  likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 81.0);
   EXPECT_DOUBLE_EQ(likely.excess(), 3.0);
   likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 0.5);
   EXPECT_DOUBLE_EQ(likely.excess(), 1.0) << "readings that are met better than expected make nothing surer";

@@ -70,6 +70,18 @@ TEST(Isolation, a_suspect_that_is_blamed_is_a_verdict_too_from_which_on_two_minu
   EXPECT_EQ(drifts.partner, -1);
 }
 
+TEST(Isolation, where_the_machine_is_an_unlikely_one_even_without_the_channel_it_is_the_model) {
+  for (const double without : {3.0, 3.1}) {
+    Told told(4);
+    told.updates[1].chi_square_without = without;
+    const bool unlikely = without > told.limits.unlikely_machine;
+    EXPECT_EQ(told.judge_at(begin_s + 1000.0, {0, 40, 0, 0}).channel, unlikely ? -1 : 1);
+    EXPECT_EQ(told.isolation.model_in_doubt(), unlikely);
+    told.updates[1].chi_square_without = 1.0;
+    EXPECT_EQ(told.judge_at(begin_s + 1120.0).channel, 1) << "as soon as it is a likely one";
+  }
+}
+
 TEST(Isolation, what_came_slowly_is_implausible_where_it_was_rejected_twice_in_a_row) {
   for (const int rejected : {1, 2}) {
     Told told(4);
