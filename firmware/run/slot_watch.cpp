@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <thread>
 #include <utility>
@@ -42,6 +44,12 @@ bool has_sensors(const Snapshot& snapshot) {
     if (snapshot.sensor_quality[k] != SensorQuality::not_configured) return true;
   }
   return false;
+}
+
+/// What somebody may take for one that will be tried: a link, a folder, NAME.ROM.
+bool looks_like_a_network(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name.ends_with(".rom") && !name.starts_with("accepted-") && !name.starts_with("previous-");
 }
 
 bool is_new_network(const std::string& name) {
@@ -175,14 +183,22 @@ void SlotWatch::put_aside(const std::string& path, const std::string& reason) {
 
 void SlotWatch::look_for_file() {
   std::map<std::string, Stamp> found;
+  std::set<std::string> ignored;
   for (const auto& entry : fs::directory_iterator(spindle_.config.exchange.slot)) {
-    const std::string path = entry.path().string();
-    if (!is_new_network(entry.path().filename().string())) continue;
-    const auto stamp = stamp_of(path);
-    if (!stamp) continue;
+    const std::string path = entry.path().string(), name = entry.path().filename().string();
+    const auto stamp = is_new_network(name) ? stamp_of(path) : std::nullopt;
+    if (!stamp) {
+      if (looks_like_a_network(name)) ignored.insert(path);
+      continue;
+    }
     const auto left = left_over_.find(path);
     if (left == left_over_.end() || left->second != *stamp) found[path] = *stamp;
   }
+  for (const std::string& path : ignored) {
+    if (ignored_.contains(path)) continue;
+    spdlog::warn("exchange: {}: left alone; a new network is a regular file, and its name ends in .rom", path);
+  }
+  ignored_ = std::move(ignored);
   const std::map<std::string, Stamp> before = std::exchange(seen_, found);
   if (!predicts(newest_)) return;  // there is nothing to compare with yet
   for (const auto& [path, stamp] : found) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,7 @@ class SlotWatch {
   Snapshot newest_;
   std::map<std::string, Stamp> seen_;       ///< files of the last look
   std::map<std::string, Stamp> left_over_;  ///< refused ones that could not be put aside
+  std::set<std::string> ignored_;           ///< that are taken for no network, in the last look
   std::string complaint_;                   ///< said last
 };
 

@@ -23,6 +23,12 @@ namespace run_slot_watch_test {
 
 namespace fs = std::filesystem;
 
+int times_in(const std::string& text, const std::string& what) {
+  int found = 0;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++found;
+  return found;
+}
+
 /// A spindle at a machine that is as its network says, and its slot; trial and watch last half a minute each.
 class Slot {
  public:
@@ -197,12 +203,7 @@ TEST(SlotWatch, a_slot_that_is_gone_is_said_once_each_time_it_goes) {
   Slot slot;
   slot.step(5);
   const Logged log;
-  const auto lines = [&] {
-    int found = 0;
-    const std::string text = log.text();
-    for (std::size_t at = 0; (at = text.find("; tried again\n", at)) != std::string::npos; ++at) ++found;
-    return found;
-  };
+  const auto lines = [&] { return times_in(log.text(), "; tried again\n"); };
   for (int times = 1; times <= 2; ++times) {
     fs::remove(slot.path(""));
     for (int looks = 0; looks < 3; ++looks) slot.watch->look();
@@ -255,14 +256,9 @@ TEST(SlotWatch, one_that_cannot_be_put_aside_is_refused_once_and_looked_at_again
   slot.step(5);
   fs::create_directory(slot.path("new.rom.refused"));
   std::ofstream(slot.path("new.rom.refused/occupied")) << "1";
-  std::size_t refusals = 0;
+  int refusals = 0;
   const Logged log;
-  const auto refused = [&] {
-    const std::string text = log.text();
-    std::size_t count = 0;
-    for (std::size_t at = 0; (at = text.find("and is left alone\n", at)) != std::string::npos; ++at) ++count;
-    return count;
-  };
+  const auto refused = [&] { return times_in(log.text(), "and is left alone\n"); };
   for (const double factor : {1.001, 1.0015}) {
     slot.put("new.rom", tests::with_conductances(factor), false);
     for (int looks = 0; looks < 5; ++looks) slot.watch->look();
@@ -273,7 +269,8 @@ TEST(SlotWatch, one_that_cannot_be_put_aside_is_refused_once_and_looked_at_again
   EXPECT_EQ(slot.run_until(ExchangeState::trial), ExchangeState::trial) << "it is in nobody's way";
 }
 
-TEST(SlotWatch, other_names_folders_and_links_are_no_new_network) {
+TEST(SlotWatch, other_names_folders_and_links_are_no_new_network_and_those_that_look_like_one_are_named_once) {
+  const Logged log;
   Slot slot;
   slot.step(5);
   const auto kept = slot.put("accepted-0123456789abcdef.rom", tests::with_conductances(1.001));
@@ -281,7 +278,12 @@ TEST(SlotWatch, other_names_folders_and_links_are_no_new_network) {
   slot.put("new.rom.part", tests::with_conductances(1.001));
   fs::create_directory(slot.path("folder.rom"));
   fs::create_symlink(slot.path("new.rom.part"), slot.path("link.rom"));
+  slot.put("LOUD.ROM", tests::with_conductances(1.001));
   for (int looks = 0; looks < 3; ++looks) slot.watch->look();
+  for (const std::string name : {"folder.rom", "link.rom", "LOUD.ROM"}) {
+    EXPECT_EQ(times_in(log.text(), slot.path(name) + ": left alone"), 1) << name;
+  }
+  EXPECT_EQ(times_in(log.text(), "left alone"), 3) << log.text();
   EXPECT_EQ(slot.step(), ExchangeState::none);
   EXPECT_EQ(slot.bytes(slot.path("accepted-0123456789abcdef.rom")), kept);
 }
