@@ -76,6 +76,9 @@ void write_csv(const firmware::SqliteHistoryReader& history, const HistoryOption
 }
 
 void run_history(const HistoryOptions& options) {
+  if (std::ifstream probe(options.file); !probe) {
+    throw rom::InputError({options.file, 0}, "", std::string("cannot be read: ") + std::strerror(errno));
+  }
   if (!firmware::is_sqlite_file(options.file)) {
     throw rom::InputError({options.file, 0}, "", "is no history in SQLite (a history in CSV is a table already)");
   }

@@ -204,6 +204,9 @@ class BadDescription(Case):
         path = self.folder / "none.toml"
         for command in (["solve", path], ["build", path, "-o", self.folder / "x.rom"], ["plant", path, "--port", free_port()]):
             self.assertEqual(self.error_of(*command), f"spindle-twin: {path}: cannot be read as a file")
+        history = self.folder / "none.sqlite"
+        self.assertEqual(self.error_of("history", history),
+                         f"spindle-twin: {history}: cannot be read: No such file or directory")
 
 
 class Plant(Case):
