@@ -254,7 +254,7 @@ double EstimatorCorrection::chi_square_of_readings() const {
 
 void EstimatorCorrection::publish_deviations() {
   if (!standing_by_) chi_square_.note(parameters_, theta_, filter_, chi_square_of_readings());
-  outputs_.evaluate(sensitivities_, filter_, {curvature_, chi_square_.excess()}, nodes_K_);
+  outputs_.evaluate(sensitivities_, filter_, {curvature_, chi_square_.scale_factor()}, nodes_K_);
 }
 
 EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {

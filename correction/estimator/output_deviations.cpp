@@ -79,7 +79,7 @@ double DeviationOfOutputs::deviation(double certificate, SquareRootFilter& filte
   const double known = filter.variance_of_first(sensitivity_, covariance_) + bent;
   const double beside = certificate * certificate + alternative * alternative;
   const double variance = known + beside;
-  const double deviation = std::sqrt(left_out.excess * left_out.excess * known + beside);
+  const double deviation = std::sqrt(left_out.scale_factor * left_out.scale_factor * known + beside);
   const double third = 3.0 * (skew_sign_.array() * sensitivity_.array() * covariance_.array().square()).sum();
   const double skewness = variance > 0.0 ? std::abs(third) / (variance * std::sqrt(variance)) : 0.0;
   return deviation * (1.0 + 0.25 * std::min(skewness, widest_skewness));

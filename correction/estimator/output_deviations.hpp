@@ -12,7 +12,7 @@ namespace spindle_twin::correction {
 /// What P leaves out.
 struct LeftOut {
   const Eigen::VectorXd& bend;  ///< one entry per parameter, √(κ/2) P_ii where it is the ln of a factor, else 0
-  double excess = 1.0;          ///< √ρ
+  double scale_factor = 1.0;    ///< √ρ
 };
 
 /// 1σ of every published temperature and deformation.

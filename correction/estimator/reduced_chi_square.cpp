@@ -31,13 +31,15 @@ void ReducedChiSquare::note(const ParameterModel& parameters, const Eigen::Vecto
                             const SquareRootFilter& filter, double of_readings) {
   const Counted counted = count(parameters, theta, filter);
   determined_ = std::max(determined_, counted.determined);
-  const double of_parameters = counted.chi_square / std::max(determined_, 1.0);
-  excess_ = std::sqrt(std::max(1.0, of_parameters) * std::sqrt(std::max(1.0, of_readings)));
+  const double of_parameters = determined_ < 1.0 ? 1.0 : counted.chi_square / determined_;
+  scale_factor_ = std::sqrt(std::max(1.0, of_parameters) * std::sqrt(std::max(1.0, of_readings)));
 }
 
-double reduced_chi_square(const ParameterModel& parameters, const SquareRootFilter& filter) {
+bool is_unlikely_machine(const ParameterModel& parameters, const SquareRootFilter& filter) {
+  constexpr double one_in_a_thousand = 3.0902;  // quantile of the standard normal distribution
   const Counted counted = count(parameters, filter.mean(), filter);
-  return counted.chi_square / std::max(counted.determined, 1.0);
+  const double degrees = std::max(1.0, counted.determined), share = 2.0 / (9.0 * degrees);
+  return counted.chi_square > degrees * std::pow(1.0 - share + one_in_a_thousand * std::sqrt(share), 3.0);
 }
 
 }  // namespace spindle_twin::correction

@@ -109,7 +109,8 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_i
     most = evidence;
     worst = static_cast<int>(i);
   }
-  model_in_doubt_ = estimate_in_doubt || (doubtful >= 2 && 2 * doubtful >= judged);
+  const bool unlikely = most > limits.drift_limit && updates[static_cast<std::size_t>(worst)].is_unlikely_without;
+  model_in_doubt_ = estimate_in_doubt || unlikely || (doubtful >= 2 && 2 * doubtful >= judged);
   if (judged < 3 || most <= limits.drift_limit || time_s < wait_until_s_) return {};
   const auto blamed = static_cast<std::size_t>(worst);
   const bool settling = time_s - restart_s_ < limits.settle_s;
@@ -127,10 +128,7 @@ Blame Isolation::judge(const std::vector<HealthUpdate>& updates, bool estimate_i
     model_in_doubt_ = true;
     return {worst, -1, HealthFault::none, true, true};
   }
-  if (updates[blamed].chi_square_without > limits.unlikely_machine) {
-    model_in_doubt_ = true;
-    return {};
-  }
+  if (unlikely) return {};
   const bool rejected = updates[blamed].rejected_in_a_row >= limits.rejected;
   const bool fast = rejected || time_s - memories_[blamed].calm_s < limits.drift_least_s;
   if (fast) return {worst, -1, HealthFault::implausible, model_in_doubt_};

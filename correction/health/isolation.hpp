@@ -13,9 +13,9 @@ struct HealthUpdate {
   double evidence = 0.0;      ///< against the channel, leave_one_out.hpp
   int rejected_in_a_row = 0;  ///< by the estimator
   double reading_K = 0.0;
-  double misfit_K = 0.0;            ///< reading − what all others say of it
-  double deviation_K = 1.0;         ///< 1σ of that
-  double chi_square_without = 1.0;  ///< χ²/ν of the factors in the filter without the channel (reduced_chi_square.hpp)
+  double misfit_K = 0.0;             ///< reading − what all others say of it
+  double deviation_K = 1.0;          ///< 1σ of that
+  bool is_unlikely_without = false;  ///< is_unlikely_machine() of the filter without the channel
   int moves_like = -1;  ///< channel whose place it moves like (SwapDetector::partner_of); set by SensorHealth
 };
 
@@ -44,6 +44,9 @@ struct Blame {
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
 /// channel, or a pair, whose evidence is more than the sum of all others', or what moves like another's place.
+///   Where the machine is an unlikely one by the filter without the channel too (estimator/reduced_chi_square.hpp), it
+///   is
+/// the model that is in doubt, and the channel is blamed for a swap only.
 ///   In the first settle_s after the start or a restart of the estimator all evidence is against its priors: only what
 /// moves like another's place is blamed, and what was gathered by their end counts no more.
 class Isolation {

@@ -54,10 +54,6 @@ struct HealthLimits {  // NOLINT(public-members): a table of options, which `eac
                                      ///< long as a spindle takes to settle after a step
   double opinion_least_s = 300.0;    ///< an opinion so young is none: thirty updates
   double opinion_deviations = 2.0;   ///< a sensor fails by one only where it says by so many σ that the sensor is off
-  double unlikely_machine = 3.0;     ///< χ²/ν of the factors (reduced_chi_square.hpp) without the sensor: above, the
-                                     ///< machine is an unlikely one even so, and it is the model. One in a thousand
-                                     ///< machines where nine factors are determined (Abramowitz and Stegun, 26.4);
-                                     ///< where sensors failed it was 1.0 to 1.4 (measured)
   double doubt_share = 0.5;          ///< of drift_limit: if half of the channels are above it the model is in doubt
   double review_s = 600.0;           ///< so young a verdict of drift is looked at again,
   double review_deviations = 3.0;    ///< and taken back where the misfit is within so many σ,

@@ -41,16 +41,16 @@ std::string place_of(const RegisterSource& source) {
          std::to_string(source.address);
 }
 
-/// Registers that two channels read must be the same number or none in common: one word cannot be of two numbers.
-void refuse_overlap(const rom::TomlTable& table, const RegisterSource& source,
+/// Two channels may read the same registers, or none in common: one word is not of two numbers.
+void refuse_overlap(const rom::TomlTable& table, const char* key, const RegisterSource& source,
                     const std::vector<RegisterSource>& others) {
   const auto end = [](const RegisterSource& of) { return of.address + words_of(of.type); };
   for (const RegisterSource& other : others) {
-    const bool same = other.address == source.address && other.type == source.type;
+    const bool same = other.address == source.address && end(other) == end(source);
     if (same || other.table != source.table || source.address >= end(other) || other.address >= end(source)) continue;
-    table.fail("register", place_of(source) + " shares a word with " + place_of(other) +
-                               ", which another channel reads as a number of " + std::to_string(words_of(other.type)) +
-                               " words");
+    table.fail(key, place_of(source) + " has a word in common with the number of " +
+                        std::to_string(words_of(other.type)) + (words_of(other.type) == 1 ? " word" : " words") +
+                        " that another channel reads from " + place_of(other));
   }
 }
 
@@ -61,6 +61,7 @@ ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
     RegisterSource source = preset->first;
     const auto channel = table.integer("channel", 0, preset->channels - 1);
     source.address = static_cast<std::uint16_t>(source.address + channel * words_of(source.type));
+    refuse_overlap(table, "channel", source, sources);
     sources.push_back(source);
     return {preset->scale, true, place_of(source)};
   }
@@ -70,7 +71,7 @@ ChannelSource ModbusPlan::add_channel(const rom::TomlTable& table) {
                                                                                     : RegisterTable::holding;
   source.type = *register_type_of(
       table.choice_or("type", "int16", {"int16", "uint16", "offset16", "int32", "uint32", "float32", "float32_cdab"}));
-  refuse_overlap(table, source, sources);
+  refuse_overlap(table, "register", source, sources);
   sources.push_back(source);
   return {1.0, source.type != RegisterType::float32 && source.type != RegisterType::float32_cdab, place_of(source)};
 }

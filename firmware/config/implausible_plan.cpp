@@ -43,7 +43,8 @@ std::vector<rom::InputError> implausible_plan(const Config& config, const rom::N
   for (std::size_t signal = 0; signal < first_heat_signal; ++signal) {
     if (plan.signals[signal].source == SignalSource::none || !has_range(signal)) continue;
     const ConfiguredSignal& said = configured(config, boundaries, signal);
-    if (!said.has_first) continue;
+    const bool is_meant = said.min || said.max;  // the configuration says itself what is believed
+    if (!said.has_first || is_meant) continue;
     rom::OperatingState state = boundaries.operating;
     put_signal(boundaries, signal, plan.signals[signal].value, state);
     const std::vector<rom::Implausible> of_signal = rom::implausible_inputs(boundaries, believed, state);

@@ -43,8 +43,9 @@ double read_stale_after(const TomlTable& table, const ConfiguredChannel& channel
   const double between_s = between_readings_s(channel, config);
   const double stale_after_s =
       table.number_or("stale_after_s", std::max(least_s, 3.0 * between_s) + added_age_s(channel, config), range);
+  constexpr double rounding = 1e-9;  // of poll_s / clock_rate * clock_rate
   const bool never = stale_after_s == 0.0;
-  if (!never && stale_after_s < between_s) {
+  if (!never && stale_after_s < between_s * (1.0 - rounding)) {
     table.fail("stale_after_s", "must be at least the " + rom::printed(between_s) +
                                     " s between two readings of its device (poll_s), or none is fresh to the end; is " +
                                     rom::printed(stale_after_s));
@@ -197,7 +198,7 @@ ConfiguredProbe read_probe(const TomlTable& table, Config& config) {
   plan.max_m = m_per_um * table.number_or("max_um", plan.max_m / m_per_um, limits_um);
   if (plan.max_m <= plan.min_m) table.fail("max_um", "must be above min_um");
   plan.interval_s = table.number_or("interval_s", plan.interval_s, rom::between(1.0, 86400.0));
-  plan.stale_after_s = read_stale_after(table, probe.channel, plan.stale_after_s, rom::positive, config);
+  plan.stale_after_s = table.number_or("stale_after_s", plan.stale_after_s, rom::positive);
   return probe;
 }
 

@@ -87,8 +87,8 @@ void leave_out(Eigen::Index channel, const Watched& of) {
 
 /// The sensor that was blamed first has failed, or has another offset, where what is kept says so.
 bool leave_suspect_out(const Watched& of) {
-  const correction::HealthLimits& limits = of.watch.health->limits();
-  if (reduced_chi_square(of.estimator.parameters(), of.watch.opinion->filter()) > limits.unlikely_machine) return false;
+  // Whoever is right then, the machine is an unlikely one: nothing is laid to the sensor.
+  if (is_unlikely_machine(of.estimator.parameters(), of.watch.opinion->filter())) return false;
   const Eigen::Index channel = of.watch.opinion->sensor();
   const correction::Misfit& misfit = of.watch.opinion->misfit();
   const correction::HealthVerdict verdict = of.watch.health->note_suspect(
@@ -135,16 +135,15 @@ correction::HealthVerdict verdict_of(const Watched& of) {
     const auto channel = static_cast<Eigen::Index>(c);
     const correction::SensorRecord& record = of.estimator.record(channel);
     const correction::Misfit& misfit = watch.others->misfit(channel);
-    const bool counts = misfit.evidence > watch.health->limits().drift_limit;
-    const double chi_square_without =
-        counts ? reduced_chi_square(of.estimator.parameters(), watch.others->without(channel)) : 1.0;
+    const bool is_unlikely_without = misfit.evidence > watch.health->limits().drift_limit &&
+                                     is_unlikely_machine(of.estimator.parameters(), watch.others->without(channel));
     watch.samples.updates[of.corrector.channels[c].key_point] = {record.fused || record.rejected,
                                                                  misfit.evidence,
                                                                  record.rejected_in_a_row,
                                                                  record.observation_K,
                                                                  misfit.misfit_K,
                                                                  misfit.deviation_K,
-                                                                 chi_square_without};
+                                                                 is_unlikely_without};
   }
   return watch.health->note_update(watch.samples.updates, of.estimator.consistency().in_doubt());
 }

@@ -46,14 +46,14 @@ bool has_sensors(const Snapshot& snapshot) {
   return false;
 }
 
-/// What somebody may take for one that will be tried: a link, a folder, NAME.ROM.
-bool looks_like_a_network(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+bool is_new_network(const std::string& name) {
   return name.ends_with(".rom") && !name.starts_with("accepted-") && !name.starts_with("previous-");
 }
 
-bool is_new_network(const std::string& name) {
-  return name.ends_with(".rom") && !name.starts_with("accepted-") && !name.starts_with("previous-");
+/// What somebody may take for one that will be tried: a link, a folder, NAME.ROM.
+bool looks_like_a_network(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return is_new_network(name);
 }
 
 }  // namespace
@@ -188,7 +188,8 @@ void SlotWatch::look_for_file() {
     const std::string path = entry.path().string(), name = entry.path().filename().string();
     const auto stamp = is_new_network(name) ? stamp_of(path) : std::nullopt;
     if (!stamp) {
-      if (looks_like_a_network(name)) ignored.insert(path);
+      std::error_code gone;
+      if (looks_like_a_network(name) && fs::exists(entry.symlink_status(gone))) ignored.insert(path);
       continue;
     }
     const auto left = left_over_.find(path);

@@ -113,7 +113,7 @@ struct Evaluated {
     DeviationOfOutputs outputs(network, sensitivities, parameters, skewed);
     outputs.set_alternatives(alternatives);
     if (!with_alternatives) outputs.clear_alternatives();
-    outputs.evaluate(sensitivities, filter, {bend, excess}, temperatures_K);
+    outputs.evaluate(sensitivities, filter, {bend, scale_factor}, temperatures_K);
     return outputs.deviations();
   }
   /// What the header says, of an output with these derivatives by θ.
@@ -133,7 +133,7 @@ struct Evaluated {
                                                                                           : 0.0;
       third += 3.0 * sign * slope[i] * std::pow(covariance.row(i).dot(slope), 2.0);
     }
-    return std::sqrt(excess * excess * known + beside) *
+    return std::sqrt(scale_factor * scale_factor * known + beside) *
            (1.0 + 0.25 * std::min(2.0, std::abs(third) / std::pow(variance, 1.5)));
   }
   Eigen::VectorXd slope_of(const Eigen::VectorXd& row) const { return sensitivities.in_kelvin().transpose() * row; }
@@ -142,7 +142,7 @@ struct Evaluated {
 
   rom::Network network;
   bool skewed;
-  double excess = 1.7;  ///< of an unlikely machine
+  double scale_factor = 1.7;  ///< of an unlikely machine
   ParameterModel parameters{network, {}};
   Sensitivities sensitivities{network, std::make_shared<const rom::NetworkOperator>(network), parameters};
   Eigen::MatrixXd covariance, alternatives;
@@ -184,7 +184,7 @@ TEST(OutputDeviations, are_what_parameters_their_bends_alternatives_and_certific
 /// A heat alone, known to a factor of e: its error is so skewed that the longer tail is cut.
 TEST(OutputDeviations, of_the_most_skewed_error_are_half_as_wide_again_and_no_wider) {
   Evaluated of(true);
-  of.excess = 1.0;
+  of.scale_factor = 1.0;
   of.bend.setZero();
   of.network.certificate = {};
   of.alternatives.setZero();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "correction/estimator/estimator_correction.hpp"
 #include "tests/correction/estimator/plant_and_twin.hpp"
@@ -75,9 +76,9 @@ TEST(ReducedChiSquare, of_a_machine_further_out_is_what_one_sigma_counts_times) 
   ReducedChiSquare likely;
   likely.note(machines.parameters, machines.off_by(2.0), filter);
   EXPECT_NEAR(likely.determined(), 0.75 * machines.factors(), 1e-9 * machines.factors());
-  EXPECT_NEAR(likely.excess(), std::sqrt(4.0 / 0.75), 1e-9);
+  EXPECT_NEAR(likely.scale_factor(), std::sqrt(4.0 / 0.75), 1e-9);
   likely.note(machines.parameters, machines.off_by(0.5), filter);
-  EXPECT_DOUBLE_EQ(likely.excess(), 1.0) << "a likely machine is not told surer than its covariance says";
+  EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0) << "a likely machine is not told surer than its covariance says";
 }
 
 TEST(ReducedChiSquare, is_of_what_was_determined_before_a_loosening_too) {
@@ -87,24 +88,46 @@ TEST(ReducedChiSquare, is_of_what_was_determined_before_a_loosening_too) {
   filter.widen(0.5 * all, 0.0 * all);
   ReducedChiSquare likely;
   likely.note(machines.parameters, machines.off_by(2.0), filter);
-  const double before = likely.excess();
+  const double before = likely.scale_factor();
   likely.note(machines.parameters, machines.off_by(2.0), machines.unread());
-  EXPECT_DOUBLE_EQ(likely.excess(), before);
+  EXPECT_DOUBLE_EQ(likely.scale_factor(), before);
   likely.restart();
   likely.note(machines.parameters, machines.off_by(0.0), machines.unread());
-  EXPECT_DOUBLE_EQ(likely.excess(), 1.0);
+  EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0);
 }
 
-TEST(ReducedChiSquare, of_the_readings_widens_by_the_root_of_their_excess) {
+TEST(ReducedChiSquare, of_the_readings_widens_by_the_fourth_root_of_what_they_exceed) {
   const Machines machines;
   ReducedChiSquare likely;
   likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 81.0);
-  EXPECT_DOUBLE_EQ(likely.excess(), 3.0);
+  EXPECT_DOUBLE_EQ(likely.scale_factor(), 3.0);
   likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 0.5);
-  EXPECT_DOUBLE_EQ(likely.excess(), 1.0) << "readings that are met better than expected make nothing surer";
+  EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0) << "readings that are met better than expected make nothing surer";
 }
 
-/// Of a network with a fourfold front heat, which no prior makes likely, every published deviation grows with it.
+TEST(ReducedChiSquare, of_one_machine_in_a_thousand_makes_it_an_unlikely_one) {
+  const Machines machines;
+  const Eigen::VectorXd all = Eigen::VectorXd::Ones(machines.parameters.count());
+  // Abramowitz and Stegun, Handbook of Mathematical Functions, table 26.8, Q = 0.001.
+  for (const auto& [degrees, quantile] : {std::pair{1.0, 10.828}, {3.0, 16.266}, {6.0, 22.458}}) {
+    ASSERT_LT(degrees, machines.factors());
+    SquareRootFilter filter = machines.unread();
+    filter.widen(std::sqrt(1.0 - degrees / machines.factors()) * all, 0.0 * all);
+    for (const double of_limit : {0.95, 1.05}) {
+      filter.set_mean(machines.off_by(std::sqrt(of_limit * quantile / machines.factors())));
+      EXPECT_EQ(is_unlikely_machine(machines.parameters, filter), of_limit > 1.0) << degrees;
+    }
+  }
+}
+
+TEST(ReducedChiSquare, says_nothing_of_factors_that_no_reading_has_determined) {
+  const Machines machines;
+  ReducedChiSquare likely;
+  likely.note(machines.parameters, machines.off_by(0.5), machines.unread());
+  EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0) << "as after standing by, at factors of 1";
+}
+
+/// With all heats five deviations off, which no prior makes likely, every published deviation grows.
 TEST(ReducedChiSquare, of_the_estimate_widens_what_is_published_and_is_remembered) {
   const rom::Network network = plates();
   Pair pair(network, EstimatorOptions{});
@@ -121,9 +144,11 @@ TEST(ReducedChiSquare, of_the_estimate_widens_what_is_published_and_is_remembere
   for (Eigen::Index i = 0; i < theta.size(); ++i) state.mean[static_cast<std::size_t>(i)] = theta[i];
   ASSERT_TRUE(pair.estimator.restore(state));
   EXPECT_GT(pair.estimator.deviations().deformations_m[0], 1.5 * usual_m);
+  state.determined += 40.0;
+  ASSERT_TRUE(pair.estimator.restore(state));
   EstimatorState again;
   pair.estimator.save(again);
-  EXPECT_DOUBLE_EQ(again.determined, state.determined);
+  EXPECT_DOUBLE_EQ(again.determined, state.determined) << "what was determined before the restart counts";
   state.determined = -1.0;
   EXPECT_FALSE(pair.estimator.restore(state)) << "no count of factors";
 }

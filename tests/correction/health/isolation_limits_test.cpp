@@ -70,16 +70,19 @@ TEST(Isolation, a_suspect_that_is_blamed_is_a_verdict_too_from_which_on_two_minu
   EXPECT_EQ(drifts.partner, -1);
 }
 
-TEST(Isolation, where_the_machine_is_an_unlikely_one_even_without_the_channel_it_is_the_model) {
-  for (const double without : {3.0, 3.1}) {
-    Told told(4);
-    told.updates[1].chi_square_without = without;
-    const bool unlikely = without > told.limits.unlikely_machine;
-    EXPECT_EQ(told.judge_at(begin_s + 1000.0, {0, 40, 0, 0}).channel, unlikely ? -1 : 1);
-    EXPECT_EQ(told.isolation.model_in_doubt(), unlikely);
-    told.updates[1].chi_square_without = 1.0;
-    EXPECT_EQ(told.judge_at(begin_s + 1120.0).channel, 1) << "as soon as it is a likely one";
+TEST(Isolation, where_the_machine_is_an_unlikely_one_even_without_the_channel_it_is_the_model_as_long_as_that_is_so) {
+  Told told(4);
+  told.updates[1].is_unlikely_without = true;
+  for (const double after_s : {1000.0, 1010.0, 1110.0, 1130.0}) {
+    EXPECT_EQ(told.judge_at(begin_s + after_s, {0, 40, 0, 0}).channel, -1);
+    EXPECT_TRUE(told.isolation.model_in_doubt()) << after_s;
   }
+  told.updates[1].is_unlikely_without = false;
+  EXPECT_EQ(told.judge_at(begin_s + 1300.0).channel, 1) << "as soon as it is a likely one";
+  EXPECT_FALSE(told.isolation.model_in_doubt());
+  told.updates[1].is_unlikely_without = true;
+  EXPECT_EQ(told.judge_at(begin_s + 1500.0, {0, 29, 0, 0}).channel, -1);
+  EXPECT_FALSE(told.isolation.model_in_doubt()) << "nobody is blamed";
 }
 
 TEST(Isolation, what_came_slowly_is_implausible_where_it_was_rejected_twice_in_a_row) {

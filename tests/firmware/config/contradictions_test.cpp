@@ -74,11 +74,21 @@ TEST(ConfigErrors, one_register_is_no_word_of_two_numbers) {
   const std::string wide = "type = \"float32\"\n";
   EXPECT_EQ(
       error_of(two_sensors("register = 6\n" + wide, "register = 7\n" + wide)),
-      "/etc/twin.toml:17: sensor[2].register: input register 7 shares a word with input register 6, which another "
-      "channel reads as a number of 2 words");
-  EXPECT_NE(error_of(two_sensors("register = 6\n", "register = 5\n" + wide)).find("shares a word"), std::string::npos);
+      "/etc/twin.toml:17: sensor[2].register: input register 7 has a word in common with the number of 2 words that "
+      "another channel reads from input register 6");
+  EXPECT_NE(error_of(two_sensors("register = 6\n", "register = 5\n" + wide)).find("the number of 1 word that"),
+            std::string::npos);
   EXPECT_EQ(error_of(two_sensors("register = 6\n" + wide, "register = 8\n" + wide)), "accepted");
   EXPECT_EQ(error_of(two_sensors("register = 6\n" + wide, "register = 7\ntable = \"holding\"\n" + wide)), "accepted");
+  const std::string preset = "preset = \"isma_sfar_s_6ti\"\n";
+  EXPECT_NE(error_of(two_sensors("register = 51\n" + wide, "channel = 0\n", preset)).find("sensor[2].channel: input"),
+            std::string::npos);
+  // A sensor and a signal of one register, as signed and as unsigned number.
+  const std::string load = "load = { source = \"plc\" }";
+  const std::string one = "[device]\n[[sensor]]\nkey_point = \"sleeve_inner\"\nregister = 6\n";
+  const std::string start = all_from_the_plc + "[start]\ntemperature_degC = 25.0\n" + one;
+  EXPECT_EQ(error_of(tests::with(start, load, "load = { source = \"device\", register = 6, type = \"uint16\" }")),
+            "accepted");
 }
 
 TEST(ConfigErrors, a_reading_may_grow_as_old_as_the_next_one_is_away) {
@@ -88,6 +98,11 @@ TEST(ConfigErrors, a_reading_may_grow_as_old_as_the_next_one_is_away) {
   EXPECT_EQ(error_of(two_sensors("register = 6\n", "register = 7\nstale_after_s = 10.0\n", slow)),
             "/etc/twin.toml:18: sensor[2].stale_after_s: must be at least the 20 s between two readings of its device "
             "(poll_s), or none is fresh to the end; is 10");
+  for (const std::string rate : {"10.0", "60.0"}) {
+    const std::string text = two_sensors("register = 6\n", "register = 7\nstale_after_s = 3.9\n", "poll_s = 3.9\n");
+    EXPECT_EQ(error_of(tests::with(text, "[serve]\n", "[cycle]\nclock_rate = " + rate + "\n[serve]\n")), "accepted")
+        << rate;
+  }
 }
 
 TEST(ConfigErrors, a_step_beyond_the_limit_would_never_move) {

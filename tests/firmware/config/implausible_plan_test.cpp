@@ -58,6 +58,7 @@ TEST(ImplausiblePlan, of_what_the_machine_tells_the_first_value_is_judged) {
   EXPECT_EQ(found("speed", "source = \"plc\", first = 50000.0"), Lines{"/etc/twin.toml:7: signals.speed"});
   EXPECT_EQ(found("coolant", "source = \"plc\", first = 293.15"), Lines{"/etc/twin.toml:9: signals.coolant"});
   EXPECT_EQ(found("coolant", "source = \"plc\", first = 25.0"), Lines{});
+  EXPECT_EQ(found("coolant", "source = \"plc\", first = 75.0, max = 80.0"), Lines{});
   EXPECT_EQ(found("coolant", "source = \"plc\""), Lines{}) << "the value before the first reading is not the user's";
 }
 
