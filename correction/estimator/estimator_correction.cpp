@@ -254,7 +254,9 @@ double EstimatorCorrection::chi_square_of_readings() const {
 
 void EstimatorCorrection::publish_deviations() {
   if (!standing_by_) chi_square_.note(parameters_, theta_, filter_, chi_square_of_readings());
-  outputs_.evaluate(sensitivities_, filter_, {curvature_, chi_square_.scale_factor()}, nodes_K_);
+  // A filter of straight lines publishes its P as it is: bounds are made with one.
+  const double scale_factor = options_.curvature > 0.0 ? chi_square_.scale_factor() : 1.0;
+  outputs_.evaluate(sensitivities_, filter_, {curvature_, scale_factor}, nodes_K_);
 }
 
 EstimatorStep EstimatorCorrection::step(const EstimatorSample& sample, double) {
