@@ -50,6 +50,8 @@ class Consistency {
   double rejected_share() const { return rejected_share_; }
   double floor_K(Eigen::Index sensor) const;
   double least_floor_K() const { return limits_.floor_K; }
+  /// What a sensor showed longer ago says nothing of its floor.
+  double floor_memory_s() const { return limits_.floor_memory_s; }
   void set_floor(Eigen::Index sensor, double floor_K) { floor_K2_[sensor] = floor_K * floor_K; }
   /// Largest |ν| of the update that was concluded last, of all its readings.
   double largest_innovation_K() const { return largest_K_; }

@@ -19,7 +19,6 @@ constexpr double idle_width = 1e-3;
 constexpr double open_width = 2.0;
 constexpr double start_missed_memory_s = 600.0;
 constexpr double least_floor_K = 1e-3;
-constexpr double floor_counts_s = 1800.0;  // its own memory: what a sensor showed before that says nothing of now
 
 ConsistencyLimits limits_of(const rom::Network& network, const EstimatorOptions& options) {
   ConsistencyLimits limits;
@@ -244,7 +243,7 @@ void EstimatorCorrection::note_curvature() {
 double EstimatorCorrection::chi_square_of_readings() const {
   double left_K2 = 0.0, expected_K2 = 0.0;
   for (std::size_t s = 0; s < channels_.size(); ++s) {
-    if (times_.seen_s - channels_[s].fused_s > floor_counts_s) continue;
+    if (times_.seen_s - channels_[s].fused_s > consistency_.floor_memory_s()) continue;
     const double noise_K2 = std::pow(options_.sensors[s].noise_K, 2.0);
     left_K2 += noise_K2 + std::pow(consistency_.floor_K(static_cast<Eigen::Index>(s)), 2.0);
     expected_K2 += noise_K2 + std::pow(consistency_.least_floor_K(), 2.0);
@@ -253,7 +252,7 @@ double EstimatorCorrection::chi_square_of_readings() const {
 }
 
 void EstimatorCorrection::publish_deviations() {
-  if (!standing_by_) chi_square_.note(parameters_, theta_, filter_, chi_square_of_readings());
+  if (!standing_by_) chi_square_.note(parameters_, filter_, chi_square_of_readings());
   // A filter of straight lines publishes its P as it is: bounds are made with one.
   const double scale_factor = options_.curvature > 0.0 ? chi_square_.scale_factor() : 1.0;
   outputs_.evaluate(sensitivities_, filter_, {curvature_, scale_factor}, nodes_K_);

@@ -25,8 +25,7 @@ class ReducedChiSquare {
   /// Nothing is determined.
   void restart() { *this = {}; }
   /// With the parameters and their covariance as they are now; `of_readings`: D².
-  void note(const ParameterModel& parameters, const Eigen::VectorXd& theta, const SquareRootFilter& filter,
-            double of_readings = 1.0);
+  void note(const ParameterModel& parameters, const SquareRootFilter& filter, double of_readings = 1.0);
 
   /// √(χ²/ν) √D, each at least 1: what 1σ of every output counts times.
   double scale_factor() const { return scale_factor_; }

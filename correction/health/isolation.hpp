@@ -44,9 +44,8 @@ struct Blame {
 ///   A wrong model contradicts many sensors. While the estimator says so, or half of the channels (two at least) have
 /// evidence above doubt_share of drift_limit at the same time, only what explains the misfit alone is blamed: a
 /// channel, or a pair, whose evidence is more than the sum of all others', or what moves like another's place.
-///   Where the machine is an unlikely one by the filter without the channel too (estimator/reduced_chi_square.hpp), it
-///   is
-/// the model that is in doubt, and the channel is blamed for a swap only.
+///   Where the machine is an unlikely one in the filter without the channel too (estimator/reduced_chi_square.hpp), the
+/// model is in doubt, and the channel is blamed for a swap only.
 ///   In the first settle_s after the start or a restart of the estimator all evidence is against its priors: only what
 /// moves like another's place is blamed, and what was gathered by their end counts no more.
 class Isolation {

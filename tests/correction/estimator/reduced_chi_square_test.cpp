@@ -30,6 +30,14 @@ struct Machines {
     }
     return theta;
   }
+  /// With θ there, and each deviation so many times that of the prior.
+  SquareRootFilter at(double deviations, double width = 1.0) const {
+    SquareRootFilter filter = unread();
+    const Eigen::VectorXd all = Eigen::VectorXd::Ones(parameters.count());
+    filter.widen(width * all, 0.0 * all);
+    filter.set_mean(off_by(deviations));
+    return filter;
+  }
   double factors() const {
     double count = 0.0;
     for (Eigen::Index i = 0; i < parameters.count(); ++i) count += bends_the_state(of(i).kind) ? 1.0 : 0.0;
@@ -60,7 +68,7 @@ TEST(ReducedChiSquare, has_the_mean_1_over_machines_of_the_prior_however_much_wa
         chi_square += std::pow((filter.mean()[i] - machines.parameters.mean()[i]) / machines.deviation[i], 2.0);
       }
       ReducedChiSquare likely;
-      likely.note(machines.parameters, filter.mean(), filter);
+      likely.note(machines.parameters, filter);
       sum += chi_square;
       determined += likely.determined();
     }
@@ -70,52 +78,44 @@ TEST(ReducedChiSquare, has_the_mean_1_over_machines_of_the_prior_however_much_wa
 
 TEST(ReducedChiSquare, of_a_machine_further_out_is_what_one_sigma_counts_times) {
   const Machines machines;
-  SquareRootFilter filter = machines.unread();
-  const Eigen::VectorXd all = Eigen::VectorXd::Ones(machines.parameters.count());
-  filter.widen(std::sqrt(0.25) * all, 0.0 * all);  // three quarters of each variance are determined
   ReducedChiSquare likely;
-  likely.note(machines.parameters, machines.off_by(2.0), filter);
-  EXPECT_NEAR(likely.determined(), 0.75 * machines.factors(), 1e-9 * machines.factors());
+  likely.note(machines.parameters, machines.at(2.0, 0.5));
+  EXPECT_NEAR(likely.determined(), 0.75 * machines.factors(), 1e-9 * machines.factors()) << "of each variance";
   EXPECT_NEAR(likely.scale_factor(), std::sqrt(4.0 / 0.75), 1e-9);
-  likely.note(machines.parameters, machines.off_by(0.5), filter);
+  likely.note(machines.parameters, machines.at(0.5, 0.5));
   EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0) << "a likely machine is not told surer than its covariance says";
 }
 
 TEST(ReducedChiSquare, is_of_what_was_determined_before_a_loosening_too) {
   const Machines machines;
-  SquareRootFilter filter = machines.unread();
-  const Eigen::VectorXd all = Eigen::VectorXd::Ones(machines.parameters.count());
-  filter.widen(0.5 * all, 0.0 * all);
   ReducedChiSquare likely;
-  likely.note(machines.parameters, machines.off_by(2.0), filter);
+  likely.note(machines.parameters, machines.at(2.0, 0.5));
   const double before = likely.scale_factor();
-  likely.note(machines.parameters, machines.off_by(2.0), machines.unread());
+  likely.note(machines.parameters, machines.at(2.0));
   EXPECT_DOUBLE_EQ(likely.scale_factor(), before);
   likely.restart();
-  likely.note(machines.parameters, machines.off_by(0.0), machines.unread());
+  likely.note(machines.parameters, machines.at(0.0));
   EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0);
 }
 
 TEST(ReducedChiSquare, of_the_readings_widens_by_the_fourth_root_of_what_they_exceed) {
   const Machines machines;
   ReducedChiSquare likely;
-  likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 81.0);
+  likely.note(machines.parameters, machines.at(0.0), 81.0);
   EXPECT_DOUBLE_EQ(likely.scale_factor(), 3.0);
-  likely.note(machines.parameters, machines.off_by(0.0), machines.unread(), 0.5);
+  likely.note(machines.parameters, machines.at(0.0), 0.5);
   EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0) << "readings that are met better than expected make nothing surer";
 }
 
 TEST(ReducedChiSquare, of_one_machine_in_a_thousand_makes_it_an_unlikely_one) {
   const Machines machines;
-  const Eigen::VectorXd all = Eigen::VectorXd::Ones(machines.parameters.count());
   // Abramowitz and Stegun, Handbook of Mathematical Functions, table 26.8, Q = 0.001.
   for (const auto& [degrees, quantile] : {std::pair{1.0, 10.828}, {3.0, 16.266}, {6.0, 22.458}}) {
     ASSERT_LT(degrees, machines.factors());
-    SquareRootFilter filter = machines.unread();
-    filter.widen(std::sqrt(1.0 - degrees / machines.factors()) * all, 0.0 * all);
+    const double width = std::sqrt(1.0 - degrees / machines.factors());
     for (const double of_limit : {0.95, 1.05}) {
-      filter.set_mean(machines.off_by(std::sqrt(of_limit * quantile / machines.factors())));
-      EXPECT_EQ(is_unlikely_machine(machines.parameters, filter), of_limit > 1.0) << degrees;
+      const double deviations = std::sqrt(of_limit * quantile / machines.factors());
+      EXPECT_EQ(is_unlikely_machine(machines.parameters, machines.at(deviations, width)), of_limit > 1.0) << degrees;
     }
   }
 }
@@ -123,7 +123,7 @@ TEST(ReducedChiSquare, of_one_machine_in_a_thousand_makes_it_an_unlikely_one) {
 TEST(ReducedChiSquare, says_nothing_of_factors_that_no_reading_has_determined) {
   const Machines machines;
   ReducedChiSquare likely;
-  likely.note(machines.parameters, machines.off_by(0.5), machines.unread());
+  likely.note(machines.parameters, machines.at(0.5));
   EXPECT_DOUBLE_EQ(likely.scale_factor(), 1.0) << "as after standing by, at factors of 1";
 }
 

@@ -84,6 +84,7 @@ TEST_F(SqliteFile, a_row_goes_once_it_is_older_than_most_days_and_not_a_minute_b
   EXPECT_EQ(table().column("sequence").front(), 3.0);
 }
 
+/// Of one that is full an eighth goes, whether it holds thousands or a hundred.
 TEST_F(SqliteFile, a_small_one_that_is_full_keeps_most_of_its_rows) {
   HistoryPlan plan{path_};
   plan.most_bytes = 96 << 10;
@@ -127,6 +128,7 @@ TEST_F(SqliteFile, half_of_the_bytes_are_for_those_put_aside_and_it_has_what_the
   }
 }
 
+/// What was committed is not lost where it is only the old rows that cannot be removed.
 TEST_F(SqliteFile, where_no_old_row_can_go_it_is_a_fault_but_no_row_is_lost) {
   HistoryPlan plan{path_};
   plan.most_days = 1.0;

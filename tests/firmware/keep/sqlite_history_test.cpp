@@ -124,7 +124,6 @@ TEST_F(SqliteFile, one_of_other_columns_and_a_damaged_one_are_put_aside) {
 }
 
 /// A process's limit of file sizes stands for a full disk.
-
 TEST_F(SqliteFile, on_a_full_disk_rows_are_lost_and_counted_what_is_there_stays_and_it_goes_on_afterwards) {
   SqliteHistory history({path_}, network_, troubles_);
   write_cycles(history, 1, 50);
@@ -178,8 +177,6 @@ TEST_F(SqliteFile, each_row_has_the_time_of_its_cycle_and_a_run_that_of_its_firs
   EXPECT_EQ(table().rows(), 1U) << "a single row is written too";
 }
 
-/// Of one that is full an eighth goes, whether it holds thousands or a hundred.
-
 TEST_F(SqliteFile, one_of_another_program_or_version_is_put_aside_and_left_as_it_is) {
   for (const char* other : {"PRAGMA application_id = 7", "PRAGMA user_version = 2"}) {
     write_run(3);
@@ -195,8 +192,6 @@ TEST_F(SqliteFile, one_of_another_program_or_version_is_put_aside_and_left_as_it
     EXPECT_FALSE(is_at_fault());
   }
 }
-
-/// What was committed is not lost where it is only the old rows that cannot be removed.
 
 TEST_F(SqliteFile, what_is_no_history_is_one_clear_error) {
   EXPECT_EQ(error_of(folder_.file("missing.sqlite")).find(folder_.file("missing.sqlite") + ": cannot be read"), 0U);
@@ -228,7 +223,6 @@ TEST_F(SqliteFile, a_row_that_is_gone_from_the_middle_is_damage_and_the_oldest_m
 }
 
 /// What a broken disk leaves ends in an error or in rows, never in a crash: 300 files cut or changed at random.
-
 TEST_F(SqliteFile, a_file_that_is_cut_or_scrambled_never_ends_in_more_than_an_error) {
   write_run(40);
   std::ifstream file(path_, std::ios::binary);
